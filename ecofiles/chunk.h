@@ -1,0 +1,59 @@
+/* A chunk's payload: elements <-> bytes, through Draco.
+ *
+ * Payload (all little-endian); BYTES payloads are the file itself, everything else:
+ *   0   u8   1 (version)
+ *   1   u8   coder (enum eco_coder)
+ *   2   u8   stream count s, 1..4
+ *   3   u8   0
+ *   4   s *  { u8 corners, u8 0, u16 0, u32 elements, u32 bytes }     corners strictly ascending
+ *   .   s Draco bitstreams, in that order, nothing after them
+ * PAIRED stores one stream of points (corners = 1) preceded by up to 4 records with bytes = 0 that give the partner chunk's element
+ * counts per corner count (corners 3..6), so that its permutation can be rebuilt.
+ *
+ * Decoding is a bomb by nature. Before Draco sees a byte: sizes and counts must match what the caller expects (from the hashed
+ * list and chunk records), each Draco header must be the version, method and flags that our encoder writes, and its own counts
+ * must equal the declared ones. A payload whose hash is not its id must not reach eco_chunk_decode. */
+#ifndef ECO_CHUNK_H
+#define ECO_CHUNK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/list.h"
+
+#define ECO_CHUNK_ELEMENTS_MAX (1u << 20)
+#define ECO_CHUNK_BYTES_MAX (1u << 26)
+
+/* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and attributes must be set). ELEMENTS
+ * and KD sort inside the chunk (corner count, then Morton) and the decoder permutes, so what comes back is a permutation of what
+ * went in. `order`, if not NULL, receives end - first indices: order[i] is the input index, relative to first, of the i-th element
+ * that decoding will give (for KD and MESH, whose order Draco decides, it must be NULL). Not for PAIRED. *bytes is malloc'ed. */
+struct eco_chunk_input {
+	const struct eco_list *list;
+	const struct eco_elements *elements;
+	uint32_t first, end, ordinal;
+};
+enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
+	struct eco_error *error);
+
+/* Encodes the points that stand for elements [first, end) of the partner: `partner` is the input the partner chunk was encoded
+ * from; `points` holds all points of the point list with two points per triangle in the partner's INPUT element order, starting at
+ * point `point_first` for element `first`. */
+enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, const struct eco_list *list,
+	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
+
+/* Decodes one payload. `chunk` gives the expected counts and size; `ordinal` the permutation. Fails with ECO_DAMAGED and leaves
+ * *elements empty. Memory used is at most about 200 bytes a declared corner. */
+enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
+	const uint8_t *bytes, size_t size_bytes, struct eco_elements *elements, struct eco_error *error);
+
+/* Fills order[0..count) with the seeded permutation of a chunk: draw position i shows stored element order[i]. */
+void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order);
+
+struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes);
+
+/* Where to end chunks: fills ends[] with element indices so that chunk sizes start at `smallest` elements and grow with what was
+ * already sent (FINDINGS: growth 25 %; start small for quality, PAPERS.md last section). Returns the count; at most `max`. */
+uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max);
+
+#endif

@@ -1,0 +1,90 @@
+/* The one idea: everything drawable is a list in priority order, stored in chunks, fetched as a prefix, drawn as a range.
+ *
+ *   list      elements in priority order, on one integer grid, cut into chunks
+ *   element   what is kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or 3 to 6 (a
+ *             leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
+ *   primitive what a range counts: a point, a line, a triangle, an instance, a ground sample. A fan of n corners has n-2.
+ *   vertices  what a budget counts: point 1, line 2, triangle 3 (a logical primitive; instances multiply)
+ *
+ * Ranges [first, end) are always in primitives of the list's draw order (after decoding and permuting). */
+#ifndef ECO_LIST_H
+#define ECO_LIST_H
+
+#include <stdint.h>
+
+#include "ecofiles/model.h"
+#include "ecofiles/status.h"
+
+#define ECO_CORNERS_MAX 6
+
+enum eco_list_kind {
+	ECO_LIST_TRIANGLES = 1,  /* fans; or single triangles of connected wood when coder is ECO_CODER_MESH */
+	ECO_LIST_LINES,
+	ECO_LIST_POINTS,         /* a plant's points, or a tile's summary when ECO_ATTR_PLANT is set */
+	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
+	ECO_LIST_GROUND,         /* a grid of samples, row by row from the south-west, `columns` wide */
+	ECO_LIST_IMAGE           /* one chunk: a PNG file */
+};
+
+/* How a chunk's payload becomes elements. All integers inside are what Draco's lossless integer attributes give back.
+ * ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; afterwards the elements of a chunk are
+ *           put into draw order by the seeded permutation eco_chunk_permutation(ordinal, element count).
+ * PAIRED    points that stand two by two for the triangles of list `partner`: stored in the stored order of the partner's chunk of
+ *           the same ordinal, and permuted by the same permutation in groups of 2 (n-2) points an element.
+ * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
+ * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
+ * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
+ * BYTES     the payload is a file (PNG). */
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_PAIRED, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES };
+
+/* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
+enum eco_attr {
+	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
+	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
+	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
+	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then the 16-bit leaf key of eco_owner_leaf (two values) */
+	ECO_ATTR_PLACE = 16      /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
+};
+#define ECO_UV_ONE 4096
+
+struct eco_list {
+	uint8_t kind, coder, attributes, reserved;
+	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
+	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
+	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
+	double grid_step[3];         /* metres; position = origin + integer * step */
+	float unit_area;             /* points and summaries: projected area (m^2, random orientation: area / 2) one point stands for
+	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
+	uint32_t palette_first, palette_count;
+	uint32_t image;              /* list id of the texture, or ECO_NONE */
+	uint32_t partner;            /* PAIRED: list id of the triangles; else ECO_NONE */
+	uint32_t columns;            /* ground: samples per row; else 0 */
+	uint32_t primitive_count, element_count;
+	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
+};
+
+struct eco_chunk_id { uint8_t bytes[16]; };  /* XXH3-128 of the payload, canonical (big-endian) order; 32 hex digits in URLs */
+
+struct eco_chunk {
+	struct eco_chunk_id id;
+	uint64_t offset;             /* of the payload in the pack */
+	uint32_t size_bytes;
+	uint32_t primitive_count, element_count;
+};
+
+/* Elements in draw order: what a maker of lists hands to the encoder and what the decoder gives back. Owns its arrays. */
+struct eco_elements {
+	uint32_t element_count, corner_count, primitive_count;
+	uint32_t extra_count;        /* values per element in `extra`: COLOR 1 + WIDTH 1 + PLANT 2 + PLACE 2, as the list has them */
+	uint8_t *corners;            /* per element */
+	int32_t *position;           /* 3 per corner */
+	int32_t *uv;                 /* 2 per corner, or NULL */
+	int32_t *extra;              /* extra_count per element, or NULL */
+};
+void eco_elements_free(struct eco_elements *elements);
+uint32_t eco_list_extra_count(const struct eco_list *list);
+
+/* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
+uint32_t eco_list_vertices(const struct eco_list *list);
+
+#endif

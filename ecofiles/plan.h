@@ -1,0 +1,81 @@
+/* A plan: the cuts that answer a view. What the planner returns, the wire carries and the client draws.
+ *
+ * A cut says: for those instances, draw primitives [first, end) of that list at that scale, and hold its prefix [0, end).
+ * "Those instances" is either a tile's own list (a summary), or a rule that server and client evaluate alike from the same
+ * integers (lod/view.h): every visible instance of the plant in the plan's runs whose anchor lies in the distance bands
+ * [band_first, band_end) and whose hash lies in [share_first, share_end). So a plan's size does not grow with the plants, and a
+ * switch can be spread over them.
+ *
+ * Vertices of a plan = sum over cuts of (end - first) * eco_list_vertices(list) * matching instances: exactly what is drawn. */
+#ifndef ECO_PLAN_H
+#define ECO_PLAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/pack.h"
+#include "ecofiles/view.h"
+
+#define ECO_BANDS 160u           /* distance bands: four an octave, see lod/view.h */
+#define ECO_SHARE_ONE 65536u
+#define ECO_GATE_OPEN ECO_BANDS  /* gate: every band is near, cells are always drawn */
+
+struct eco_cut {
+	uint32_t list, first, end;   /* primitives */
+	float scale;                 /* area factor; points: of the list's unit_area */
+	uint32_t placement;          /* of a tile's own list; for rules unused (0) */
+	uint32_t anchor;             /* rule: scene's anchor index; ECO_NONE: the list is drawn once, in its placement */
+	uint8_t band_first, band_end;
+	uint32_t share_first, share_end;     /* of ECO_SHARE_ONE */
+};
+
+struct eco_placement {           /* how a nested eco file's coordinates become the scene's: world = at + scale * turn(p) */
+	double at[3];
+	uint16_t turn;
+	double scale;
+	uint32_t path;               /* names this occurrence, see owners below */
+};
+
+struct eco_run {                 /* instance lists [list_first, list_end), all of whose visible plants are drawn by the rules */
+	uint32_t placement, list_first, list_end;
+};
+
+struct eco_gate {                /* plant's cells are drawn where its band is below `band`; plants without cells are not listed */
+	uint32_t plant;
+	uint8_t band;
+};
+
+struct eco_prediction {          /* pixels expected right and wrong, over the whole picture */
+	double tp, fp, fn;
+};
+
+struct eco_plan {                /* owns its arrays */
+	uint64_t vertices;           /* exactly what drawing it draws */
+	uint64_t visible_plants;     /* instances that pass the view test */
+	double sample_distance;      /* d' of Deussen 2002, radians (image plane at distance 1); 0: everything */
+	struct eco_prediction prediction;
+	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
+	struct eco_run *runs;             uint32_t run_count;
+	struct eco_gate *gates;           uint32_t gate_count;
+	struct eco_cut *cuts;             uint32_t cut_count;         /* by anchor, then band; summaries first */
+	bool ground;                      /* the ground list is drawn, all of it */
+};
+void eco_plan_free(struct eco_plan *plan);
+
+/* What a client holds: whole chunks of a prefix, per list. Sorted by list, no list twice. */
+struct eco_holding { uint32_t list, chunks; };
+struct eco_holdings { struct eco_holding *items; uint32_t count; };
+#define ECO_HOLDINGS_MAX (1u << 20)
+uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list);   /* 0 if none; NULL holdings allowed */
+
+/* Owners, for owner_q: 64 bits, 0 is "nothing" (layout in plan.c). A plant is named by the key of its leaf tile, its species and
+ * its index in the instance list; a summary point by leaf tile key (16 bits) and species, which matches any such plant. A key is a
+ * sum of hashes, of the leaf tile and of every eco_child with `placed` above it, so that it can be built from the leaf up (when
+ * summaries are merged) and from the root down (eco_placement.path is the sum over the children). */
+uint32_t eco_owner_leaf(uint32_t tile);
+uint32_t eco_owner_child(uint32_t child);
+uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index);
+uint64_t eco_owner_summary(uint32_t key, uint32_t plant);                /* only the low 16 bits of the key count */
+bool eco_owner_match(uint64_t a, uint64_t b);
+
+#endif

@@ -1,0 +1,11 @@
+/* Angles as integers. A turn is 65536 steps counter-clockwise from +X; sine and cosine come from a fixed polynomial in plain IEEE
+ * doubles, so that server, client and build agree to the last bit on every machine (no libm result decides anything). */
+#ifndef ECO_TURN_H
+#define ECO_TURN_H
+
+#include <stdint.h>
+
+void eco_turn_sincos(uint16_t turn, double *sine, double *cosine);
+uint16_t eco_turn_from_deg(double degrees);          /* nearest step; any finite angle */
+
+#endif

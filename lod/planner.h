@@ -1,0 +1,25 @@
+/* From a view and a budget to a plan.
+ *
+ *   lod_plan(&plan, &input, &error);      cull the tile tree, histogram plants by anchor and band, solve d', fill, emit cuts
+ *
+ * No clock, no I/O, no globals. */
+#ifndef LOD_PLANNER_H
+#define LOD_PLANNER_H
+
+#include "ecofiles/plan.h"
+
+struct lod_planner_input {
+	const struct eco_scene *scene;
+	const struct eco_request *request;
+	const struct eco_holdings *holdings;         /* may be NULL; the optimiser may use them, cuts never depend on history otherwise */
+	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */
+};
+
+/* Never above request->vertices. request->bytes is not looked at here: the server searches the vertex budget whose stream fits. */
+enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error);
+
+/* For each list in the plan, how many chunks its largest cut needs; sorted by list. Owned by the caller (free items). */
+enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan, struct eco_holdings *needs,
+	struct eco_error *error);
+
+#endif

@@ -1,0 +1,67 @@
+/* From a model to lists: a plant ready to be packed.
+ *
+ *   lod_plant_build(&plant, &model, &options, &error);     elements -> organs -> order -> cells -> points, lines, levels
+ *   lod_plant_measure(&plant, &model, &options, &error);   grid fine enough? s_opt and curves by the rasteriser (curve.c)
+ *   ... the caller packs plant.lists (eco_pack_add_list) and the tables ...
+ *   lod_plant_free(&plant);
+ *
+ * Pure and deterministic: the same model and options give the same lists, byte for byte. References between drafts are indices
+ * into this plant's own arrays; the caller shifts them when packing. */
+#ifndef LOD_PLANT_H
+#define LOD_PLANT_H
+
+#include "ecofiles/chunk.h"
+#include "ecofiles/pack.h"
+
+struct lod_list_draft {
+	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image, partner and palette_* are indices
+	                                      * into this plant's images, lists, palette (ECO_NONE where absent) */
+	struct eco_elements elements;        /* in priority order */
+	uint32_t *ends;                      /* element index at which each chunk ends; level ends are always chunk ends */
+	uint32_t end_count;
+};
+
+struct lod_organ_stats {
+	uint32_t components, elements, triangles;
+	double area;                         /* m^2 */
+};
+
+struct lod_plant {
+	struct eco_plant plant;              /* name, height, area, triangles; the caller sets the *_first */
+	struct eco_anchor *anchors;          /* [0] is the whole plant */
+	struct eco_ladder *ladders;          /* plant = 0, anchor, lists, curve_first: indices into this plant's arrays */
+	uint32_t ladder_count;
+	struct eco_curve *curves;            uint32_t curve_count;
+	struct lod_list_draft *lists;        uint32_t list_count;
+	uint8_t (*palette)[3];               uint32_t palette_count;
+	uint32_t *images;                    uint32_t image_count;      /* indices into the model's images that are used */
+	struct lod_organ_stats organ[ECO_ORGAN_COUNT];
+	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */
+};
+
+struct lod_plant_options {
+	const char *name;
+	float importance[ECO_ORGAN_COUNT];   /* 0 means 1 */
+	uint32_t seed;
+	uint32_t cell_triangles;             /* a cell is split above this many triangles (octree); 0: default 4096 */
+	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
+	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */
+	/* called now and then with a share done in [0,1]; return false to stop with ECO_INTERRUPTED; may be NULL */
+	bool (*progress)(void *ctx, double share);
+	void *ctx;
+};
+
+enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error);
+enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error);
+void lod_plant_free(struct lod_plant *plant);
+
+/* Object-space geometry of a range of a decoded list as the rasteriser and the GL client draw it: fans to triangles, elements
+ * scaled by the area factor about their centre (edges by sqrt(scale)). Buffers are the caller's: 9 floats a triangle, 6 a line (and
+ * one width), 3 a point; uv (6 a triangle) may be NULL. Returns primitives written. Colours: palette index per primitive, or NULL. */
+struct lod_geometry { float *position, *uv, *width; int32_t *color; };
+uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
+	float scale, struct lod_geometry *out);
+
+#endif

@@ -1,0 +1,48 @@
+/* What a view sees of an instance, in arithmetic that server and client share.
+ *
+ *   lod_eye_make(&eye, &view);                          once per request
+ *   lod_place_instance(&place, &placement, &list, &p);  integers of an instance -> where it stands
+ *   lod_instance_anchors(...)                           which of its anchors are seen, each in which band
+ *
+ * Only +, -, *, comparisons and correctly rounded division and sqrt on doubles, in a fixed order (-ffp-contract=off): the same
+ * integers give the same answer on every machine, so a plan can name plants by rule (ecofiles/plan.h). */
+#ifndef LOD_VIEW_H
+#define LOD_VIEW_H
+
+#include <stdbool.h>
+
+#include "ecofiles/plan.h"
+
+struct lod_eye {
+	double at[3];
+	double right[3], up[3], forward[3];      /* orthonormal */
+	double tan_x, tan_y;                     /* half extents of the image plane at distance 1 */
+	double side[4][3];                       /* inward unit normals of the four side planes through the eye */
+	double pixel_rad;                        /* height of a pixel on the image plane at distance 1: 2 tan_y / height */
+};
+void lod_eye_make(struct lod_eye *eye, const struct eco_view *view);   /* view must pass eco_view_check */
+
+struct lod_place { double at[3]; double sine, cosine, scale; };        /* world = at + scale * turn(p) */
+void lod_place_instance(struct lod_place *out, const struct eco_placement *placement, const struct eco_list *list,
+	const struct eco_place *place);
+void lod_place_point(const struct lod_place *place, const float p[3], double world[3]);
+
+/* Does a sphere (world, metres) reach into the view pyramid? Conservative at its edges. */
+bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radius);
+
+/* Distance band of something at `world` that was scaled by `scale`: b such that distance / scale lies in [2^(b/4), 2^((b+1)/4)) *
+ * 2^-20 m, clamped to [0, ECO_BANDS). Apparent size, not distance, decides detail. */
+uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale);
+double lod_band_distance_m(uint8_t band);                              /* geometric middle of the band, for scale 1 */
+
+/* The rule of a plan, for one instance: which anchors are drawn, and in which band each lies. anchors[0] is the whole plant, the
+ * others its cells, anchor_first the index of anchors[0] in the scene. Writes nothing (returns 0) if the plant is out of view;
+ * else first the whole plant and then, if its band is below `gate`, every cell in view. `out` holds anchor_count entries. */
+struct lod_anchor_band { uint32_t anchor; uint8_t band; };
+uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
+	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, struct lod_anchor_band *out);
+
+/* Hash of an instance in [0, ECO_SHARE_ONE): which side of a cut's share it is on. */
+uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index);
+
+#endif
