@@ -1,0 +1,65 @@
+/* What every part of the system needs to know about a list without decoding it. */
+#include "ecofiles/list.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/pack.h"
+
+const char *const eco_drop_names[ECO_DROP_COUNT] = {
+	[ECO_DROP_BAD_INDEX] = "bad index",
+	[ECO_DROP_NOT_FINITE] = "not finite",
+	[ECO_DROP_DEGENERATE] = "degenerate",
+	[ECO_DROP_DUPLICATE] = "duplicate",
+	[ECO_DROP_TRANSPARENT] = "transparent",
+	[ECO_DROP_QUANTIZED] = "collapsed on the grid",
+};
+
+const char *const eco_organ_names[ECO_ORGAN_COUNT] = {
+	[ECO_ORGAN_WOOD] = "wood",
+	[ECO_ORGAN_FOLIAGE] = "foliage",
+	[ECO_ORGAN_FLOWER] = "flower",
+};
+
+void eco_elements_free(struct eco_elements *elements)
+{
+	if (elements == NULL)
+		return;
+	free(elements->corners);
+	free(elements->position);
+	free(elements->uv);
+	free(elements->extra);
+	memset(elements, 0, sizeof *elements);
+}
+
+uint32_t eco_list_extra_count(const struct eco_list *list)
+{
+	return (list->attributes & ECO_ATTR_COLOR ? 1u : 0u) + (list->attributes & ECO_ATTR_WIDTH ? 1u : 0u)
+		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u) + (list->attributes & ECO_ATTR_PLACE ? 2u : 0u);
+}
+
+uint32_t eco_list_vertices(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_TRIANGLES: return 3;
+	case ECO_LIST_LINES: return 2;
+	case ECO_LIST_POINTS: return 1;
+	default: return 0;
+	}
+}
+
+struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index)
+{
+	const int32_t *position, *extra;
+
+	assert(index < instances->element_count && instances->extra_count >= 2);
+	position = instances->position + 3 * (size_t)index;
+	/* PLACE comes last among the attributes. */
+	extra = instances->extra + (size_t)instances->extra_count * index + instances->extra_count - 2;
+	return (struct eco_place){
+		.position = { position[0], position[1], position[2] },
+		.turn = (uint16_t)extra[0],
+		.scale = (uint32_t)extra[1],
+	};
+}
