@@ -1,0 +1,392 @@
+/* The visible part of the tile tree, opened lazily: see lod/visible.h. */
+#include "lod/visible.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/turn.h"
+
+#define SPLAT_FACTOR 1.3         /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
+
+static enum eco_code grow(void **items, uint32_t *capacity, uint32_t count, size_t size, struct eco_error *error)
+{
+	if (count < *capacity)
+		return ECO_OK;
+	uint32_t wanted = *capacity ? *capacity * 2 : 64;
+	void *bigger = realloc(*items, wanted * size);
+	if (!bigger)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u records", wanted);
+	*items = bigger;
+	*capacity = wanted;
+	return ECO_OK;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* ---- Boxes ---- */
+
+struct box { double center[3], half[3], axis[3][3]; };      /* world; half extents along the axes */
+
+static void tile_box(const struct lod_visible *visible, uint32_t tile, uint32_t placement, struct box *box)
+{
+	const struct eco_tile *t = &visible->scene->tiles[tile];
+	const struct eco_placement *p = &visible->placements[placement];
+	double sine, cosine, middle[3];
+	eco_turn_sincos(p->turn, &sine, &cosine);
+	for (int i = 0; i < 3; i++) {
+		middle[i] = t->low[i] + (t->high[i] - t->low[i]) * 0.5;
+		box->half[i] = (t->high[i] - t->low[i]) * 0.5 * p->scale;
+	}
+	box->center[0] = p->at[0] + p->scale * (cosine * middle[0] - sine * middle[1]);
+	box->center[1] = p->at[1] + p->scale * (sine * middle[0] + cosine * middle[1]);
+	box->center[2] = p->at[2] + p->scale * middle[2];
+	double axes[3][3] = { { cosine, sine, 0 }, { -sine, cosine, 0 }, { 0, 0, 1 } };
+	memcpy(box->axis, axes, sizeof axes);
+}
+
+static bool box_seen(const struct lod_eye *eye, const struct box *box)
+{
+	double from_eye[3] = { box->center[0] - eye->at[0], box->center[1] - eye->at[1], box->center[2] - eye->at[2] };
+	for (int plane = 0; plane < 5; plane++) {
+		const double *normal = plane < 4 ? eye->side[plane] : eye->forward;
+		double reach = 0;
+		for (int i = 0; i < 3; i++)
+			reach += fabs(dot(normal, box->axis[i])) * box->half[i];
+		if (dot(normal, from_eye) < -reach * (1.0 + 1e-9))
+			return false;
+	}
+	return true;
+}
+
+static double box_distance(const struct lod_eye *eye, const struct box *box)
+{
+	double from_center[3] = { eye->at[0] - box->center[0], eye->at[1] - box->center[1], eye->at[2] - box->center[2] };
+	double square = 0;
+	for (int i = 0; i < 3; i++) {
+		double outside = fabs(dot(from_center, box->axis[i])) - box->half[i];
+		if (outside > 0)
+			square += outside * outside;
+	}
+	return sqrt(square);
+}
+
+/* ---- Nodes and placements ---- */
+
+static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32_t placement, struct eco_error *error)
+{
+	if (visible->node_count >= visible->nodes_max)
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; ask for fewer vertices",
+			(unsigned long long)visible->nodes_max);
+	if (grow((void **)&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes, error))
+		return ECO_NO_MEMORY;
+	struct lod_node *node = &visible->nodes[visible->node_count++];
+	struct box box;
+	double scale = visible->placements[placement].scale;
+	*node = (struct lod_node){ .tile = tile, .placement = placement };
+	tile_box(visible, tile, placement, &box);
+	node->seen = box_seen(&visible->eye, &box);
+	node->distance = box_distance(&visible->eye, &box);
+	node->area = visible->scene->tiles[tile].area * scale * scale;
+	return ECO_OK;
+}
+
+static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, uint32_t child, struct eco_error *error)
+{
+	if (visible->placement_count >= visible->placements_max)
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu nested eco files; ask for fewer vertices",
+			(unsigned long long)visible->placements_max);
+	if (grow((void **)&visible->placements, &visible->placement_capacity, visible->placement_count,
+			sizeof *visible->placements, error))
+		return ECO_NO_MEMORY;
+	const struct eco_placement *o = &visible->placements[outer];
+	const struct eco_child *c = &visible->scene->children[child];
+	double sine, cosine;
+	eco_turn_sincos(o->turn, &sine, &cosine);
+	visible->placements[visible->placement_count++] = (struct eco_placement){
+		.at = { o->at[0] + o->scale * (cosine * c->at[0] - sine * c->at[1]),
+			o->at[1] + o->scale * (sine * c->at[0] + cosine * c->at[1]), o->at[2] + o->scale * c->at[2] },
+		.turn = (uint16_t)(o->turn + c->turn),
+		.scale = o->scale * c->scale,
+		.path = o->path + eco_owner_child(child),
+	};
+	return ECO_OK;
+}
+
+static enum eco_code expand(struct lod_visible *visible, uint32_t index, struct eco_error *error)
+{
+	const struct eco_tile *tile = &visible->scene->tiles[visible->nodes[index].tile];
+	uint32_t first = visible->node_count, placement = visible->nodes[index].placement;
+	for (uint32_t i = 0; i < tile->child_count; i++) {
+		const struct eco_child *child = &visible->scene->children[tile->child_first + i];
+		uint32_t in = placement;
+		if (child->placed) {
+			if (add_placement(visible, placement, tile->child_first + i, error))
+				return error ? error->code : ECO_TOO_LARGE;
+			in = visible->placement_count - 1;
+		}
+		enum eco_code code = add_node(visible, child->tile, in, error);
+		if (code)
+			return code;
+	}
+	struct lod_node *node = &visible->nodes[index];
+	node->child_first = first;
+	node->child_count = tile->child_count;
+	node->expanded = true;
+	return ECO_OK;
+}
+
+/* ---- Slots and tallies ---- */
+
+static uint32_t *slot_entry(struct lod_visible *visible, uint32_t anchor, uint8_t band)
+{
+	uint32_t mask = visible->slot_table_size - 1;
+	uint32_t at = (anchor * ECO_BANDS + band) * 2654435761u;
+	for (at ^= at >> 15;; at++) {
+		uint32_t *entry = &visible->slot_table[at & mask];
+		if (!*entry)
+			return entry;
+		const struct lod_slot *slot = &visible->slots[*entry - 1];
+		if (slot->anchor == anchor && slot->band == band)
+			return entry;
+	}
+}
+
+static enum eco_code grow_slot_table(struct lod_visible *visible, struct eco_error *error)
+{
+	uint32_t size = visible->slot_table_size * 2;
+	uint32_t *table = calloc(size, sizeof *table);
+	if (!table)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", size);
+	free(visible->slot_table);
+	visible->slot_table = table;
+	visible->slot_table_size = size;
+	for (uint32_t i = 0; i < visible->slot_count; i++)
+		*slot_entry(visible, visible->slots[i].anchor, visible->slots[i].band) = i + 1;
+	return ECO_OK;
+}
+
+static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, struct lod_anchor_band at, uint32_t *slot,
+	struct eco_error *error)
+{
+	uint32_t *entry = slot_entry(visible, at.anchor, at.band);
+	if (!*entry) {
+		if (visible->slot_count * 2 >= visible->slot_table_size) {
+			enum eco_code code = grow_slot_table(visible, error);
+			if (code)
+				return code;
+			entry = slot_entry(visible, at.anchor, at.band);
+		}
+		if (grow((void **)&visible->slots, &visible->slot_capacity, visible->slot_count, sizeof *visible->slots, error))
+			return ECO_NO_MEMORY;
+		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor, .plant = plant, .band = at.band,
+			.cell = at.anchor != visible->scene->plants[plant].anchor_first };
+		*entry = visible->slot_count;
+	}
+	*slot = *entry - 1;
+	return ECO_OK;
+}
+
+static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, uint32_t plant,
+	struct lod_anchor_band at, uint8_t whole_band, struct eco_error *error)
+{
+	uint32_t slot;
+	enum eco_code code = find_slot(visible, plant, at, &slot, error);
+	if (code)
+		return code;
+	/* neighbours mostly fall in the same slot; a tally more now and then costs less than searching for its twin */
+	struct lod_slot *s = &visible->slots[slot];
+	uint32_t index = (uint32_t)(node - visible->nodes);
+	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot == slot
+			&& node->tallies[s->last_tally].whole_band == whole_band) {
+		node->tallies[s->last_tally].count++;
+		return ECO_OK;
+	}
+	s->last_node = index;
+	s->last_tally = node->tally_count;
+	if (grow((void **)&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies, error))
+		return ECO_NO_MEMORY;
+	node->tallies[node->tally_count++] = (struct lod_tally){ .slot = slot, .count = 1, .whole_band = whole_band };
+	return ECO_OK;
+}
+
+#define NOTHING_DONE 0xFF        /* gate_done before the plants themselves have been counted */
+
+static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *node, uint32_t group, uint8_t gate,
+	uint8_t *done, struct eco_error *error)
+{
+	const struct eco_scene *scene = visible->scene;
+	const struct eco_group *g = &scene->groups[group];
+	const struct eco_list *list = &scene->lists[g->list];
+	const struct eco_plant *plant = &scene->plants[g->plant];
+	bool first_time = *done == NOTHING_DONE;
+	uint8_t from = first_time ? 0 : *done;
+	for (uint32_t i = 0; i < list->primitive_count; i++) {
+		struct eco_place stored = eco_place_read(scene, g->place_first + i);
+		struct lod_place place;
+		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
+		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
+			plant->anchor_count, gate, visible->scratch);
+		if (n == 0)
+			continue;
+		uint8_t whole = visible->scratch[0].band;
+		node->plants += first_time;
+		for (uint32_t a = first_time ? 0 : 1; a < n; a++) {
+			if (a > 0 && whole < from)
+				break;
+			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, error);
+			if (code)
+				return code;
+		}
+	}
+	*done = gate;
+	return ECO_OK;
+}
+
+static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint8_t *gates,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = visible->scene;
+	const struct eco_tile *tile = &scene->tiles[node->tile];
+	if (!node->gate_done && tile->group_count) {
+		node->gate_done = malloc(tile->group_count);
+		if (!node->gate_done)
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a tile of %u species", tile->group_count);
+		memset(node->gate_done, NOTHING_DONE, tile->group_count);
+	}
+	for (uint32_t i = 0; i < tile->group_count; i++) {
+		uint8_t gate = gates[scene->groups[tile->group_first + i].plant];
+		if (node->gate_done[i] != NOTHING_DONE && node->gate_done[i] >= gate)
+			continue;
+		enum eco_code code = tally_group(visible, node, tile->group_first + i, gate, &node->gate_done[i], error);
+		if (code)
+			return code;
+	}
+	for (uint32_t i = 0; i < node->tally_count; i++) {
+		struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
+		if (!slot->cell || node->tallies[i].whole_band < gates[slot->plant])
+			slot->count += node->tallies[i].count;
+	}
+	visible->plants += node->plants;
+	return ECO_OK;
+}
+
+/* ---- The walk ---- */
+
+double lod_summary_points(const struct lod_node *node, double sample_distance)
+{
+	double extent = node->distance * sample_distance;
+	if (!(extent > 0))
+		return INFINITY;
+	return SPLAT_FACTOR * node->area / (2.0 * extent * extent);
+}
+
+static bool summary_suffices(const struct lod_visible *visible, const struct lod_node *node, double sample_distance)
+{
+	uint32_t list = visible->scene->tiles[node->tile].summary;
+	return list != ECO_NONE && lod_summary_points(node, sample_distance) <= visible->scene->lists[list].primitive_count;
+}
+
+enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint8_t *gates,
+	struct eco_error *error)
+{
+	visible->plants = 0;
+	for (uint32_t i = 0; i < visible->slot_count; i++)
+		visible->slots[i].count = 0;
+	for (uint32_t i = 0; i < visible->node_count; i++)
+		visible->nodes[i].state = LOD_CLOSED;
+	/* children always follow their parents in `nodes`, so one pass in order is the walk: no stack, no recursion */
+	visible->nodes[0].state = LOD_OPEN;
+	for (uint32_t i = 0; i < visible->node_count; i++) {
+		struct lod_node *node = &visible->nodes[i];
+		if (node->state != LOD_OPEN)
+			continue;
+		if (!node->seen) {
+			node->state = LOD_CLOSED;
+			continue;
+		}
+		if (summary_suffices(visible, node, sample_distance)) {
+			node->state = LOD_SUMMARY;
+			continue;
+		}
+		enum eco_code code = node->expanded ? ECO_OK : expand(visible, i, error);
+		if (code)
+			return code;
+		node = &visible->nodes[i];               /* expanding may have moved it */
+		for (uint32_t c = 0; c < node->child_count; c++)
+			visible->nodes[node->child_first + c].state = LOD_OPEN;
+		code = count_plants(visible, node, gates, error);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint8_t *gates, lod_visible_fn fn, void *ctx)
+{
+	const struct eco_scene *scene = visible->scene;
+	const struct eco_plant *p = &scene->plants[plant];
+	for (uint32_t n = 0; n < visible->node_count; n++) {
+		const struct lod_node *node = &visible->nodes[n];
+		const struct eco_tile *tile = &scene->tiles[node->tile];
+		if (node->state != LOD_OPEN)
+			continue;
+		for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
+			const struct eco_group *group = &scene->groups[g];
+			if (group->plant != plant)
+				continue;
+			const struct eco_placement *placement = &visible->placements[node->placement];
+			for (uint32_t i = 0; i < scene->lists[group->list].primitive_count; i++) {
+				struct eco_place stored = eco_place_read(scene, group->place_first + i);
+				struct lod_place place;
+				lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
+				uint32_t count = lod_instance_anchors(&visible->eye, &place, scene->anchors + p->anchor_first, p->anchor_first,
+					p->anchor_count, gates[plant], visible->scratch);
+				if (count)
+					fn(ctx, visible->scratch, count, plant, lod_share_hash(placement->path, group->list, i));
+			}
+		}
+	}
+}
+
+enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_scene *scene, const struct eco_view *view,
+	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error)
+{
+	*visible = (struct lod_visible){ .scene = scene, .nodes_max = nodes_max, .placements_max = placements_max };
+	lod_eye_make(&visible->eye, view);
+	uint32_t most = 1;
+	for (uint32_t i = 0; i < scene->plant_count; i++)
+		most = scene->plants[i].anchor_count > most ? scene->plants[i].anchor_count : most;
+	visible->slot_table_size = 1024;
+	visible->slot_table = calloc(visible->slot_table_size, sizeof *visible->slot_table);
+	visible->scratch = malloc(most * sizeof *visible->scratch);
+	visible->placements = malloc(sizeof *visible->placements);
+	if (!visible->slot_table || !visible->scratch || !visible->placements) {
+		lod_visible_free(visible);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory");
+	}
+	visible->placements[0] = (struct eco_placement){ .scale = 1 };
+	visible->placement_count = visible->placement_capacity = 1;
+	enum eco_code code = add_node(visible, scene->root, 0, error);
+	if (code)
+		lod_visible_free(visible);
+	return code;
+}
+
+void lod_visible_free(struct lod_visible *visible)
+{
+	for (uint32_t i = 0; i < visible->node_count; i++) {
+		free(visible->nodes[i].tallies);
+		free(visible->nodes[i].gate_done);
+	}
+	free(visible->nodes);
+	free(visible->placements);
+	free(visible->slots);
+	free(visible->slot_table);
+	free(visible->scratch);
+	*visible = (struct lod_visible){ 0 };
+}
