@@ -1,0 +1,47 @@
+/* Inside the planner: what its three files share. planner.c finds the amounts, planner_fill.c spends what is left of the budget,
+ * planner_emit.c writes the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
+#ifndef LOD_PLANNING_H
+#define LOD_PLANNING_H
+
+#include "lod/planner.h"
+#include "lod/visible.h"
+
+struct lod_entry {                   /* one ladder for all plants of one slot, or a tile's summary */
+	uint32_t slot;               /* ECO_NONE: a summary */
+	uint32_t ladder;             /* summary: the node */
+	uint64_t count;              /* plants */
+	uint64_t vertices, full;     /* per plant */
+	uint64_t more;               /* per plant whose hash is below `share`: this many instead */
+	uint32_t share;
+	double wanted;               /* points or lines of the whole region that d' asked for */
+	double pixels;               /* expected covered pixels of one plant's organ */
+};
+
+struct lod_planning {
+	const struct lod_planner_input *input;
+	const struct eco_scene *scene;
+	struct lod_visible visible;
+	uint8_t *gates;              /* per plant */
+	uint32_t *ladder_first;      /* per anchor, into ladder_order; anchor_count + 1 */
+	uint32_t *ladder_order;
+	struct lod_entry *entries;
+	uint32_t entry_count, entry_capacity;
+	uint64_t vertices;
+	bool ended;                  /* every curve has ended: nothing could be added */
+};
+
+/* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
+enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error);
+
+/* The plan of the entries as they are; `sample_distance` is only reported. */
+enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_distance, struct eco_plan *plan, struct eco_error *error);
+
+/* Expected error of an entry that draws `vertices` a plant. */
+struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices);
+
+static inline uint64_t lod_planning_count(const struct eco_scene *scene, uint32_t list)
+{
+	return list == ECO_NONE ? 0 : scene->lists[list].primitive_count;
+}
+
+#endif
