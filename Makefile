@@ -8,7 +8,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
-	libcmocka-dev
+	libcmocka-dev jq curl xz-utils
 
 CC ?= gcc
 CXX ?= g++
@@ -106,6 +106,17 @@ $(B)/obj/%.o: %.cpp
 	$(CXX) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 -include $(shell find $(B)/obj -name '*.d' 2>/dev/null)
+
+# ---- Demonstrations: everything lands in $(B)/demo and $(B)/forest ----
+
+demo: deps
+	@$(MAKE) --no-print-directory all
+	BUILD=$(B) sh tests/demo/demo.sh
+
+forest: deps
+	@test -n "$(DATA)" || { echo "make forest needs DATA=DIR, a folder with inventories/, terrain/ and models/" >&2; exit 2; }
+	@$(MAKE) --no-print-directory all
+	BUILD=$(B) sh tests/demo/forest.sh $(DATA)
 
 clean:
 	rm -rf build

@@ -1,0 +1,67 @@
+# Shared by demo.sh and forest.sh: start a daemon on a free port, stop it, put figures and pictures on one page.
+# BUILD is the folder of the programs.
+
+die() { echo "$0: $*" >&2; exit 1; }
+
+# serve LOG PACK... : starts ecoserve, sets SERVER_PID and BASE (http://127.0.0.1:PORT)
+serve() {
+	log=$1; shift
+	"$BUILD/ecoserve" --listen 127.0.0.1:0 "$@" >"$log" 2>"$log.err" &
+	SERVER_PID=$!
+	trap 'kill $SERVER_PID 2>/dev/null' EXIT
+	for _ in $(seq 100); do
+		BASE=$(sed -n 's/.*ready on \(http:[^ ]*\).*/\1/p' "$log")
+		[ -n "$BASE" ] && return
+		kill -0 $SERVER_PID 2>/dev/null || die "ecoserve ended: $(cat "$log.err")"
+		sleep 0.1
+	done
+	die "ecoserve did not become ready; see $log.err"
+}
+
+stop_serving() {
+	kill $SERVER_PID 2>/dev/null
+	wait $SERVER_PID 2>/dev/null
+	trap - EXIT
+}
+
+# page OUT.html TITLE INTRO SUMMARY.json DIR... : one row of pictures a frame
+page() {
+	out=$1 title=$2 intro=$3 summary=$4; shift 4
+	{
+		cat <<-HTML
+		<!doctype html><html lang="en"><meta charset="utf-8"><title>$title</title>
+		<style>
+		body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:1500px;padding:0 1rem;color:#222;background:#fafaf7}
+		h1{font-size:1.5rem} h2{font-size:1.15rem;margin-top:2rem} img{width:100%;display:block;border-radius:4px}
+		.row{display:grid;grid-template-columns:repeat(3,1fr);gap:.6rem;margin:.4rem 0 1.2rem}
+		.row p,figure{margin:0} figcaption{font-size:.8rem;color:#666}
+		table{border-collapse:collapse;font-size:.9rem} td,th{padding:.15rem .7rem;text-align:right;border-bottom:1px solid #ddd}
+		.tp{color:#3a8f3a}.fp{color:#c22}.fn{color:#26c}
+		</style><h1>$title</h1><p>$intro</p>
+		<p>Left: streamed within the budget. Middle: every triangle. Right: the score of the covered pixels, with its three colours
+		for right (true positive), too much (false positive) and missing (false negative).</p>
+		HTML
+		for dir in "$@"; do
+			name=$(basename "$dir")
+			echo "<h2>$name</h2><table><tr><th>frame<th>vertices<th>of<th>bytes<th>Precision<th>Recall<th>Q<th>skill<th>owner Q</tr>"
+			jq -r 'def r: if . == null then "–" else (. * 1000 | round / 1000 | tostring) end;
+				.frames[] | "<tr><td>\(.frame)<td>\(.vertices)<td>\(.budget_vertices)<td>\(.bytes)<td>\(.precision|r)<td>\(.recall|r)<td>\(.q|r)<td>\(.skill|r)<td>\(.owner_q|r)</tr>"' "$dir/report.json"
+			echo "</table>"
+			for frame in "$dir"/frame-[0-9][0-9][0-9][0-9].png; do
+				n=$(basename "$frame" .png); n=${n#frame-}
+				echo '<div class="row">'
+				for kind in frame reference pr; do
+					[ -f "$dir/$kind-$n.png" ] && echo "<figure><img src=\"$name/$kind-$n.png\" alt=\"$kind $n\"><figcaption>$kind-$n.png</figcaption></figure>"
+				done
+				echo '</div>'
+			done
+		done
+		echo "<h2>Figures</h2><pre>"; jq . "$summary"; echo "</pre></html>"
+	} >"$out.tmp-$$" && mv "$out.tmp-$$" "$out"
+}
+
+# frame_lines DIR : one PR line per frame
+frame_lines() {
+	jq -r --arg name "$(basename "$1")" 'def r: if . == null then "-" else (. * 10000 | round / 10000 | tostring) end;
+		.frames[] | "\($name) frame \(.frame): \(.vertices)/\(.budget_vertices) vertices, \(.bytes) bytes, P \(.precision|r) R \(.recall|r) Q \(.q|r) skill \(.skill|r) owner_q \(.owner_q|r)"' "$1/report.json"
+}
