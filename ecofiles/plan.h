@@ -57,10 +57,20 @@ struct eco_plan {                /* owns its arrays */
 	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
 	struct eco_run *runs;             uint32_t run_count;
 	struct eco_gate *gates;           uint32_t gate_count;
-	struct eco_cut *cuts;             uint32_t cut_count;         /* by anchor, then band; summaries first */
+	struct eco_cut *cuts;             uint32_t cut_count;         /* summaries first; see eco_plan_sort */
 	bool ground;                      /* the ground list is drawn, all of it */
 };
+#define ECO_PLAN_ITEMS_MAX (1u << 22)   /* of each array */
 void eco_plan_free(struct eco_plan *plan);
+
+/* Puts the arrays in the one order that travels: runs by placement and list, gates by plant; summaries by placement and list, then
+ * rules by anchor, list and band; what is equal in these by all other fields. Drawing does not depend on it. */
+void eco_plan_sort(struct eco_plan *plan);
+
+/* What can be told of a sorted plan without its scene: order, runs that do not overlap, no plant with two gates, ranges that are not
+ * empty, bands, shares, placements that exist, finite numbers (scales of cuts in [0, 1e12], of placements above 0). The text names
+ * the item. */
+enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *error);
 
 /* What a client holds: whole chunks of a prefix, per list. Sorted by list, no list twice. */
 struct eco_holding { uint32_t list, chunks; };
