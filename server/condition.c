@@ -1,0 +1,77 @@
+#include "server/condition.h"
+
+#include <string.h>
+
+/* Digits at *text, saturating: a position beyond 2^64 is simply beyond the end. */
+static bool take_count(const char **text, uint64_t *value)
+{
+	const char *first = *text;
+	uint64_t sum = 0;
+	for (; **text >= '0' && **text <= '9'; ++*text) {
+		uint64_t digit = (uint64_t)(**text - '0');
+		sum = sum > (UINT64_MAX - digit) / 10 ? UINT64_MAX : sum * 10 + digit;
+	}
+	*value = sum;
+	return *text != first;
+}
+
+static bool unit_is_bytes(const char *value)
+{
+	static const char unit[] = "bytes=";
+	for (size_t i = 0; unit[i]; i++)                 /* range units are case-insensitive */
+		if ((value[i] >= 'A' && value[i] <= 'Z' ? value[i] - 'A' + 'a' : value[i]) != unit[i])
+			return false;
+	return true;
+}
+
+struct srv_range srv_range_parse(const char *value, uint64_t size)
+{
+	struct srv_range range = { SRV_RANGE_ALL, 0, size };
+	uint64_t first = 0, last = UINT64_MAX;
+	if (!value || !unit_is_bytes(value))
+		return range;
+	const char *at = value + 6;
+	bool has_first = take_count(&at, &first);
+	if (*at++ != '-')
+		return range;
+	bool has_last = take_count(&at, &last);
+	if (*at || (!has_first && !has_last) || (has_first && has_last && last < first))
+		return range;
+	if (!has_first) {                                /* the last n bytes */
+		first = last < size ? size - last : 0;
+		if (last == 0)
+			first = size;
+		last = UINT64_MAX;
+	} else if (!has_last) {
+		last = UINT64_MAX;
+	}
+	if (first >= size)
+		return (struct srv_range){ SRV_RANGE_OUTSIDE, 0, 0 };
+	return (struct srv_range){ SRV_RANGE_PART, first, last < size ? last + 1 : size };
+}
+
+bool srv_etag_match(const char *value, const char *etag)
+{
+	size_t size = strlen(etag);
+	if (!value)
+		return false;
+	value += strspn(value, " \t");
+	if (value[0] == '*' && value[1 + strspn(value + 1, " \t")] == 0)
+		return true;
+	while (*value) {
+		value += strspn(value, " \t,");
+		if (value[0] == 'W' && value[1] == '/')
+			value += 2;
+		if (*value != '"')
+			return false;
+		const char *close = strchr(value + 1, '"');
+		if (!close)
+			return false;
+		if ((size_t)(close + 1 - value) == size && memcmp(value, etag, size) == 0)
+			return true;
+		value = close + 1;
+		if (*value && !strchr(" \t,", *value))
+			return false;
+	}
+	return false;
+}

@@ -1,0 +1,227 @@
+#define XXH_STATIC_LINKING_ONLY
+#include <xxhash.h>
+
+#include "server/emit.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene, const struct eco_holdings *holdings, bool dry,
+	struct eco_error *error)
+{
+	const struct eco_scene *tables = &scene->pack->scene;
+	*emit = (struct srv_emit){ .scene = scene, .dry = dry };
+	emit->have = malloc((tables->list_count + (size_t)1) * sizeof *emit->have);
+	emit->known = malloc((tables->plant_count + (size_t)1) * sizeof *emit->known);
+	if (!emit->have || !emit->known) {
+		srv_emit_free(emit);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to follow %u lists", tables->list_count);
+	}
+	srv_emit_restart(emit, holdings);
+	return ECO_OK;
+}
+
+void srv_emit_free(struct srv_emit *emit)
+{
+	free(emit->have);
+	free(emit->known);
+	free(emit->payloads);
+	eco_writer_free(&emit->frames);
+	*emit = (struct srv_emit){ 0 };
+}
+
+/* The plant whose PLANT record a client must know to use a list, or ECO_NONE. */
+static uint32_t plant_of(const struct eco_scene *scene, const struct eco_list *list)
+{
+	uint32_t plant = ECO_NONE;
+	if (list->kind == ECO_LIST_INSTANCES)
+		plant = list->plant;
+	else if (list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT))
+		plant = list->owner;
+	return plant < scene->plant_count ? plant : ECO_NONE;
+}
+
+void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings)
+{
+	const struct eco_scene *scene = &emit->scene->pack->scene;
+	memset(emit->have, 0, scene->list_count * sizeof *emit->have);
+	memset(emit->known, 0, scene->plant_count * sizeof *emit->known);
+	for (uint32_t i = 0; holdings && i < holdings->count; i++) {
+		const struct eco_holding *item = &holdings->items[i];
+		const struct eco_list *list = &scene->lists[item->list];
+		emit->have[item->list] = item->chunks;
+		uint32_t plant = list->kind == ECO_LIST_INSTANCES ? ECO_NONE : plant_of(scene, list);
+		if (item->chunks && plant != ECO_NONE)
+			emit->known[plant] = true;
+	}
+	emit->frames.size = 0;
+	emit->payload_count = emit->number = 0;
+	emit->bytes = emit->chunk_count = emit->chunk_bytes = 0;
+}
+
+static struct eco_frame_mark begin(struct srv_emit *emit, enum eco_frame_type type)
+{
+	if (emit->dry)
+		emit->frames.size = 0;
+	return eco_frame_begin(&emit->frames, type, emit->number++);
+}
+
+static void end(struct srv_emit *emit, struct eco_frame_mark mark)
+{
+	eco_frame_end(&emit->frames, mark);
+	emit->bytes += emit->frames.size - mark.at;
+}
+
+void srv_emit_scene(struct srv_emit *emit)
+{
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_SCENE);
+	eco_wire_write_scene(&emit->frames, &emit->scene->pack->scene, &emit->scene->pack->id);
+	end(emit, mark);
+}
+
+void srv_emit_end(struct srv_emit *emit, uint64_t vertices)
+{
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_END);
+	eco_wire_write_end(&emit->frames, vertices, emit->bytes + ECO_END_FRAME_BYTES);
+	end(emit, mark);
+}
+
+static void put(uint8_t *at, uint64_t value, int count)
+{
+	for (int i = 0; i < count; i++)
+		at[i] = (uint8_t)(value >> 8 * i);
+}
+
+static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t size)
+{
+	if (emit->payload_count == emit->payload_capacity) {
+		uint32_t capacity = emit->payload_capacity ? 2 * emit->payload_capacity : 64;
+		struct srv_payload *grown = realloc(emit->payloads, capacity * sizeof *grown);
+		if (!grown)
+			return false;
+		emit->payloads = grown;
+		emit->payload_capacity = capacity;
+	}
+	emit->payloads[emit->payload_count++] = (struct srv_payload){ emit->frames.size, bytes, size };
+	return true;
+}
+
+/* As eco_frame_end, for a frame whose payload continues in the mapped pack: what wire.h says of length and hash, over two parts. */
+static void end_with_payload(struct srv_emit *emit, struct eco_frame_mark mark, const uint8_t *bytes, size_t size)
+{
+	struct eco_writer *w = &emit->frames;
+	if (w->failed)
+		return;
+	uint8_t *header = w->bytes + mark.at, number[4];
+	size_t fields = w->size - mark.at - ECO_FRAME_HEADER_BYTES;
+	if (size > ECO_FRAME_PAYLOAD_MAX - fields || !keep_payload(emit, bytes, size)) {
+		w->failed = true;
+		return;
+	}
+	put(header + 4, fields + size, 4);
+	put(number, mark.number, 4);
+	XXH3_state_t state;
+	XXH3_INITSTATE(&state);
+	XXH3_64bits_reset(&state);
+	XXH3_64bits_update(&state, header, 8);
+	XXH3_64bits_update(&state, number, sizeof number);
+	XXH3_64bits_update(&state, header + ECO_FRAME_HEADER_BYTES, fields);
+	XXH3_64bits_update(&state, bytes, size);
+	put(header + 8, XXH3_64bits_digest(&state), 8);
+}
+
+static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t ordinal, struct eco_error *error)
+{
+	const struct eco_scene *scene = &emit->scene->pack->scene;
+	uint32_t chunk = scene->lists[list].chunk_first + ordinal;
+	size_t size = scene->chunks[chunk].size_bytes;
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_CHUNK);
+	eco_wire_write_chunk(&emit->frames, scene, list, ordinal);
+	emit->bytes += emit->frames.size - mark.at + size;
+	emit->chunk_count++;
+	emit->chunk_bytes += size;
+	if (emit->dry)
+		return ECO_OK;
+	const uint8_t *bytes;
+	enum eco_code code = srv_scene_payload(emit->scene, chunk, &bytes, &size, error);
+	if (!code)
+		end_with_payload(emit, mark, bytes, size);
+	return code;
+}
+
+static void emit_plant(struct srv_emit *emit, uint32_t plant)
+{
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLANT);
+	eco_wire_write_plant(&emit->frames, &emit->scene->pack->scene, plant);
+	end(emit, mark);
+	emit->known[plant] = true;
+}
+
+static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t chunks, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	if (emit->have[list] == 0 && chunks > 0) {
+		struct eco_frame_mark mark = begin(emit, ECO_FRAME_LIST);
+		eco_wire_write_list(&emit->frames, &emit->scene->pack->scene, list);
+		end(emit, mark);
+	}
+	for (; !code && emit->have[list] < chunks; emit->have[list]++)
+		code = emit_chunk(emit, list, emit->have[list], error);
+	return code;
+}
+
+/* What others refer to goes first: where things stand, and the images that triangles are textured with. */
+static bool goes_first(const struct eco_list *list)
+{
+	return list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE;
+}
+
+enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, const struct eco_holdings *needs,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = &emit->scene->pack->scene;
+	for (uint32_t i = 0; i < needs->count; i++) {
+		uint32_t plant = plant_of(scene, &scene->lists[needs->items[i].list]);
+		if (plant != ECO_NONE && !emit->known[plant])
+			emit_plant(emit, plant);
+	}
+	for (int round = 0; round < 2; round++)
+		for (uint32_t i = 0; i < needs->count; i++) {
+			const struct eco_holding *need = &needs->items[i];
+			if (goes_first(&scene->lists[need->list]) != (round == 0))
+				continue;
+			enum eco_code code = emit_list(emit, need->list, need->chunks, error);
+			if (code)
+				return code;
+		}
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLAN);
+	eco_wire_write_plan(&emit->frames, plan);
+	end(emit, mark);
+	if (emit->frames.failed)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of them beyond its limit");
+	return ECO_OK;
+}
+
+enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct eco_error *error)
+{
+	assert(!emit->dry);
+	*body = (struct srv_body){ 0 };
+	body->pieces = malloc((2 * (size_t)emit->payload_count + 1) * sizeof *body->pieces);
+	if (!body->pieces || emit->frames.failed) {
+		srv_body_free(body);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames");
+	}
+	body->frames = emit->frames;
+	emit->frames = (struct eco_writer){ 0 };
+	size_t at = 0;
+	for (uint32_t i = 0; i < emit->payload_count; i++) {
+		const struct srv_payload *payload = &emit->payloads[i];
+		body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at, payload->at - at };
+		body->pieces[body->piece_count++] = (struct srv_piece){ payload->bytes, payload->size };
+		at = payload->at;
+	}
+	body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at, body->frames.size - at };
+	body->size_bytes = emit->bytes;
+	return ECO_OK;
+}

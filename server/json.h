@@ -1,0 +1,35 @@
+/* Writes JSON into a growing buffer: commas, indentation-free nesting and escapes are taken care of; the caller says what.
+ *
+ *   srv_json_open(&json, '{');
+ *   srv_json_key(&json, "vertices");  srv_json_count(&json, plan->vertices);
+ *   srv_json_close(&json, '}');
+ *
+ * A writer of our own, because counts go up to 2^63 and plans have ten thousands of cuts, which a tree of objects would hold twice.
+ * Check json.out.failed once at the end. */
+#ifndef SRV_JSON_H
+#define SRV_JSON_H
+
+#include "ecofiles/bytes.h"
+
+struct srv_json {
+	struct eco_writer out;
+	bool comma;                  /* the next value or key follows another */
+};
+
+void srv_json_open(struct srv_json *json, char bracket);         /* '{' or '[' */
+void srv_json_close(struct srv_json *json, char bracket);        /* '}' or ']' */
+void srv_json_key(struct srv_json *json, const char *key);
+void srv_json_text(struct srv_json *json, const char *text);     /* NULL: null; bytes that are not UTF-8 become U+FFFD */
+void srv_json_count(struct srv_json *json, uint64_t value);
+void srv_json_number(struct srv_json *json, double value);       /* shortest that reads back the same; not finite: null */
+void srv_json_bool(struct srv_json *json, bool value);
+void srv_json_null(struct srv_json *json);
+void srv_json_point(struct srv_json *json, const double value[3]);
+
+/* "key": value in one call. */
+void srv_json_key_text(struct srv_json *json, const char *key, const char *text);
+void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value);
+void srv_json_key_number(struct srv_json *json, const char *key, double value);
+void srv_json_key_bool(struct srv_json *json, const char *key, bool value);
+
+#endif

@@ -1,0 +1,39 @@
+/* What a plan or stream request asks, from its parameters.
+ *
+ *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
+ *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  pack=  (none)
+ *
+ * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts. Unknown parameters are
+ * refused, so that a misspelt budget is an error and not an unbounded answer. `pack` is the 32 hex digit id of the pack that the
+ * holdings of the request refer to (the SCENE frame and /v1/scenes/{scene} state it): if the scene has been rebuilt since, the
+ * server says so instead of mixing two packs. */
+#ifndef SRV_QUERY_H
+#define SRV_QUERY_H
+
+#include <stdbool.h>
+
+#include "ecofiles/list.h"
+#include "ecofiles/view.h"
+#include "server/target.h"
+
+struct srv_query {
+	struct eco_request request;
+	bool has_pack;
+	struct eco_chunk_id pack;
+};
+
+/* Fills *query; the view passes eco_view_check. ECO_BAD_INPUT with a text that names the parameter and says what is wrong. */
+enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target, struct eco_error *error);
+
+/* A route without parameters: ECO_BAD_INPUT if there are any. */
+enum eco_code srv_query_none(const struct srv_target *target, struct eco_error *error);
+
+bool srv_parse_number(const char *text, double *value);      /* finite decimal, whole text */
+bool srv_parse_count(const char *text, uint64_t *value);     /* digits, whole text, below 2^64 */
+
+/* 32 lower-case hex digits (upper case is refused: one chunk, one URL). */
+#define SRV_ID_TEXT_BYTES 33
+bool srv_parse_id(const char *text, struct eco_chunk_id *id);
+void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id);
+
+#endif

@@ -1,0 +1,22 @@
+/* The routes: one table of path patterns and methods. A pattern segment in braces is a variable. */
+#ifndef SRV_ROUTE_H
+#define SRV_ROUTE_H
+
+#include "server/target.h"
+
+enum srv_method { SRV_METHOD_GET = 1, SRV_METHOD_HEAD = 2, SRV_METHOD_POST = 4, SRV_METHOD_OTHER = 0 };
+enum srv_resource { SRV_HEALTH, SRV_SCENES, SRV_SCENE, SRV_PLAN, SRV_STREAM, SRV_CHUNK, SRV_RESOURCE_COUNT };
+
+struct srv_route {
+	const char *pattern;
+	const char *allow;           /* value of the Allow header */
+	unsigned methods;            /* enum srv_method; HEAD goes with GET */
+};
+extern const struct srv_route srv_routes[SRV_RESOURCE_COUNT];
+
+enum srv_method srv_method_of(const char *name);
+
+/* The route of a path, or NULL; variables[i] is the i-th variable's text, in the pattern's order (at most 2). */
+const struct srv_route *srv_route_find(const struct srv_target *target, const char *variables[2]);
+
+#endif

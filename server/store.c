@@ -1,0 +1,157 @@
+#include "server/store.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void srv_store_init(struct srv_store *store)
+{
+	*store = (struct srv_store){ 0 };
+}
+
+static void scene_free(struct srv_scene *scene)
+{
+	eco_pack_close(scene->pack);
+	free(scene->by_id);
+	free(scene->checked);
+	free(scene->responses);
+}
+
+void srv_store_free(struct srv_store *store)
+{
+	for (uint32_t i = 0; i < store->count; i++)
+		scene_free(&store->scenes[i]);
+	free(store->scenes);
+	*store = (struct srv_store){ 0 };
+}
+
+bool srv_name_valid(const char *name)
+{
+	size_t size = strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_-");
+	return size >= 1 && size < SRV_NAME_BYTES && !name[size] && name[0] != '_' && name[0] != '-';
+}
+
+static int by_id(const void *a, const void *b, void *ctx)
+{
+	const struct eco_chunk *chunks = ctx;
+	uint32_t ia = *(const uint32_t *)a, ib = *(const uint32_t *)b;
+	int order = memcmp(chunks[ia].id.bytes, chunks[ib].id.bytes, sizeof chunks->id.bytes);
+	return order ? order : (ia > ib) - (ia < ib);
+}
+
+static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *error)
+{
+	uint32_t count = scene->pack->scene.chunk_count;
+	scene->by_id = malloc((count + 1) * sizeof *scene->by_id);
+	scene->checked = calloc(count + 1, sizeof *scene->checked);
+	scene->responses = calloc(count + 1, sizeof *scene->responses);
+	if (!scene->by_id || !scene->checked || !scene->responses)
+		return eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for an index of %u chunks", scene->name, count);
+	for (uint32_t i = 0; i < count; i++)
+		scene->by_id[i] = i;
+	qsort_r(scene->by_id, count, sizeof *scene->by_id, by_id, (void *)scene->pack->scene.chunks);
+	return ECO_OK;
+}
+
+static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)
+{
+	if (!srv_name_valid(name))
+		return eco_fail(error, ECO_BAD_USAGE, "'%.80s' cannot name a scene: use 1 to 63 of a-z, 0-9, '_' and '-', the first a letter "
+			"or digit, as in NAME=OUT.eco", name);
+	if (srv_store_find(store, name))
+		return eco_fail(error, ECO_BAD_USAGE, "two scenes are named '%s': give one of them another name, as in NAME=OUT.eco", name);
+	if (store->count == SRV_SCENES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u scenes", SRV_SCENES_MAX);
+	return ECO_OK;
+}
+
+enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error)
+{
+	struct srv_scene scene = { .pack = pack };
+	enum eco_code code = check_name(store, name, error);
+	if (!code) {
+		snprintf(scene.name, sizeof scene.name, "%s", name);
+		code = scene_index(&scene, error);
+	}
+	struct srv_scene *grown = code ? NULL : realloc(store->scenes, (store->count + 1) * sizeof *grown);
+	if (!code && !grown)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");
+	if (code) {
+		scene_free(&scene);
+		return code;
+	}
+	store->scenes = grown;
+	store->scenes[store->count++] = scene;
+	return ECO_OK;
+}
+
+/* "/data/Park.eco" -> "Park"; what is not a valid name is refused later, by name. */
+static void file_stem(char stem[SRV_NAME_BYTES], const char *path)
+{
+	const char *base = strrchr(path, '/');
+	base = base ? base + 1 : path;
+	size_t size = strlen(base);
+	if (size > 4 && strcmp(base + size - 4, ".eco") == 0)
+		size -= 4;
+	snprintf(stem, SRV_NAME_BYTES, "%.*s", (int)(size < SRV_NAME_BYTES ? size : SRV_NAME_BYTES - 1), base);
+}
+
+enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error)
+{
+	char chosen[SRV_NAME_BYTES];
+	struct eco_pack *pack;
+	enum eco_code code = name ? check_name(store, name, error) : ECO_OK;
+	if (code)
+		return code;
+	code = eco_pack_open(&pack, path, error);
+	if (code)
+		return code;
+	if (name)
+		snprintf(chosen, sizeof chosen, "%s", name);
+	else if (srv_name_valid(pack->scene.name))
+		snprintf(chosen, sizeof chosen, "%s", pack->scene.name);
+	else
+		file_stem(chosen, path);
+	return srv_store_add_pack(store, chosen, pack, error);
+}
+
+struct srv_scene *srv_store_find(const struct srv_store *store, const char *name)
+{
+	for (uint32_t i = 0; i < store->count; i++)
+		if (strcmp(store->scenes[i].name, name) == 0)
+			return &store->scenes[i];
+	return NULL;
+}
+
+uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id)
+{
+	const struct eco_chunk *chunks = scene->pack->scene.chunks;
+	uint32_t low = 0, high = scene->pack->scene.chunk_count;
+	while (low < high) {                     /* the first chunk whose id is not below */
+		uint32_t middle = low + (high - low) / 2;
+		if (memcmp(chunks[scene->by_id[middle]].id.bytes, id->bytes, sizeof id->bytes) < 0)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	if (low == scene->pack->scene.chunk_count)
+		return ECO_NONE;
+	uint32_t chunk = scene->by_id[low];
+	return memcmp(chunks[chunk].id.bytes, id->bytes, sizeof id->bytes) == 0 ? chunk : ECO_NONE;
+}
+
+enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error)
+{
+	assert(chunk < scene->pack->scene.chunk_count);
+	if (!atomic_load_explicit(&scene->checked[chunk], memory_order_acquire)) {
+		enum eco_code code = eco_pack_payload(scene->pack, chunk, bytes, size_bytes, error);
+		if (!code)
+			atomic_store_explicit(&scene->checked[chunk], 1, memory_order_release);
+		return code;
+	}
+	*bytes = scene->pack->map + scene->pack->scene.chunks[chunk].offset;
+	*size_bytes = scene->pack->scene.chunks[chunk].size_bytes;
+	return ECO_OK;
+}

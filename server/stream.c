@@ -1,0 +1,295 @@
+#include "server/stream.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "lod/planner.h"
+#include "server/emit.h"
+#include "server/trace.h"
+
+#define BODY_MAX_DEFAULT (1ull << 31)
+#define STEP_BYTES_LEAST (256u << 10)        /* missing payload bytes from which a coarse step is worth its over-send */
+#define SEARCH_PLANS_MAX 40u
+#define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
+
+static void step_free(struct srv_step *step)
+{
+	eco_plan_free(&step->plan);
+	free(step->needs.items);
+	*step = (struct srv_step){ 0 };
+}
+
+void srv_stream_free(struct srv_stream *stream)
+{
+	for (uint32_t i = 0; i < stream->step_count; i++)
+		step_free(&stream->steps[i]);
+	*stream = (struct srv_stream){ 0 };
+}
+
+void srv_body_free(struct srv_body *body)
+{
+	free(body->pieces);
+	eco_writer_free(&body->frames);
+	*body = (struct srv_body){ 0 };
+}
+
+enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < holdings->count; i++) {
+		const struct eco_holding *item = &holdings->items[i];
+		if (item->list >= scene->list_count)
+			return eco_fail(error, ECO_BAD_INPUT, "list %u does not exist: the scene has %u lists; send the holdings of this pack, or "
+				"none", item->list, scene->list_count);
+		if (item->chunks > scene->lists[item->list].chunk_count)
+			return eco_fail(error, ECO_BAD_INPUT, "%u chunks of list %u are said to be held, but it has %u; send the holdings of "
+				"this pack, or none", item->chunks, item->list, scene->lists[item->list].chunk_count);
+	}
+	return ECO_OK;
+}
+
+static uint64_t missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings, const struct eco_holdings *needs)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < needs->count; i++) {
+		const struct eco_list *list = &scene->lists[needs->items[i].list];
+		for (uint32_t c = eco_holdings_chunks(holdings, needs->items[i].list); c < needs->items[i].chunks; c++)
+			sum += scene->chunks[list->chunk_first + c].size_bytes;
+	}
+	return sum;
+}
+
+static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, struct srv_step *step, struct eco_error *error)
+{
+	const struct srv_stream_input *input = &stream->input;
+	const struct eco_scene *scene = &input->scene->pack->scene;
+	struct eco_request request = *input->request;
+	struct lod_planner_input planner = { .scene = scene, .request = &request, .holdings = input->holdings,
+		.tiles_max = input->tiles_max, .placements_max = input->placements_max };
+	*step = (struct srv_step){ .budget_vertices = vertices };
+	if (input->cancelled && atomic_load(input->cancelled))
+		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
+	request.vertices = vertices;
+	enum eco_code code = lod_plan(&step->plan, &planner, error);
+	if (!code)
+		code = lod_plan_needs(scene, &step->plan, &step->needs, error);
+	if (code) {
+		step_free(step);
+		return code;
+	}
+	assert(step->plan.vertices <= vertices);
+	step->missing_bytes = missing_bytes(scene, input->holdings, &step->needs);
+	stream->plans_made++;
+	return ECO_OK;
+}
+
+/* Emits `count` steps as a whole body; *emit has been initialised or restarted. */
+static enum eco_code emit_steps(struct srv_emit *emit, const struct srv_step *const *steps, uint32_t count, uint64_t *ends,
+	struct eco_error *error)
+{
+	srv_emit_scene(emit);
+	for (uint32_t i = 0; i < count; i++) {
+		enum eco_code code = srv_emit_step(emit, &steps[i]->plan, &steps[i]->needs, error);
+		if (code)
+			return code;
+		if (ends)
+			ends[i] = emit->bytes;
+	}
+	srv_emit_end(emit, steps[count - 1]->plan.vertices);
+	return ECO_OK;
+}
+
+static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, const struct srv_step *step, uint64_t *bytes,
+	struct eco_error *error)
+{
+	srv_emit_restart(dry, stream->input.holdings);
+	enum eco_code code = emit_steps(dry, &step, 1, NULL, error);
+	*bytes = dry->bytes;
+	return code;
+}
+
+/* ---- Byte budget ---- */
+
+struct search {
+	uint64_t low, low_bytes;     /* fits; `best` is its step */
+	uint64_t high, high_bytes;   /* does not */
+	uint32_t tries;
+	struct srv_step *best;
+};
+
+/* Bytes grow fast at first and slower later, so a straight line between the ends aims too low in vertices or too high in bytes; every
+ * other try halves the interval, which bounds the number of tries whatever the curve. */
+static uint64_t next_try(const struct search *s, uint64_t budget_bytes)
+{
+	uint64_t span = s->high - s->low;
+	if (s->tries % 2 || s->high_bytes <= s->low_bytes)
+		return s->low + span / 2;
+	double part = (double)(budget_bytes - s->low_bytes) / (double)(s->high_bytes - s->low_bytes);
+	part = part < 1 / 64.0 ? 1 / 64.0 : part > 63 / 64.0 ? 63 / 64.0 : part;
+	uint64_t step = (uint64_t)(part * (double)span);
+	return s->low + (step < 1 ? 1 : step >= span ? span - 1 : step);
+}
+
+static bool search_done(const struct search *s, uint64_t budget_bytes)
+{
+	uint64_t span = s->high - s->low;
+	return span <= 1 || span <= s->low / SEARCH_SLACK || budget_bytes - s->low_bytes <= budget_bytes / SEARCH_SLACK
+		|| s->tries >= SEARCH_PLANS_MAX;
+}
+
+/* `best` holds the plan for the whole vertex budget, whose body of `bytes` does not fit. Afterwards it holds the step to send, or
+ * that for 0 vertices with *fits false. */
+static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best, uint64_t *bytes,
+	bool *fits, struct eco_error *error)
+{
+	uint64_t budget_bytes = stream->input.request->bytes;
+	struct search s = { .high = best->plan.vertices, .high_bytes = *bytes, .best = best };
+	step_free(best);
+	enum eco_code code = make_step(stream, 0, best, error);
+	if (!code)
+		code = size_of(stream, dry, best, &s.low_bytes, error);
+	*fits = !code && s.low_bytes <= budget_bytes;
+	*bytes = s.low_bytes;
+	for (; !code && *fits && !search_done(&s, budget_bytes); s.tries++) {
+		uint64_t vertices = next_try(&s, budget_bytes), size;
+		struct srv_step step;
+		code = make_step(stream, vertices, &step, error);
+		if (!code)
+			code = size_of(stream, dry, &step, &size, error);
+		if (code)
+			break;
+		srv_trace(SRV_TRACE_PLAN, "byte budget %llu: %llu vertices take %llu bytes", (unsigned long long)budget_bytes,
+			(unsigned long long)vertices, (unsigned long long)size);
+		if (size <= budget_bytes) {
+			step_free(best);
+			*best = step;
+			s.low = vertices;
+			s.low_bytes = *bytes = size;
+		} else {
+			step_free(&step);
+			s.high = vertices;
+			s.high_bytes = size;
+		}
+	}
+	return code;
+}
+
+/* ---- Steps ---- */
+
+/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it. */
+static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *error)
+{
+	uint64_t vertices = stream->steps[0].plan.vertices, next = stream->steps[0].missing_bytes;
+	if (next <= STEP_BYTES_LEAST)
+		return ECO_OK;
+	for (uint32_t tries = 1; tries < SRV_STEPS_MAX && vertices >= 4; tries++) {
+		struct srv_step step;
+		vertices /= 4;
+		enum eco_code code = make_step(stream, vertices, &step, error);
+		if (code)
+			return code;
+		bool clear = step.missing_bytes < next / 2;
+		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices: %llu missing bytes before %llu: %s", (unsigned long long)vertices,
+			(unsigned long long)step.missing_bytes, (unsigned long long)next, clear ? "taken" : "left out, not below half");
+		if (!clear) {
+			step_free(&step);
+			continue;
+		}
+		next = step.missing_bytes;
+		for (uint32_t i = stream->step_count++; i > 0; i--)
+			stream->steps[i] = stream->steps[i - 1];
+		stream->steps[0] = step;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	const struct srv_step *steps[SRV_STEPS_MAX];
+	uint64_t ends[SRV_STEPS_MAX];
+	for (uint32_t i = 0; i < stream->step_count; i++)
+		steps[i] = &stream->steps[i];
+	srv_emit_restart(dry, stream->input.holdings);
+	enum eco_code code = emit_steps(dry, steps, stream->step_count, ends, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < stream->step_count; i++)
+		stream->steps[i].end_bytes = ends[i];
+	stream->body_bytes = dry->bytes;
+	stream->chunk_count = dry->chunk_count;
+	stream->chunk_bytes = dry->chunk_bytes;
+	return ECO_OK;
+}
+
+/* Coarse steps send a little that the answer does not use: they give way where the byte budget has no room for that. */
+static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	enum eco_code code = add_coarse(stream, error);
+	if (!code)
+		code = size_all(stream, dry, error);
+	while (!code && stream->body_bytes > stream->input.request->bytes) {
+		assert(stream->step_count > 1);
+		uint32_t last = --stream->step_count;    /* the finest coarse step goes */
+		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices left out: no room in the byte budget",
+			(unsigned long long)stream->steps[last - 1].budget_vertices);
+		step_free(&stream->steps[last - 1]);
+		stream->steps[last - 1] = stream->steps[last];
+		code = size_all(stream, dry, error);
+	}
+	return code;
+}
+
+static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	const struct eco_request *request = stream->input.request;
+	uint64_t bytes;
+	enum eco_code code = make_step(stream, request->vertices, &stream->steps[0], error);
+	if (code)
+		return code;
+	stream->step_count = 1;
+	code = size_of(stream, dry, &stream->steps[0], &bytes, error);
+	stream->fits = bytes <= request->bytes;
+	if (!code && !stream->fits)
+		code = search_budget(stream, dry, &stream->steps[0], &bytes, &stream->fits, error);
+	stream->body_bytes = bytes;
+	if (code || !stream->fits)
+		return code;
+	code = fit_steps(stream, dry, error);
+	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
+	if (!code && stream->body_bytes > most)
+		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are sent: ask for fewer vertices, or "
+			"set 'bytes'", (unsigned long long)stream->body_bytes, (unsigned long long)most);
+	return code;
+}
+
+enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error)
+{
+	struct srv_emit dry;
+	*stream = (struct srv_stream){ .input = *input };
+	enum eco_code code = srv_emit_init(&dry, input->scene, input->holdings, true, error);
+	if (code)
+		return code;
+	code = plan_all(stream, &dry, error);
+	srv_emit_free(&dry);
+	if (code)
+		srv_stream_free(stream);
+	return code;
+}
+
+enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body, struct eco_error *error)
+{
+	const struct srv_step *steps[SRV_STEPS_MAX];
+	struct srv_emit emit;
+	assert(stream->fits);
+	*body = (struct srv_body){ 0 };
+	enum eco_code code = srv_emit_init(&emit, stream->input.scene, stream->input.holdings, false, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < stream->step_count; i++)
+		steps[i] = &stream->steps[i];
+	code = emit_steps(&emit, steps, stream->step_count, NULL, error);
+	if (!code)
+		code = srv_emit_take(&emit, body, error);
+	srv_emit_free(&emit);
+	assert(code || body->size_bytes == stream->body_bytes);
+	return code;
+}

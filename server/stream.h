@@ -1,0 +1,74 @@
+/* The answer to a view: which steps, which frames, exactly how many bytes, and then the bytes.
+ *
+ *   srv_stream_plan(&stream, &input, &error);       plans, steps and the exact size of the body; copies no payload
+ *   if (stream.fits) srv_stream_write(&stream, &body, &error);
+ *   ... body.pieces, in order ...                   payloads are pieces that point into the mapped pack
+ *   srv_body_free(&body); srv_stream_free(&stream);
+ *
+ * Steps. The last step is the plan for the whole budget. Where it needs many bytes that the client lacks, plans for 1/4, 1/16 and
+ * 1/64 of its vertices go before it, if each costs clearly fewer bytes than the next: a picture soon, at the price of the little
+ * that the last plan does not use again.
+ *
+ * Byte budget. It bounds the whole body, END included. Bytes are not quite monotone in vertices, so the server searches the
+ * largest vertex budget whose body it has found to fit, within 1/256, and always by the exact size, which a dry run of the same
+ * code that writes the body computes. If not even the plan for 0 vertices (ground, and what no picture is valid without) fits,
+ * `fits` is false: 204.
+ *
+ * The same input gives the same bytes: no clock, no history, nothing shared. */
+#ifndef SRV_STREAM_H
+#define SRV_STREAM_H
+
+#include <stdatomic.h>
+
+#include "ecofiles/bytes.h"
+#include "ecofiles/plan.h"
+#include "server/store.h"
+
+#define SRV_STEPS_MAX 4u
+
+struct srv_stream_input {
+	const struct srv_scene *scene;
+	const struct eco_request *request;           /* has passed eco_view_check */
+	const struct eco_holdings *holdings;         /* has passed srv_holdings_check; may be NULL */
+	uint64_t body_max;                           /* bytes; beyond it ECO_TOO_LARGE; 0: 2 GiB */
+	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
+	const atomic_bool *cancelled;                /* looked at between plans: ECO_INTERRUPTED; may be NULL */
+};
+
+struct srv_step {
+	struct eco_plan plan;
+	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
+	uint64_t budget_vertices;                    /* what was asked of the planner */
+	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
+	uint64_t end_bytes;                          /* of the body, up to and with this step's PLAN */
+};
+
+struct srv_stream {
+	struct srv_stream_input input;
+	struct srv_step steps[SRV_STEPS_MAX];        /* ascending; the last is the answer */
+	uint32_t step_count;
+	bool fits;
+	uint64_t body_bytes;                         /* exact; where it does not fit, that of the smallest body */
+	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
+	uint32_t plans_made;
+};
+
+struct srv_piece { const void *bytes; size_t size; };
+struct srv_body {
+	struct srv_piece *pieces;
+	uint32_t piece_count;
+	uint64_t size_bytes;
+	struct eco_writer frames;                    /* owns everything but the payloads */
+};
+
+enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error);
+
+/* body->size_bytes == stream->body_bytes. ECO_DAMAGED if a payload is. */
+enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body, struct eco_error *error);
+void srv_stream_free(struct srv_stream *stream);
+void srv_body_free(struct srv_body *body);
+
+/* Lists that exist, and no more chunks than they have. */
+enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings, struct eco_error *error);
+
+#endif

@@ -1,0 +1,143 @@
+/* One pass over the bytes: the path is checked and split, then the query is split, decoded and checked in place of a copy. The
+ * copy never grows, since decoding only shortens. */
+#include "server/target.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+static bool is_segment_byte(char c)
+{
+	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+}
+
+static int hex_digit(char c)
+{
+	if (c >= '0' && c <= '9')
+		return c - '0';
+	if (c >= 'a' && c <= 'f')
+		return c - 'a' + 10;
+	if (c >= 'A' && c <= 'F')
+		return c - 'A' + 10;
+	return -1;
+}
+
+/* Bytes from outside go into messages only as something that prints. */
+static int printable(char c)
+{
+	return c > 0x20 && c < 0x7f ? c : '?';
+}
+
+/* Absolute-form names the server too; only what follows the authority matters here. */
+static void skip_authority(const char **raw, size_t *size)
+{
+	static const char scheme[] = "http://";
+	size_t at = sizeof scheme - 1;
+	if (*size < at || memcmp(*raw, scheme, at) != 0)
+		return;
+	while (at < *size && (*raw)[at] != '/' && (*raw)[at] != '?')
+		at++;
+	*raw += at;
+	*size -= at;
+}
+
+static enum eco_code parse_path(struct srv_target *target, const char *raw, size_t size, char **out, struct eco_error *error)
+{
+	if (size == 0 || raw[0] != '/')
+		return eco_fail(error, ECO_BAD_INPUT, "the path must begin with '/'");
+	size_t at = 1;
+	while (at < size) {
+		if (target->segment_count == SRV_SEGMENTS_MAX)
+			return eco_fail(error, ECO_BAD_INPUT, "the path has more than %u segments", SRV_SEGMENTS_MAX);
+		target->segments[target->segment_count++] = *out;
+		if (raw[at] == '.')
+			return eco_fail(error, ECO_BAD_INPUT, "a path segment may not begin with '.'");
+		size_t first = at;
+		for (; at < size && raw[at] != '/'; at++) {
+			if (!is_segment_byte(raw[at]))
+				return eco_fail(error, ECO_BAD_INPUT, "'%c' at offset %zu is not allowed in a path: paths consist of letters, "
+					"digits, '.', '_', '-' and '/', without percent-encoding", printable(raw[at]), at);
+			*(*out)++ = raw[at];
+		}
+		if (at == first)
+			return eco_fail(error, ECO_BAD_INPUT, "the path has an empty segment at offset %zu", at);
+		*(*out)++ = 0;
+		if (at < size && ++at == size)
+			return eco_fail(error, ECO_BAD_INPUT, "the path ends with '/'");
+	}
+	return ECO_OK;
+}
+
+static enum eco_code parse_value(const char *raw, size_t size, const char *name, char **out, struct eco_error *error)
+{
+	for (size_t at = 0; at < size; at++) {
+		char c = raw[at];
+		if (c == '%') {
+			if (size - at < 3 || hex_digit(raw[at + 1]) < 0 || hex_digit(raw[at + 2]) < 0)
+				return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': '%%' must be followed by two hex digits", name);
+			c = (char)(hex_digit(raw[at + 1]) * 16 + hex_digit(raw[at + 2]));
+			at += 2;
+		}
+		if (c <= 0x20 || c >= 0x7f)
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': only printable ASCII without spaces is allowed", name);
+		*(*out)++ = c;
+	}
+	*(*out)++ = 0;
+	return ECO_OK;
+}
+
+static enum eco_code parse_param(struct srv_target *target, const char *raw, size_t size, char **out, struct eco_error *error)
+{
+	if (target->param_count == SRV_PARAMS_MAX)
+		return eco_fail(error, ECO_BAD_INPUT, "more than %u parameters", SRV_PARAMS_MAX);
+	struct srv_param *param = &target->params[target->param_count];
+	size_t at = 0;
+	param->name = *out;
+	for (; at < size && raw[at] != '='; at++) {
+		if (!((raw[at] >= 'a' && raw[at] <= 'z') || raw[at] == '_'))
+			return eco_fail(error, ECO_BAD_INPUT, "'%c' is not allowed in a parameter's name: names consist of a-z and '_'",
+				printable(raw[at]));
+		*(*out)++ = raw[at];
+	}
+	*(*out)++ = 0;
+	if (at == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "a parameter without a name");
+	if (at + 1 >= size)
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s' has no value: write %.40s=VALUE", param->name, param->name);
+	if (srv_target_param(target, param->name))
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s' is given twice", param->name);
+	param->value = *out;
+	enum eco_code code = parse_value(raw + at + 1, size - at - 1, param->name, out, error);
+	if (!code)
+		target->param_count++;
+	return code;
+}
+
+enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size, struct eco_error *error)
+{
+	target->segment_count = target->param_count = 0;
+	/* Every part gains a 0 and loses a separator; the path's first '/' pays for the first part's. */
+	if (size >= SRV_TARGET_BYTES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "the request target has %zu bytes; at most %u are accepted", size,
+			SRV_TARGET_BYTES_MAX - 1);
+	skip_authority(&raw, &size);
+	const char *query = memchr(raw, '?', size);
+	char *out = target->text;
+	enum eco_code code = parse_path(target, raw, query ? (size_t)(query - raw) : size, &out, error);
+	if (code || !query)
+		return code;
+	const char *end = raw + size;
+	for (const char *at = query, *next; at && !code; at = next) {
+		at++;
+		next = memchr(at, '&', (size_t)(end - at));
+		code = parse_param(target, at, (size_t)((next ? next : end) - at), &out, error);
+	}
+	return code;
+}
+
+const char *srv_target_param(const struct srv_target *target, const char *name)
+{
+	for (uint32_t i = 0; i < target->param_count; i++)
+		if (strcmp(target->params[i].name, name) == 0)
+			return target->params[i].value;
+	return NULL;
+}
