@@ -54,6 +54,8 @@ struct eco_model_options {
 	const char *path;
 	double height_m;         /* scale so that the model is this high; 0: the file's own unit is metres */
 	uint32_t triangles_max;  /* 0: 20,000,000 */
+	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call: a missing texture, ... */
+	void *ctx;
 };
 
 /* Imports OBJ, glTF or GLB through assimp (textures through the image module). Y-up formats are turned to Z-up. The foot (the
@@ -61,5 +63,8 @@ struct eco_model_options {
  * file and reason. On failure *model is empty. */
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);
 void eco_model_free(struct eco_model *model);
+
+/* Greatest z of the model: its height, as its lowest vertex is at 0. */
+double eco_model_height(const struct eco_model *model);
 
 #endif

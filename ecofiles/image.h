@@ -1,0 +1,39 @@
+/* Pictures in and out: textures of models, PNG frames of the viewer.
+ *
+ * OpenImageIO does the work, in a module of its own (ecoimage.so) that is loaded when the first picture is asked for: linking it
+ * would cost every program 200 ms and 131 MB at start. The module is ECO_IMAGE_MODULE if that is set (a path), else ecoimage.so in
+ * the folder of the running executable, else in that folder's parent. Where it cannot be loaded every call here fails with
+ * ECO_NOT_FOUND and says where it was looked for. All functions are thread-safe. */
+#ifndef ECO_IMAGE_H
+#define ECO_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/model.h"
+#include "ecofiles/status.h"
+
+#define ECO_PIXELS_MAX (1u << 26)        /* of a picture read or written */
+#define ECO_IMAGE_FILE_MAX (1u << 28)    /* bytes of a picture file */
+
+/* Reads any picture OpenImageIO knows (PNG, JPEG, WebP, TIFF, TGA, ...) as 8-bit RGBA with straight alpha, 255 where the file has
+ * none; gray becomes RGB, 16 bits and floats are rounded. The format is taken from the content, else from the name. *image
+ * receives a malloc'ed array; on failure it is empty. Errors name the file. */
+enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error);
+/* The same from memory; `name` is for messages and, by its extension, for formats that cannot be told from their content. */
+enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
+	struct eco_error *error);
+void eco_image_free(struct eco_image *image);
+
+/* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA, straight alpha). */
+struct eco_pixels {
+	uint32_t width, height, channels;
+	const uint8_t *bytes;
+};
+
+/* Encodes a PNG file; *bytes is malloc'ed. The same pixels give the same bytes. */
+enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
+/* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
+enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
+
+#endif
