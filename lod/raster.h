@@ -1,15 +1,25 @@
 /* A small deterministic software rasteriser: coverage with depth, cut-outs and owners. Curves are measured with it while a pack is
  * built, pictures are scored with it, and the full-detail reference can be drawn with it.
  *
- *   lod_raster_init(&r, width, height, with_owner);  lod_raster_clear(&r);
- *   lod_raster_camera(&r, &eye, near_m);             world -> pixels; or lod_raster_matrix for a plain 4x4
+ *   lod_raster_init(&r, &options, &error);           sizes, and what to keep beside depth; then lod_raster_clear for each picture
+ *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
  *   lod_raster_object(&r, &place);                   object -> world, for what follows
  *   lod_raster_triangles / _lines / _points          filled by GL's rules
  *
  * Agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles clipped at the near
- * plane, both sides drawn, depth tested per pixel (nearer wins; equal depth keeps the first). Points are squares of a given
- * world area facing the screen; lines are quads of a given world width around the segment, facing the eye. All coverage decisions
- * after the snapping are integer. Not thread-safe per object; different objects are independent. */
+ * plane, both sides drawn, depth tested per pixel (nearer wins; equal depth keeps the first). All coverage decisions after the
+ * snapping are integer. Not thread-safe per object; different objects are independent.
+ *
+ * What a client that draws the same by other means must compute (v(p) = metres along right, up, forward from the eye, of an object
+ * point; W x H pixels; depth is w = forward; whatever has w < near_m is clipped, for points: not drawn):
+ *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left; rounded to 1/256
+ *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|: the quad a-o, b-o, b+o, a+o
+ *             (two triangles); nothing where |o| is 0
+ *   point     h = sqrt(area) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its centre: the pixels whose centres
+ *             lie in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at the depth of the centre. May be none.
+ *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the image's top left; opaque where
+ *             alpha >= 128; u, v perspective-correct
+ * `scale` is that of the place. Samples are compared by 1/w, linear on the screen; nothing lies nearer than its primitive's corners. */
 #ifndef LOD_RASTER_H
 #define LOD_RASTER_H
 
@@ -50,14 +60,26 @@ void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_bat
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch);
 
-/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth), or outside the picture. Exact in the
- * sense that skipping it changes no pixel. */
+/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground too), or outside the picture.
+ * Exact in the sense that skipping what lies inside it changes no pixel; so the sphere must hold all that would be drawn, grown by
+ * its scale: half a line's width, and 0.71 sqrt(area) around points. Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
-/* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q. */
+/* Draws one finished picture over another of the same size and options. Nearer wins, equal depth keeps `into`: so if a sequence of
+ * draws is cut into runs, each run drawn into a raster of its own and those merged in order, the picture is that of the whole
+ * sequence, wherever the cuts are and whatever each thread skipped by lod_raster_hides. */
+void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
+
+/* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.
+ *   precision  tp / (tp + fp); nothing covered: 1, as nothing was claimed wrongly
+ *   recall     tp / (tp + fn); nothing to cover: 1, as nothing was missed
+ *   q          1 - sqrt((1-P)^2 + (1-R)^2), in [1 - sqrt 2, 1]; except that where one of the two masks is empty and the other is not,
+ *              P or R is 0 and the other 1, so that q is 0; both empty: 1
+ *   skill      (q - q_on) / (1 - q_on), q_on the q of "every pixel covered": what is won over a plain green card; NaN where q_on is 1
+ *   owner_q    q with only those true positives whose owners match (eco_owner_match), over the same denominators */
 struct lod_score {
 	uint64_t tp, fp, fn, tp_owner, pixels;
-	double precision, recall, q, skill, owner_q;     /* skill is NaN where Q of "all covered" is 1; see score.c for empty masks */
+	double precision, recall, q, skill, owner_q;
 };
 struct lod_score_input {
 	uint32_t width, height;

@@ -1,0 +1,67 @@
+/* Four floats or integers at a time, in GCC's and Clang's vector types: SSE2 or NEON where there is one, plain code elsewhere, the
+ * same bits everywhere (IEEE operations lane by lane, nothing fused, no approximations). */
+#ifndef LOD_LANES_H
+#define LOD_LANES_H
+
+#include <stdint.h>
+#include <string.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+typedef float lod_f4 __attribute__((vector_size(16)));
+typedef int32_t lod_i4 __attribute__((vector_size(16)));
+
+static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
+static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
+static inline lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from, sizeof v); return v; }
+static inline void lod_f4_store(float *to, lod_f4 v) { memcpy(to, &v, sizeof v); }
+static inline void lod_i4_store(int32_t *to, lod_i4 v) { memcpy(to, &v, sizeof v); }
+
+static inline lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no) {
+	return (lod_f4)(((lod_i4)yes & mask) | ((lod_i4)no & ~mask));
+}
+
+/* a < b ? a : b and a > b ? a : b: the second operand where either is NaN. */
+static inline lod_f4 lod_f4_min(lod_f4 a, lod_f4 b) {
+#ifdef __SSE2__
+	return (lod_f4)_mm_min_ps((__m128)a, (__m128)b);
+#else
+	return lod_f4_select(a < b, a, b);
+#endif
+}
+static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b) {
+#ifdef __SSE2__
+	return (lod_f4)_mm_max_ps((__m128)a, (__m128)b);
+#else
+	return lod_f4_select(a > b, a, b);
+#endif
+}
+
+static inline lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
+
+/* One bit a lane, from masks that are all ones or all zeros. */
+static inline unsigned lod_i4_bits(lod_i4 mask) {
+#ifdef __SSE2__
+	return (unsigned)_mm_movemask_ps((__m128)mask);
+#else
+	return (unsigned)((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
+/* Nearest integer, ties to even, for |a| < 2^22: adding 1.5 * 2^23 leaves the integer in the low bits. */
+static inline lod_i4 lod_f4_round(lod_f4 a) {
+	return (lod_i4)(a + lod_f4_all(12582912.0f)) - lod_i4_all(0x4b400000);
+}
+
+/* Rows become columns. */
+static inline void lod_f4_transpose(lod_f4 r[4]) {
+	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
+	lod_f4 cd_low = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5), cd_high = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+	r[0] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+	r[1] = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+	r[2] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+	r[3] = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
+
+#endif
