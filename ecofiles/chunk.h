@@ -1,14 +1,23 @@
 /* A chunk's payload: elements <-> bytes, through Draco.
  *
- * Payload (all little-endian); BYTES payloads are the file itself, everything else:
+ * Payload (all little-endian). BYTES: the file itself. Everything else:
  *   0   u8   1 (version)
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s, 1..4
  *   3   u8   0
- *   4   s *  { u8 corners, u8 0, u16 0, u32 elements, u32 bytes }     corners strictly ascending
+ *   4   s *  { u8 corners, u8 wide, u16 predictors, u32 elements, u32 bytes }     corners strictly ascending
  *   .   s Draco bitstreams, in that order, nothing after them
- * PAIRED stores one stream of points (corners = 1) preceded by up to 4 records with bytes = 0 that give the partner chunk's element
- * counts per corner count (corners 3..6), so that its permutation can be rebuilt.
+ *
+ * What a stream holds:
+ *   ELEMENTS  one row an element of that many corners; columns, `wide` and `predictors` as in chunk_rows.h
+ *   PAIRED    one row for the points of one partner element of that many corners (3..6): 2 (corners-2) points
+ *   KD, ROWS  one stream, corners = 1; wide (KD: 0) and predictors (0) as above
+ *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, before it corners = 1: one row
+ *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
+ *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
+ *             row before); wide and predictors 0.
+ * A chunk of a MESH list may say coder ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would
+ * lose or alter a triangle, or is larger.
  *
  * Decoding is a bomb by nature. Before Draco sees a byte: sizes and counts must match what the caller expects (from the hashed
  * list and chunk records), each Draco header must be the version, method and flags that our encoder writes, and its own counts
@@ -43,7 +52,7 @@ enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, con
 	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 
 /* Decodes one payload. `chunk` gives the expected counts and size; `ordinal` the permutation. Fails with ECO_DAMAGED and leaves
- * *elements empty. Memory used is at most about 200 bytes a declared corner. */
+ * *elements empty. Positions, uv and extra values of decoded elements are within +-(2^28 - 1). Memory used is at most about 200 bytes a declared corner. */
 enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
 	const uint8_t *bytes, size_t size_bytes, struct eco_elements *elements, struct eco_error *error);
 

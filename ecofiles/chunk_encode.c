@@ -1,0 +1,310 @@
+/* Elements to bytes. Inside a chunk the order is free, because the decoder permutes: so elements of one corner count go together
+ * and along a Morton curve, which makes the difference from each first corner to the next small (12 to 17 % of the size). */
+#include "ecofiles/chunk.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/chunk_payload.h"
+
+/* Where an input element is, in the order in which it will be stored. */
+struct stored {
+	uint8_t corners;
+	uint32_t key[3];             /* first corner, shifted to be unsigned */
+	uint32_t element;            /* relative to the input's first */
+	size_t corner_at;            /* index of its first corner among all corners */
+};
+
+/* Compares along a Morton curve without interleaving bits: the axis whose highest differing bit is highest decides (Chan 2002). */
+static int compare_stored(const void *left, const void *right)
+{
+	const struct stored *a = left, *b = right;
+	uint32_t difference = 0;
+	int axis = -1;
+
+	if (a->corners != b->corners)
+		return a->corners < b->corners ? -1 : 1;
+	for (int i = 0; i < 3; i++) {
+		uint32_t d = a->key[i] ^ b->key[i];
+
+		if (difference < d && difference < (difference ^ d)) {
+			difference = d;
+			axis = i;
+		}
+	}
+	if (axis >= 0)
+		return a->key[axis] < b->key[axis] ? -1 : 1;
+	return a->element < b->element ? -1 : a->element > b->element;
+}
+
+static bool values_fit(const int32_t *values, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (values[i] < -ECO_ROWS_VALUE_MAX || values[i] > ECO_ROWS_VALUE_MAX)
+			return false;
+	return true;
+}
+
+static enum eco_code check_input(const struct eco_chunk_input *input, struct eco_error *error)
+{
+	const struct eco_list *list = input->list;
+	const struct eco_elements *e = input->elements;
+	enum eco_code code = eco_list_check_coding(list, error);
+
+	if (code != ECO_OK)
+		return code;
+	if (input->first >= input->end || input->end > e->element_count)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements [%u, %u) of %u cannot be a chunk", input->ordinal, input->first,
+			input->end, e->element_count);
+	if (input->end - input->first > ECO_CHUNK_ELEMENTS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u elements, at most %u fit; end chunks earlier", input->ordinal,
+			input->end - input->first, ECO_CHUNK_ELEMENTS_MAX);
+	if (e->extra_count != eco_list_extra_count(list) || (e->extra_count > 0 && e->extra == NULL)
+	    || ((list->attributes & ECO_ATTR_UV) && e->uv == NULL))
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements lack attributes that the list has", input->ordinal);
+	return ECO_OK;
+}
+
+/* Allocates and fills the elements of [first, end) in input order, and bounds their values. */
+static enum eco_code find_elements(const struct eco_chunk_input *input, struct stored **out, struct eco_error *error)
+{
+	const struct eco_elements *e = input->elements;
+	uint32_t count = input->end - input->first;
+	struct stored *stored = calloc(count, sizeof *stored);
+	size_t corner_at = 0;
+
+	*out = stored;
+	if (stored == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
+	for (uint32_t i = 0; i < input->first; i++)
+		corner_at += e->corners[i];
+	for (uint32_t i = 0; i < count; i++) {
+		uint8_t corners = e->corners[input->first + i];
+		const int32_t *position = e->position + 3 * corner_at;
+
+		if (!eco_list_allows_corners(input->list, corners))
+			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which kind %u cannot have", input->ordinal,
+				input->first + i, corners, input->list->kind);
+		if (!values_fit(position, 3 * (size_t)corners) || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
+		    || (e->extra != NULL && !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
+			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; choose a coarser grid",
+				input->ordinal, input->first + i, ECO_ROWS_VALUE_MAX);
+		stored[i] = (struct stored){ .corners = corners, .element = i, .corner_at = corner_at };
+		for (int axis = 0; axis < 3; axis++)
+			stored[i].key[axis] = (uint32_t)position[axis] + (1u << 28);
+		corner_at += corners;
+	}
+	return ECO_OK;
+}
+
+/* Encodes stored elements of one corner count as the payload's next stream. `points` and its offsets, for PAIRED, say where the
+ * points of a partner element lie: 2 a triangle, in input order. */
+struct source {
+	const struct eco_list *list;
+	const struct eco_elements *elements;
+	uint32_t first;
+	const uint32_t *point_at;    /* PAIRED: by partner element, relative to `first`; else NULL */
+};
+
+static enum eco_code add_stream(struct eco_payload *payload, const struct source *source, const struct stored *stored,
+	uint32_t count, struct eco_error *error)
+{
+	const struct eco_elements *e = source->elements;
+	struct eco_stream *stream = &payload->streams[payload->stream_count];
+	struct eco_rows_shape shape;
+	struct eco_rows rows;
+	enum eco_code code;
+	uint8_t *bytes;
+
+	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count };
+	shape = eco_payload_shape(source->list, payload->coder, stream);
+	code = eco_rows_make(&rows, &shape, error);
+	if (code != ECO_OK)
+		return code;
+	for (uint32_t i = 0; i < count; i++) {
+		size_t corner = source->point_at == NULL ? stored[i].corner_at : source->point_at[stored[i].element];
+		size_t element = source->point_at == NULL ? source->first + stored[i].element : corner;
+		struct eco_rows_element row = {
+			e->position + 3 * corner,
+			shape.uv ? e->uv + 2 * corner : NULL,
+			e->extra_count > 0 ? e->extra + e->extra_count * element : NULL,
+		};
+
+		eco_rows_put(&rows, i, &row);
+	}
+	code = eco_rows_encode(&rows, &bytes, &stream->size, error);
+	if (code == ECO_OK) {
+		stream->bytes = bytes;
+		stream->wide = rows.shape.wide;
+		stream->predictors = rows.shape.predictors;
+		payload->stream_count++;
+	}
+	eco_rows_free(&rows);
+	return code;
+}
+
+/* One stream for each run of equal corner counts. */
+static enum eco_code add_streams(struct eco_payload *payload, const struct source *source, const struct stored *stored,
+	uint32_t count, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+
+	for (uint32_t first = 0, end; code == ECO_OK && first < count; first = end) {
+		for (end = first + 1; end < count && stored[end].corners == stored[first].corners; end++)
+			;
+		code = add_stream(payload, source, stored + first, end - first, error);
+	}
+	return code;
+}
+
+static enum eco_code report_order(const struct eco_chunk_input *input, const struct stored *stored, uint32_t *order,
+	struct eco_error *error)
+{
+	uint32_t count = input->end - input->first;
+	bool permuted = input->list->coder == ECO_CODER_ELEMENTS;
+	uint32_t *permutation = permuted ? malloc(count * sizeof *permutation) : NULL;
+
+	if (permuted && permutation == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
+	if (permuted)
+		eco_chunk_permutation(input->ordinal, count, permutation);
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = stored[permuted ? permutation[i] : i].element;
+	free(permutation);
+	return ECO_OK;
+}
+
+/* MESH: edgebreaker or plain triangles, whichever keeps everything and is smaller. */
+static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct source *source, const struct stored *stored,
+	uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	struct eco_payload mesh = { .coder = ECO_CODER_MESH }, plain = { .coder = ECO_CODER_ELEMENTS };
+	uint8_t *plain_bytes = NULL;
+	size_t plain_size = 0;
+	bool fits;
+	enum eco_code code = eco_mesh_encode(input->list, input->elements, input->first, input->end, &mesh, &fits, error);
+
+	if (code == ECO_OK && fits)
+		code = eco_payload_write(&mesh, bytes, size, error);
+	if (code == ECO_OK)
+		code = add_streams(&plain, source, stored, input->end - input->first, error);
+	if (code == ECO_OK)
+		code = eco_payload_write(&plain, &plain_bytes, &plain_size, error);
+	if (code == ECO_OK && (!fits || plain_size < *size)) {
+		free(*bytes);
+		*bytes = plain_bytes;
+		*size = plain_size;
+		plain_bytes = NULL;
+	}
+	free(plain_bytes);
+	eco_payload_free_streams(&mesh);
+	eco_payload_free_streams(&plain);
+	return code;
+}
+
+enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
+	struct eco_error *error)
+{
+	const struct source source = { input->list, input->elements, input->first, NULL };
+	struct eco_payload payload = { .coder = input->list->coder };
+	uint32_t count = input->end - input->first;
+	struct stored *stored = NULL;
+	enum eco_code code;
+
+	*bytes = NULL;
+	*size_bytes = 0;
+	assert(input->list->coder != ECO_CODER_PAIRED && input->list->coder != ECO_CODER_BYTES);
+	assert(order == NULL || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
+	code = check_input(input, error);
+	if (code == ECO_OK)
+		code = find_elements(input, &stored, error);
+	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
+		qsort(stored, count, sizeof *stored, compare_stored);
+	if (code == ECO_OK && payload.coder == ECO_CODER_MESH) {
+		code = encode_mesh(input, &source, stored, bytes, size_bytes, error);
+	} else if (code == ECO_OK) {
+		code = add_streams(&payload, &source, stored, count, error);
+		if (code == ECO_OK)
+			code = eco_payload_write(&payload, bytes, size_bytes, error);
+	}
+	if (code == ECO_OK && order != NULL)
+		code = report_order(input, stored, order, error);
+	if (code != ECO_OK) {
+		free(*bytes);
+		*bytes = NULL;
+	}
+	eco_payload_free_streams(&payload);
+	free(stored);
+	return code;
+}
+
+static enum eco_code check_points(const struct eco_chunk_input *partner, const struct eco_list *list,
+	const struct eco_elements *points, uint32_t point_first, uint32_t point_count, struct eco_error *error)
+{
+	enum eco_code code = eco_list_check_coding(list, error);
+
+	if (code != ECO_OK)
+		return code;
+	if (list->coder != ECO_CODER_PAIRED || partner->list->coder != ECO_CODER_ELEMENTS || partner->list->kind != ECO_LIST_TRIANGLES)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: only points can be paired, and only with fans", partner->ordinal);
+	if (point_first > points->element_count || point_count > points->element_count - point_first)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: needs points [%u, %u + %u), there are %u: two a triangle", partner->ordinal,
+			point_first, point_first, point_count, points->element_count);
+	if (point_count > ECO_CHUNK_ELEMENTS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u points, at most %u fit; end chunks earlier", partner->ordinal,
+			point_count, ECO_CHUNK_ELEMENTS_MAX);
+	if (points->extra_count != eco_list_extra_count(list) || (points->extra_count > 0 && points->extra == NULL)
+	    || ((list->attributes & ECO_ATTR_UV) && points->uv == NULL))
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: points lack attributes that the list has", partner->ordinal);
+	for (uint32_t i = 0; i < point_count; i++)
+		if (points->corners[point_first + i] != 1)
+			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: point %u has %u corners", partner->ordinal, point_first + i,
+				points->corners[point_first + i]);
+	if (!values_fit(points->position + 3 * (size_t)point_first, 3 * (size_t)point_count)
+	    || (points->uv != NULL && !values_fit(points->uv + 2 * (size_t)point_first, 2 * (size_t)point_count))
+	    || (points->extra != NULL
+	    && !values_fit(points->extra + (size_t)points->extra_count * point_first, (size_t)points->extra_count * point_count)))
+		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of a point exceeds %d; choose a coarser grid", partner->ordinal,
+			ECO_ROWS_VALUE_MAX);
+	return ECO_OK;
+}
+
+enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, const struct eco_list *list,
+	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
+{
+	struct eco_payload payload = { .coder = ECO_CODER_PAIRED };
+	uint32_t count = partner->end - partner->first, point_count = 0;
+	struct stored *stored = NULL;
+	uint32_t *point_at = NULL;
+	enum eco_code code;
+
+	*bytes = NULL;
+	*size_bytes = 0;
+	code = check_input(partner, error);
+	if (code == ECO_OK)
+		code = find_elements(partner, &stored, error);
+	if (code == ECO_OK) {
+		point_at = malloc(count * sizeof *point_at);
+		if (point_at == NULL)
+			code = eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", partner->ordinal, count);
+	}
+	for (uint32_t i = 0; code == ECO_OK && i < count; i++) {
+		point_at[i] = point_first + point_count;
+		point_count += eco_payload_row_points(ECO_CODER_PAIRED, stored[i].corners);
+	}
+	if (code == ECO_OK)
+		code = check_points(partner, list, points, point_first, point_count, error);
+	if (code == ECO_OK) {
+		const struct source source = { list, points, point_first, point_at };
+
+		qsort(stored, count, sizeof *stored, compare_stored);
+		code = add_streams(&payload, &source, stored, count, error);
+	}
+	if (code == ECO_OK)
+		code = eco_payload_write(&payload, bytes, size_bytes, error);
+	eco_payload_free_streams(&payload);
+	free(point_at);
+	free(stored);
+	return code;
+}

@@ -1,0 +1,62 @@
+/* How elements lie in Draco's rows: one row an element, corner by corner as differences that are small and alike.
+ *
+ *   eco_rows_make(&rows, &shape, ...);           columns for so many elements of one corner count
+ *   eco_rows_put(&rows, row, &element);          encoder: element -> row
+ *   eco_rows_encode(&rows, ...)                  -> a Draco stream          (eco_rows_decode the other way)
+ *   eco_rows_get(&rows, row, &element);          decoder: row -> element; false if a value is out of bounds
+ *   eco_rows_free(&rows);
+ *
+ * Columns of a row with m corners:
+ *   position 0 (3 values)                        Draco codes the difference to the row before (kd: the value)
+ *   position k = 1..m-1 (3)                      what is left of corner k, relative to corner 0, after a linear prediction from the
+ *                                                corners before it; which prediction is stored per stream and corner
+ *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV
+ *   extra (1 each); of further points of a group: the difference to the point before
+ *
+ * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and value & 65535. */
+#ifndef ECO_CHUNK_ROWS_H
+#define ECO_CHUNK_ROWS_H
+
+#include "ecofiles/draco_shim.h"
+#include "ecofiles/list.h"
+
+#define ECO_ROWS_CORNERS_MAX 8          /* 2 points for each of a fan's 4 triangles */
+#define ECO_ROWS_EXTRA_MAX 6
+#define ECO_ROWS_COLUMNS_MAX (2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
+#define ECO_ROWS_PREDICTORS 8u
+
+struct eco_rows_shape {
+	enum eco_draco_order order;
+	uint32_t rows;
+	uint8_t corners;             /* 1..ECO_ROWS_CORNERS_MAX */
+	uint8_t groups;              /* sets of extra values in a row: 1, or `corners` for points that stand for one element */
+	uint8_t extra_count;
+	bool uv;
+	bool wide;
+	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */
+};
+
+struct eco_rows {
+	struct eco_rows_shape shape;
+	struct eco_draco_column columns[ECO_ROWS_COLUMNS_MAX];
+	uint32_t column_count;
+	int32_t *storage;
+};
+
+/* One element, or one group of points: arrays of the caller. `uv` may be NULL where the shape has none, as may `extra`. */
+struct eco_rows_element { int32_t *position, *uv, *extra; };
+
+/* Largest magnitude of a position, uv or extra value that a chunk can hold. */
+#define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
+
+enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
+void eco_rows_free(struct eco_rows *rows);
+
+void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
+bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
+
+/* Encoding sets shape.predictors and shape.wide to what is best; both must be stored with the stream. */
+enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
+
+#endif
