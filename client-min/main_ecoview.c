@@ -1,0 +1,437 @@
+/* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail reference. */
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "client-min/view_fetch.h"
+#include "client-min/view_gl.h"
+#include "client-min/view_options.h"
+#include "client-min/view_progress.h"
+#include "client-min/view_reference.h"
+#include "client-min/view_report.h"
+#include "ecofiles/image.h"
+
+/* Reference triangles that a software renderer may be given for the coloured picture of a reference. */
+#define COLORED_VERTICES_MAX ((uint64_t)3 * 60000000)
+
+static const char usage[] =
+	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--reference[=cpu|egl]] -o DIR\n"
+	"\n"
+	"Streams a scene along a camera script and draws every frame as a PNG.\n"
+	"\n"
+	"  URL                     of a scene: http://host:port/v1/scenes/NAME\n"
+	"  --camera FILE           camera script\n"
+	"  --size WxH              of the pictures, in pixels\n"
+	"  --vertices N            budget a frame: points + 2 lines + 3 triangles drawn, instances counted\n"
+	"  --bytes M               budget of each response\n"
+	"  --reference[=cpu|egl]   also draw everything at full detail, and score; by default with OpenGL on hardware, else in software\n"
+	"  --tint=kind             colour by representation: green triangles, red lines, blue points, yellow and orange blends\n"
+	"  --frames A..B           only these frames of the script (inclusive)\n"
+	"  -o DIR                  where pictures and report.json go; made if missing\n"
+	"  --help  --version\n"
+	"\n"
+	"Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, reference-0000.mask.png and\n"
+	"pr-0000.png (light: right, orange: too much, blue: missing). Exit status: 0 done, 1 failed, 2 usage.\n";
+
+enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
+
+struct options {
+	const char *url, *camera, *dir;
+	uint32_t width, height;
+	uint64_t vertices, bytes;
+	bool has_vertices, has_frames;
+	uint64_t frame_first, frame_last;
+	enum engine reference;
+	enum view_tint tint;
+};
+
+struct viewer {                          /* everything that lives as long as the program */
+	struct options options;
+	struct eco_camera *camera;
+	struct view_fetch *fetch;
+	struct view_store *store, *full;         /* the reference has a store of its own: it must not count as held by the frames */
+	struct view_gl *gl;                      /* NULL: no OpenGL; pictures are then flat */
+	struct view_picture picture, reference;
+	struct view_report report;
+	struct view_progress progress;
+	double parts, part;
+};
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+	(void)number;
+	interrupted = 1;
+}
+
+/* ---- Command line ---- */
+
+static enum eco_code parse_frames(const char *text, struct options *o, struct eco_error *error)
+{
+	unsigned long long first = 0, last = 0;
+	int used = 0;
+	if (!text || sscanf(text, "%9llu..%9llu%n", &first, &last, &used) != 2 || text[used] || first > last)
+		return eco_fail(error, ECO_BAD_USAGE, "--frames takes A..B, not '%s'", text ? text : "");
+	o->frame_first = first;
+	o->frame_last = last;
+	o->has_frames = true;
+	return ECO_OK;
+}
+
+static enum eco_code parse_reference(const char *arg, struct options *o, struct eco_error *error)
+{
+	const char *engine = arg + strlen("--reference");
+	o->reference = !*engine ? ENGINE_AUTO : !strcmp(engine, "=cpu") ? ENGINE_CPU : !strcmp(engine, "=egl") ? ENGINE_EGL : ENGINE_NONE;
+	return o->reference ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference is cpu or egl, not '%s'", engine);
+}
+
+static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o, struct eco_error *error)
+{
+	const char *value;
+	if (view_option(argc, argv, i, "--camera", &value))
+		return (o->camera = value) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--camera takes a file");
+	if (view_option(argc, argv, i, "-o", &value))
+		return (o->dir = value) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "-o takes a folder");
+	if (view_option(argc, argv, i, "--size", &value))
+		return view_parse_size("--size", value, &o->width, &o->height, error);
+	if (view_option(argc, argv, i, "--vertices", &value)) {
+		o->has_vertices = true;
+		return view_parse_count("--vertices", value, 0, ECO_VERTICES_MAX, &o->vertices, error);
+	}
+	if (view_option(argc, argv, i, "--bytes", &value))
+		return view_parse_count("--bytes", value, 0, ECO_BYTES_UNBOUNDED - 1, &o->bytes, error);
+	if (view_option(argc, argv, i, "--frames", &value))
+		return parse_frames(value, o, error);
+	if (strncmp(argv[*i], "--reference", 11) == 0)
+		return parse_reference(argv[(*i)++], o, error);
+	if (view_option(argc, argv, i, "--tint", &value)) {
+		o->tint = VIEW_TINT_KIND;
+		return value && !strcmp(value, "kind") ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--tint is kind, not '%s'", value ? value : "");
+	}
+	if (argv[*i][0] == '-')
+		return eco_fail(error, ECO_BAD_USAGE, "unknown option '%s'", argv[*i]);
+	if (o->url)
+		return eco_fail(error, ECO_BAD_USAGE, "one URL at a time: '%s' is a second", argv[*i]);
+	o->url = argv[(*i)++];
+	return ECO_OK;
+}
+
+static enum eco_code parse(int argc, char **argv, struct options *o, struct eco_error *error)
+{
+	*o = (struct options){ .bytes = ECO_BYTES_UNBOUNDED };
+	for (int i = 1; i < argc;) {
+		enum eco_code code = parse_one(argc, argv, &i, o, error);
+		if (code)
+			return code;
+	}
+	const char *missing = !o->url ? "the scene's URL" : !o->camera ? "--camera" : !o->width ? "--size" : !o->has_vertices ? "--vertices"
+		: !o->dir ? "-o" : NULL;
+	return missing ? eco_fail(error, ECO_BAD_USAGE, "%s is missing; see ecoview --help", missing) : ECO_OK;
+}
+
+/* ---- Files ---- */
+
+static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes, uint32_t channels,
+	struct eco_error *error)
+{
+	char name[64], path[4096];
+	snprintf(name, sizeof name, format, frame);
+	if (snprintf(path, sizeof path, "%s/%s", v->options.dir, name) >= (int)sizeof path)
+		return eco_fail(error, ECO_BAD_USAGE, "-o: the folder's name is too long");
+	struct eco_pixels pixels = { v->options.width, v->options.height, channels, bytes };
+	return eco_png_write(&pixels, path, error);
+}
+
+static enum eco_code save_comparison(struct viewer *v, uint32_t frame, struct eco_error *error)
+{
+	uint32_t count = v->options.width * v->options.height;
+	uint8_t *rgb = malloc((size_t)count * 3);
+	if (!rgb)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	view_picture_compare(v->picture.cover, v->reference.cover, count, rgb);
+	enum eco_code code = save(v, "reference-%04u.png", frame, v->reference.rgb, 3, error);
+	if (!code)
+		code = save(v, "frame-%04u.mask.png", frame, v->picture.cover, 1, error);
+	if (!code)
+		code = save(v, "reference-%04u.mask.png", frame, v->reference.cover, 1, error);
+	if (!code)
+		code = save(v, "pr-%04u.png", frame, rgb, 3, error);
+	free(rgb);
+	return code;
+}
+
+static enum eco_code make_dir(const char *dir, struct eco_error *error)
+{
+	char path[4096];
+	if (!*dir || snprintf(path, sizeof path, "%s", dir) >= (int)sizeof path)
+		return eco_fail(error, ECO_BAD_USAGE, "-o takes a folder's name of at most %zu characters", sizeof path - 1);
+	for (char *at = path + 1;; at++) {
+		char kept = *at;
+		if (kept && kept != '/')
+			continue;
+		*at = '\0';
+		if (mkdir(path, 0777) && errno != EEXIST)
+			return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		*at = kept;
+		if (!kept)
+			break;
+	}
+	struct stat status;
+	if (stat(dir, &status) || !S_ISDIR(status.st_mode))
+		return eco_fail(error, ECO_IO, "%s is not a folder", dir);
+	return ECO_OK;
+}
+
+/* ---- Frames ---- */
+
+static void step(struct viewer *v, uint32_t frame, const char *what)
+{
+	char text[96];
+	snprintf(text, sizeof text, "frame %u: %s", frame, what);
+	view_progress_show(&v->progress, v->part++, v->parts, text);
+}
+
+/* Draws a store's plan into `picture`: with OpenGL (colours, mask, owners), in software, or mask in software and colours with OpenGL
+ * where that is affordable. */
+static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye, bool software,
+	struct view_picture *picture, struct eco_error *error)
+{
+	struct view_selection selection;
+	enum eco_code code = view_select_make(&selection, store, eye, error);
+	if (code)
+		return code;
+	const struct eco_plan *plan = view_store_plan(store);
+	bool ground = plan && plan->ground;
+	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
+	struct view_gl_job job = { store, &selection, eye, near_m, ground, v->options.tint };
+	double spent = 0;
+	if (v->gl && (!software || view_gl_hardware(v->gl) || selection.vertices <= COLORED_VERTICES_MAX)) {
+		code = view_gl_draw(v->gl, &job, picture, error);
+		spent = picture->draw_ms;
+	} else {
+		software = true;
+		memset(picture->rgb, 0, (size_t)picture->width * picture->height * 3);
+	}
+	if (!code && software) {
+		struct view_picture flat;
+		struct view_reference_job reference = { store, &selection, eye, near_m, ground, 0, &interrupted };
+		code = view_picture_init(&flat, picture->width, picture->height, error);
+		if (!code)
+			code = view_reference_draw(&reference, &flat, error);
+		if (!code && spent > 0)
+			memcpy(flat.rgb, picture->rgb, (size_t)picture->width * picture->height * 3);
+		if (code) {
+			view_picture_free(&flat);
+		} else {
+			view_picture_free(picture);
+			*picture = flat;
+		}
+	}
+	view_select_free(&selection);
+	return code;
+}
+
+static enum eco_code check_budgets(const struct view_frame *f, struct eco_error *error)
+{
+	if (f->vertices > f->budget_vertices)
+		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed", f->frame,
+			(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
+	if (f->bytes > f->budget_bytes)
+		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were allowed", f->frame,
+			(unsigned long long)f->bytes, (unsigned long long)f->budget_bytes);
+	return ECO_OK;
+}
+
+static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye,
+	struct view_frame *f, struct eco_error *error)
+{
+	struct view_fetch_result result;
+	step(v, f->frame, "stream");
+	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
+	if (code)
+		return code;
+	f->bytes = result.bytes;
+	f->plan_ms = result.plan_ms;
+	f->first_byte_ms = result.first_byte_ms;
+	f->stream_ms = result.stream_ms;
+	f->decode_ms = view_store_stats(v->store)->decode_ms;
+	if (result.nothing) {
+		view_progress_clear(&v->progress);
+		fprintf(stderr, "ecoview: frame %u: no picture fits in the budget, nothing is drawn\n", f->frame);
+	} else {
+		f->predicted_q = view_predicted_q(&view_store_plan(v->store)->prediction);
+	}
+	step(v, f->frame, "draw");
+	code = draw(v, v->store, eye, v->gl == NULL, &v->picture, error);
+	if (code)
+		return code;
+	f->vertices = v->picture.vertices;
+	f->draw_ms = v->picture.draw_ms;
+	return check_budgets(f, error);
+}
+
+static enum eco_code score_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye, struct view_frame *f,
+	struct eco_error *error)
+{
+	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED };
+	struct view_fetch_result result;
+	double start = view_clock_ms();
+	step(v, f->frame, "fetch the reference");
+	enum eco_code code = view_fetch_stream(v->fetch, v->full, &everything, &result, error);
+	if (code)
+		return code;
+	step(v, f->frame, "draw the reference");
+	code = draw(v, v->full, eye, v->options.reference == ENGINE_CPU, &v->reference, error);
+	if (code)
+		return code;
+	struct lod_score score;
+	struct lod_score_input input = { v->options.width, v->options.height, v->picture.cover, v->reference.cover, v->picture.owner,
+		v->reference.owner };
+	lod_score(&score, &input);
+	view_frame_score(f, &score);
+	f->reference_ms = view_clock_ms() - start;
+	return save_comparison(v, f->frame, error);
+}
+
+static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
+{
+	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes };
+	request.view.width = v->options.width;
+	request.view.height = v->options.height;
+	double time_s = eco_camera_frame(v->camera, number, &request.view);
+	enum eco_code code = eco_view_check(&request.view, error);
+	if (code)
+		return code;
+	struct lod_eye eye;
+	lod_eye_make(&eye, &request.view);
+	struct view_frame f = view_frame_empty(number, time_s, &request);
+	code = stream_frame(v, &request, &eye, &f, error);
+	if (!code)
+		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
+	if (!code && v->options.reference)
+		code = score_frame(v, &request, &eye, &f, error);
+	if (!code)
+		code = view_report_add(&v->report, &f, error);
+	if (!code) {
+		view_progress_clear(&v->progress);
+		view_report_line(&f, stdout);
+	}
+	return code;
+}
+
+static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
+{
+	struct options *o = &v->options;
+	uint32_t count = eco_camera_frame_count(v->camera);
+	if (!o->has_frames)
+		o->frame_last = count - 1;
+	if (o->frame_last >= count)
+		return eco_fail(error, ECO_BAD_USAGE, "--frames: the camera script has frames 0..%u", count - 1);
+	v->parts = (double)(o->frame_last - o->frame_first + 1) * (o->reference ? 4 : 2);
+	enum eco_code code = ECO_OK;
+	for (uint64_t i = o->frame_first; i <= o->frame_last && !code; i++)
+		code = interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : one_frame(v, (uint32_t)i, error);
+	v->report.complete = code == ECO_OK;
+	view_progress_clear(&v->progress);
+	v->report.scene = view_store_scene_name(v->store);
+	enum eco_code written = view_report_write(&v->report, o->dir, error);
+	if (code == ECO_INTERRUPTED)
+		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n", v->report.count,
+			(unsigned long long)(o->frame_last - o->frame_first + 1), o->dir);
+	return code ? code : written;
+}
+
+/* ---- Life ---- */
+
+static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
+{
+	struct view_gl_options options = { v->options.width, v->options.height };
+	struct eco_error why = { 0 };
+	if (view_gl_open(&v->gl, &options, &why)) {
+		if (v->options.reference == ENGINE_EGL)
+			return eco_fail(error, why.code, "--reference=egl: %s", why.text);
+		fprintf(stderr, "ecoview: %s; pictures are drawn in software, with flat colours\n", why.text);
+	}
+	if (v->options.reference == ENGINE_AUTO)
+		v->options.reference = v->gl && view_gl_hardware(v->gl) ? ENGINE_EGL : ENGINE_CPU;
+	v->report.renderer = v->gl ? view_gl_renderer(v->gl) : "software";
+	v->report.reference = v->options.reference == ENGINE_NONE ? NULL : v->options.reference == ENGINE_CPU ? "cpu" : "egl";
+	v->report.width = v->options.width;
+	v->report.height = v->options.height;
+	return ECO_OK;
+}
+
+static enum eco_code start(struct viewer *v, struct eco_error *error)
+{
+	const struct options *o = &v->options;
+	struct view_fetch_options fetch = { .url = o->url, .stop = &interrupted };
+	struct view_store_options store = { .images = true };
+	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
+	if (!code)
+		code = make_dir(o->dir, error);
+	if (!code)
+		code = view_fetch_new(&v->fetch, &fetch, error);
+	if (!code)
+		code = open_gl(v, error);
+	if (!code)
+		code = view_store_new(&v->store, &store, error);
+	if (!code && o->reference)
+		code = view_store_new(&v->full, &store, error);
+	if (!code)
+		code = view_picture_init(&v->picture, o->width, o->height, error);
+	if (!code && o->reference)
+		code = view_picture_init(&v->reference, o->width, o->height, error);
+	return code;
+}
+
+static void finish(struct viewer *v)
+{
+	view_picture_free(&v->picture);
+	view_picture_free(&v->reference);
+	view_gl_close(v->gl);
+	view_report_free(&v->report);
+	view_store_free(v->store);
+	view_store_free(v->full);
+	view_fetch_free(v->fetch);
+	eco_camera_free(v->camera);
+}
+
+static void catch_signals(void)
+{
+	struct sigaction action = { .sa_handler = on_signal };
+	sigemptyset(&action.sa_mask);
+	action.sa_flags = (int)SA_RESETHAND;     /* a second Ctrl-C ends at once */
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+}
+
+int main(int argc, char **argv)
+{
+	for (int i = 1; i < argc; i++) {
+		if (!strcmp(argv[i], "--help"))
+			return fputs(usage, stdout) < 0;
+		if (!strcmp(argv[i], "--version"))
+			return puts("ecostream 0.1") < 0;
+	}
+	static struct viewer viewer;
+	struct eco_error error = { 0 };
+	enum eco_code code = parse(argc, argv, &viewer.options, &error);
+	view_progress_begin(&viewer.progress, "ecoview");
+	catch_signals();
+	if (!code)
+		code = view_fetch_setup(&error);
+	if (!code)
+		code = start(&viewer, &error);
+	if (!code)
+		code = all_frames(&viewer, &error);
+	finish(&viewer);
+	view_fetch_teardown();
+	if (code && code != ECO_INTERRUPTED)
+		fprintf(stderr, "ecoview: %s\n", error.text);
+	return eco_exit_status(code);
+}

@@ -1,0 +1,275 @@
+#include "client-min/view_fetch.h"
+
+#include <curl/curl.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
+#define PROBLEM_MAX 16384u
+
+struct view_fetch {
+	struct view_fetch_options options;
+	CURL *curl;
+	struct curl_slist *headers;
+	char *url;                               /* up to and including "/stream?" */
+	char curl_text[CURL_ERROR_SIZE];
+	/* of the request under way */
+	struct eco_wire_parser *parser;
+	struct view_fetch_result *result;
+	struct eco_error stream_error;
+	char problem[PROBLEM_MAX];
+	size_t problem_size;
+	double start_ms, heard_ms;
+	bool stalled, stopped;
+};
+
+enum eco_code view_fetch_setup(struct eco_error *error)
+{
+	return curl_global_init(CURL_GLOBAL_DEFAULT) ? eco_fail(error, ECO_IO, "libcurl does not start") : ECO_OK;
+}
+
+void view_fetch_teardown(void)
+{
+	curl_global_cleanup();
+}
+
+static size_t append_numbers(char *out, size_t room, size_t at, const char *name, const double *v, int count)
+{
+	for (int i = 0; i < count && at < room; i++)
+		at += (size_t)snprintf(out + at, room - at, "%s%s%.17g", i ? "," : name, i ? "" : "=", v[i]);
+	return at;
+}
+
+size_t view_fetch_query(const struct eco_request *request, char *out, size_t room)
+{
+	const struct eco_view *v = &request->view;
+	size_t at = append_numbers(out, room, 0, "eye", v->eye, 3);
+	at = append_numbers(out, room, at, "&target", v->target, 3);
+	at = append_numbers(out, room, at, "&up", v->up, 3);
+	at = append_numbers(out, room, at, "&fov_y_deg", &v->fov_y_deg, 1);
+	if (at < room)
+		at += (size_t)snprintf(out + at, room - at, "&width=%u&height=%u&vertices=%llu", v->width, v->height,
+			(unsigned long long)request->vertices);
+	if (at < room && request->bytes != ECO_BYTES_UNBOUNDED)
+		at += (size_t)snprintf(out + at, room - at, "&bytes=%llu", (unsigned long long)request->bytes);
+	return at;
+}
+
+double view_fetch_plan_ms(const char *value, size_t size)
+{
+	char text[256];
+	if (size >= sizeof text)
+		size = sizeof text - 1;
+	memcpy(text, value, size);
+	text[size] = '\0';
+	const char *found = strstr(text, "plan;dur=");
+	if (!found || (found != text && !strchr(" ,\t", found[-1])))
+		return NAN;
+	char *end;
+	double ms = strtod(found + 9, &end);
+	return end == found + 9 || !isfinite(ms) || ms < 0 ? NAN : ms;
+}
+
+/* ---- curl's callbacks ---- */
+
+static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
+{
+	static const char name[] = "Server-Timing:";
+	struct view_fetch *fetch = ctx;
+	size *= one;
+	if (size > sizeof name && strncasecmp(bytes, name, sizeof name - 1) == 0) {
+		const char *value = bytes + sizeof name - 1;
+		double ms = view_fetch_plan_ms(value, size - (sizeof name - 1));
+		if (!isnan(ms))
+			fetch->result->plan_ms = ms;
+	}
+	return size;
+}
+
+static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
+{
+	struct view_fetch *fetch = ctx;
+	size *= one;
+	fetch->heard_ms = view_clock_ms();
+	if (fetch->result->status == 0) {
+		curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &fetch->result->status);
+		fetch->result->first_byte_ms = fetch->heard_ms - fetch->start_ms;
+	}
+	fetch->result->bytes += size;
+	if (fetch->result->status != 200) {
+		size_t room = PROBLEM_MAX - 1 - fetch->problem_size, take = size < room ? size : room;
+		memcpy(fetch->problem + fetch->problem_size, bytes, take);
+		fetch->problem_size += take;
+		return take == size ? size : 0;
+	}
+	if (fetch->result->bytes > fetch->options.body_max) {
+		eco_fail(&fetch->stream_error, ECO_TOO_LARGE, "the answer is longer than %llu bytes",
+			(unsigned long long)fetch->options.body_max);
+		return 0;
+	}
+	return eco_wire_feed(fetch->parser, (const uint8_t *)bytes, size, &fetch->stream_error) ? 0 : size;
+}
+
+static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
+{
+	(void)a, (void)b, (void)c, (void)d;
+	struct view_fetch *fetch = ctx;
+	fetch->stopped = fetch->options.stop && *fetch->options.stop;
+	fetch->stalled = view_clock_ms() - fetch->heard_ms > (double)fetch->options.stall_ms;
+	return fetch->stopped || fetch->stalled;
+}
+
+/* ---- Life ---- */
+
+static void set_options(struct view_fetch *fetch)
+{
+	CURL *c = fetch->curl;
+	curl_easy_setopt(c, CURLOPT_HTTPHEADER, fetch->headers);
+	curl_easy_setopt(c, CURLOPT_ERRORBUFFER, fetch->curl_text);
+	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
+	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
+	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, fetch->options.connect_ms);
+	curl_easy_setopt(c, CURLOPT_BUFFERSIZE, 256L << 10);
+	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/0.1");
+	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(c, CURLOPT_HEADERFUNCTION, on_header);
+	curl_easy_setopt(c, CURLOPT_HEADERDATA, fetch);
+	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_body);
+	curl_easy_setopt(c, CURLOPT_WRITEDATA, fetch);
+	curl_easy_setopt(c, CURLOPT_NOPROGRESS, 0L);
+	curl_easy_setopt(c, CURLOPT_XFERINFOFUNCTION, on_progress);
+	curl_easy_setopt(c, CURLOPT_XFERINFODATA, fetch);
+}
+
+static enum eco_code check_url(const char *url, struct eco_error *error)
+{
+	if (strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0)
+		return eco_fail(error, ECO_BAD_USAGE, "'%s' is not a scene's URL: it should look like http://host:port/v1/scenes/NAME", url);
+	if (strpbrk(url, "?# ") || strlen(url) > 2000)
+		return eco_fail(error, ECO_BAD_USAGE, "a scene's URL has no query, fragment or space and at most 2000 characters");
+	return ECO_OK;
+}
+
+enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_options *options, struct eco_error *error)
+{
+	*out = NULL;
+	enum eco_code code = check_url(options->url, error);
+	if (code)
+		return code;
+	struct view_fetch *fetch = calloc(1, sizeof *fetch);
+	if (!fetch)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
+	fetch->options = *options;
+	if (!fetch->options.body_max)
+		fetch->options.body_max = BODY_MAX_DEFAULT;
+	if (!fetch->options.connect_ms)
+		fetch->options.connect_ms = 10000;
+	if (!fetch->options.stall_ms)
+		fetch->options.stall_ms = 120000;
+	size_t length = strlen(options->url);
+	while (length && options->url[length - 1] == '/')
+		length--;
+	fetch->curl = curl_easy_init();
+	fetch->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
+	if (!fetch->curl || !fetch->headers || !curl_slist_append(fetch->headers, "Expect:") ||
+		asprintf(&fetch->url, "%.*s/stream?", (int)length, options->url) < 0) {
+		view_fetch_free(fetch);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
+	}
+	set_options(fetch);
+	*out = fetch;
+	return ECO_OK;
+}
+
+void view_fetch_free(struct view_fetch *fetch)
+{
+	if (!fetch)
+		return;
+	curl_easy_cleanup(fetch->curl);
+	curl_slist_free_all(fetch->headers);
+	free(fetch->url);
+	free(fetch);
+}
+
+/* ---- One request ---- */
+
+static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
+{
+	long status = fetch->result->status;
+	json_t *root = json_loadb(fetch->problem, fetch->problem_size, 0, NULL);
+	const char *title = json_string_value(json_object_get(root, "title"));
+	const char *detail = json_string_value(json_object_get(root, "detail"));
+	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
+	eco_fail(error, code, "the server answered %ld%s%s%s%s", status, title ? ": " : "", title ? title : "", detail ? ": " : "",
+		detail ? detail : "");
+	json_decref(root);
+	return code;
+}
+
+static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_error *error)
+{
+	if (fetch->stopped)
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (fetch->stalled)
+		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url, fetch->options.stall_ms / 1000);
+	if (fetch->stream_error.code)
+		return eco_fail(error, fetch->stream_error.code, "%s", fetch->stream_error.text);
+	if (rc && !(rc == CURLE_WRITE_ERROR && fetch->result->status >= 400))
+		return eco_fail(error, ECO_IO, "%s: %s", fetch->options.url, fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc));
+	if (fetch->result->status == 204) {
+		fetch->result->nothing = true;
+		return ECO_OK;
+	}
+	return fetch->result->status == 200 ? eco_wire_finish(fetch->parser, error) : problem(fetch, error);
+}
+
+static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request, const struct eco_writer *body,
+	struct eco_error *error)
+{
+	char query[VIEW_QUERY_BYTES], *url;
+	if (view_fetch_query(request, query, sizeof query) >= sizeof query || asprintf(&url, "%s%s", fetch->url, query) < 0)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
+	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
+	curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes : "");
+	curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)body->size);
+	fetch->start_ms = fetch->heard_ms = view_clock_ms();
+	CURLcode rc = curl_easy_perform(fetch->curl);
+	free(url);
+	struct view_fetch_result *result = fetch->result;
+	curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &result->status);
+	result->stream_ms = view_clock_ms() - fetch->start_ms;
+	if (result->bytes == 0)
+		result->first_byte_ms = result->stream_ms;
+	return outcome(fetch, rc, error);
+}
+
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
+	struct view_fetch_result *result, struct eco_error *error)
+{
+	*result = (struct view_fetch_result){ .plan_ms = NAN };
+	fetch->result = result;
+	fetch->problem_size = 0;
+	fetch->stopped = fetch->stalled = false;
+	fetch->stream_error = (struct eco_error){ 0 };
+	fetch->curl_text[0] = '\0';
+	view_store_begin(store);
+	struct eco_holdings holdings;
+	enum eco_code code = view_store_holdings(store, &holdings, error);
+	if (code)
+		return code;
+	struct eco_writer body = { 0 };
+	eco_wire_write_holdings(&body, &holdings);
+	free(holdings.items);
+	code = body.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for a request")
+		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
+	if (!code) {
+		code = perform(fetch, request, &body, error);
+		eco_wire_parser_free(fetch->parser);
+		fetch->parser = NULL;
+	}
+	eco_writer_free(&body);
+	return code;
+}

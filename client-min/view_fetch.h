@@ -1,0 +1,52 @@
+/* Asking a server for a view and feeding its answer to a store while it arrives.
+ *
+ *   view_fetch_new(&fetch, &options, &error);       one per thread: keeps its connection
+ *   view_fetch_stream(fetch, store, &request, &result, &error);
+ *   view_fetch_free(fetch);
+ *
+ * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..] with the store's holdings as body.
+ * Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded: the body, its rate, the time. */
+#ifndef VIEW_FETCH_H
+#define VIEW_FETCH_H
+
+#include <signal.h>
+
+#include "client-min/view_store.h"
+
+struct view_fetch;
+
+struct view_fetch_options {
+	const char *url;                         /* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
+	uint64_t body_max;                       /* 0: 16 GiB */
+	long connect_ms, stall_ms;               /* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
+	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
+};
+
+struct view_fetch_result {
+	long status;                             /* HTTP; 0 if there was none */
+	bool nothing;                            /* 204: no valid stream fits the budget; the store holds no plan */
+	uint64_t bytes;                          /* of the response body */
+	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
+	double first_byte_ms, stream_ms;         /* from asking to the first byte and to the last, decoding included */
+};
+
+/* Once per process, before any thread fetches. */
+enum eco_code view_fetch_setup(struct eco_error *error);
+void view_fetch_teardown(void);
+
+enum eco_code view_fetch_new(struct view_fetch **fetch, const struct view_fetch_options *options, struct eco_error *error);
+void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine */
+
+/* Begins a frame of the store and fetches it. *result is filled also on failure, as far as things went. */
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
+	struct view_fetch_result *result, struct eco_error *error);
+
+/* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same doubles. Returns its length;
+ * nothing is written beyond `room`. */
+#define VIEW_QUERY_BYTES 640
+size_t view_fetch_query(const struct eco_request *request, char *out, size_t room);
+
+/* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */
+double view_fetch_plan_ms(const char *value, size_t size);
+
+#endif

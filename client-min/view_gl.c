@@ -1,0 +1,409 @@
+#include "client-min/view_gl.h"
+
+#include <epoxy/gl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_egl.h"
+#include "client-min/view_gpu.h"
+#include "client-min/view_record.h"
+#include "client-min/view_shade.h"
+
+#define INSTANCE_TEXELS 5
+#define HAZE_M 5200.0f
+
+struct view_gl {
+	uint32_t width, height;
+	struct view_egl egl;
+	struct view_gpu gpu;
+	struct view_shader shaders[VIEW_PROGRAM_COUNT];
+	unsigned framebuffer, color, owner, depth, vertex_array, shade;
+	struct view_gpu_stream instances, members;
+};
+
+struct frame {                           /* of one draw */
+	struct view_gl *gl;
+	const struct view_gl_job *job;
+	struct view_picture *picture;
+	enum view_program bound;
+	bool any_bound;
+	struct eco_error *error;
+};
+
+/* ---- Life ---- */
+
+static unsigned texture_target(unsigned format, uint32_t width, uint32_t height, unsigned attachment)
+{
+	unsigned texture;
+	glGenTextures(1, &texture);
+	glBindTexture(GL_TEXTURE_2D, texture);
+	glTexStorage2D(GL_TEXTURE_2D, 1, format, (GLsizei)width, (GLsizei)height);
+	glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+	return texture;
+}
+
+static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
+{
+	GLint most = 0;
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+	if (gl->width > (uint32_t)most || gl->height > (uint32_t)most)
+		return eco_fail(error, ECO_UNSUPPORTED, "a picture of %u x %u pixels: the graphics driver draws at most %d x %d", gl->width,
+			gl->height, most, most);
+	glGenFramebuffers(1, &gl->framebuffer);
+	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
+	gl->color = texture_target(GL_RGBA8, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
+	gl->owner = texture_target(GL_RG32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT1);
+	gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
+	glDrawBuffers(2, (const GLenum[]){ GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 });
+	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw colours and owners at once");
+	glGenVertexArrays(1, &gl->vertex_array);
+	glBindVertexArray(gl->vertex_array);
+	glViewport(0, 0, (GLsizei)gl->width, (GLsizei)gl->height);
+	glDisable(GL_DITHER);
+	if (gl->egl.dialect.depth_zero_to_one && gl->egl.dialect.es)
+		glClipControlEXT(GL_LOWER_LEFT_EXT, GL_ZERO_TO_ONE_EXT);
+	else if (gl->egl.dialect.depth_zero_to_one)
+		glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+	return ECO_OK;
+}
+
+enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *options, struct eco_error *error)
+{
+	*out = NULL;
+	struct view_gl *gl = calloc(1, sizeof *gl);
+	if (!gl)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
+	gl->width = options->width;
+	gl->height = options->height;
+	enum eco_code code = view_egl_open(&gl->egl, error);
+	if (!code) {
+		view_gpu_init(&gl->gpu);
+		code = make_target(gl, error);
+	}
+	if (code)
+		view_gl_close(gl);
+	else
+		*out = gl;
+	return code;
+}
+
+void view_gl_close(struct view_gl *gl)
+{
+	if (!gl)
+		return;
+	if (gl->egl.display) {
+		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade, gl->instances.texture, gl->members.texture };
+		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer };
+		view_gpu_free(&gl->gpu);
+		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
+			glDeleteProgram(gl->shaders[i].program);
+		glDeleteTextures(6, textures);
+		glDeleteBuffers(2, buffers);
+		glDeleteVertexArrays(1, &gl->vertex_array);
+		glDeleteFramebuffers(1, &gl->framebuffer);
+		view_egl_close(&gl->egl);
+	}
+	free(gl);
+}
+
+const char *view_gl_renderer(const struct view_gl *gl)
+{
+	return gl->egl.renderer;
+}
+
+bool view_gl_hardware(const struct view_gl *gl)
+{
+	return gl->egl.hardware;
+}
+
+/* ---- Instances ---- */
+
+static void put_float(uint32_t *at, double v)
+{
+	float f = (float)v;
+	memcpy(at, &f, sizeof f);
+}
+
+/* The rows of object -> view, as lod/raster.c makes them: differences in double, then rounded once. */
+static void put_instance(uint32_t *words, const struct lod_eye *eye, const struct view_instance *p, const struct view_plant *plant)
+{
+	const struct lod_place *place = &p->place;
+	const double *axes[3] = { eye->right, eye->up, eye->forward };
+	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1], place->at[2] - eye->at[2] };
+	double sine = place->sine * place->scale, cosine = place->cosine * place->scale;
+	for (int i = 0; i < 3; i++) {
+		const double *a = axes[i];
+		put_float(words++, a[0] * cosine + a[1] * sine);
+		put_float(words++, a[1] * cosine - a[0] * sine);
+		put_float(words++, a[2] * place->scale);
+		put_float(words++, a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2]);
+	}
+	struct view_shape shape = plant ? view_shape_of(plant) : (struct view_shape){ 0, 1, 0 };
+	*words++ = (uint32_t)p->owner;
+	*words++ = (uint32_t)(p->owner >> 32);
+	put_float(words++, p->hash / (double)ECO_SHARE_ONE);
+	put_float(words++, place->scale);
+	put_float(words++, shape.center_z);
+	put_float(words++, shape.half_width);
+	put_float(words++, shape.half_height);
+	*words = 0;
+}
+
+static enum eco_code upload_selection(struct frame *f)
+{
+	const struct view_selection *s = f->job->selection;
+	size_t size = (size_t)s->instance_count * INSTANCE_TEXELS * VIEW_TEXEL_BYTES;
+	uint32_t *words = malloc(size + 1);
+	if (!words)
+		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
+	for (uint32_t i = 0; i < s->instance_count; i++) {
+		const struct view_instance *p = &s->instances[i];
+		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
+			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
+	}
+	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, GL_RGBA32UI, words, size,
+		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
+	free(words);
+	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
+	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, GL_R32UI, s->members, (size_t)pairs * 4, pairs, f->error);
+}
+
+/* ---- Programs ---- */
+
+static void set_camera(const struct frame *f, const struct view_shader *s)
+{
+	const struct lod_eye *eye = f->job->eye;
+	const int names[3] = { VIEW_U_RIGHT, VIEW_U_UP, VIEW_U_FORWARD };
+	const double *axes[3] = { eye->right, eye->up, eye->forward };
+	for (int i = 0; i < 3; i++)
+		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
+	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y), (float)f->job->near_m, HAZE_M);
+	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
+	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
+	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
+	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
+	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
+	glUniform1i(s->uniform[VIEW_U_SHADE], 5);
+	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, f->job->tint == VIEW_TINT_KIND);
+}
+
+static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
+{
+	struct view_shader *s = &f->gl->shaders[which];
+	*out = s;
+	if (f->any_bound && f->bound == which)
+		return ECO_OK;
+	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->egl.dialect, f->error);
+	if (code)
+		return code;
+	glUseProgram(s->program);
+	set_camera(f, s);
+	f->bound = which;
+	f->any_bound = true;
+	return ECO_OK;
+}
+
+static void bind(unsigned unit, unsigned target, unsigned texture)
+{
+	glActiveTexture(GL_TEXTURE0 + unit);
+	glBindTexture(target, texture);
+	glActiveTexture(GL_TEXTURE0 + 15);       /* where uploads may bind what they like */
+}
+
+/* ---- Drawing ---- */
+
+static enum eco_code draw_sky(struct frame *f)
+{
+	const struct view_shader *s;
+	enum eco_code code = use(f, VIEW_PROGRAM_SKY, &s);
+	if (code)
+		return code;
+	glDisable(GL_DEPTH_TEST);
+	glDrawArrays(GL_TRIANGLES, 0, 3);
+	glEnable(GL_DEPTH_TEST);
+	return ECO_OK;
+}
+
+static enum eco_code upload_shade(struct frame *f, struct view_shade *shade)
+{
+	enum eco_code code = view_shade_make(shade, f->job->store, f->job->selection, f->error);
+	if (code)
+		return code;
+	if (!f->gl->shade) {
+		glGenTextures(1, &f->gl->shade);
+		glBindTexture(GL_TEXTURE_2D, f->gl->shade);
+		glTexStorage2D(GL_TEXTURE_2D, 1, GL_RG8, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS);
+		glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+		glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	}
+	glBindTexture(GL_TEXTURE_2D, f->gl->shade);
+	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_RG, GL_UNSIGNED_BYTE, shade->texels);
+	bind(5, GL_TEXTURE_2D, f->gl->shade);
+	return ECO_OK;
+}
+
+static enum eco_code draw_ground(struct frame *f)
+{
+	const struct view_list *list = view_store_ground(f->job->store);
+	const struct view_gpu_list *g;
+	const struct view_shader *s;
+	struct view_shade shade;
+	enum eco_code code = view_gpu_list(&f->gl->gpu, list, &g, f->error);
+	if (!code)
+		code = upload_shade(f, &shade);
+	if (code)
+		return code;
+	code = use(f, VIEW_PROGRAM_GROUND, &s);
+	if (!code) {
+		const struct lod_eye *eye = f->job->eye;
+		const double *o = list->list.grid_origin, *axes[3] = { eye->right, eye->up, eye->forward };
+		float origin[3];
+		for (int i = 0; i < 3; i++)
+			origin[i] = (float)(axes[i][0] * (o[0] - eye->at[0]) + axes[i][1] * (o[1] - eye->at[1]) + axes[i][2] * (o[2] - eye->at[2]));
+		uint32_t columns = list->list.columns, rows = list->elements.primitive_count / columns;
+		glUniform3fv(s->uniform[VIEW_U_ORIGIN], 1, origin);
+		glUniform1i(s->uniform[VIEW_U_COLUMNS], (int)columns);
+		glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade.low[0] - o[0]), (float)(shade.low[1] - o[1]), (float)(1 / shade.size_m),
+			(float)(1 / shade.size_m));
+		bind(0, GL_TEXTURE_BUFFER, g->texture);
+		if (columns > 1 && rows > 1)
+			glDrawArrays(GL_TRIANGLES, 0, (GLsizei)((columns - 1) * (rows - 1) * 6));
+	}
+	view_shade_free(&shade);
+	return code;
+}
+
+static enum view_program program_of(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_LINES:
+		return VIEW_PROGRAM_LINES;
+	case ECO_LIST_POINTS:
+		return list->attributes & ECO_ATTR_PLANT ? VIEW_PROGRAM_SUMMARY : VIEW_PROGRAM_POINTS;
+	default:
+		return view_record_texels(list) == 5 ? VIEW_PROGRAM_TEXTURED : VIEW_PROGRAM_TRIANGLES;
+	}
+}
+
+static void set_tint(const struct view_shader *s, enum view_role role)
+{
+	static const float colors[VIEW_ROLE_COUNT][3] = {
+		[VIEW_ROLE_TRIANGLES] = { 0.10f, 0.62f, 0.16f }, [VIEW_ROLE_LINES] = { 0.86f, 0.10f, 0.10f },
+		[VIEW_ROLE_POINTS] = { 0.12f, 0.28f, 0.95f }, [VIEW_ROLE_BLEND_TRIANGLES] = { 1.0f, 0.86f, 0.10f },
+		[VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f }, [VIEW_ROLE_SUMMARY] = { 0.45f, 0.62f, 1.0f },
+	};
+	glUniform4f(s->uniform[VIEW_U_TINT], colors[role][0], colors[role][1], colors[role][2], 1);
+}
+
+/* Scale as the vertex shader wants it: of edges, or half the side of a point's square. */
+static float shader_scale(const struct eco_list *list, float scale)
+{
+	return list->kind == ECO_LIST_POINTS ? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale);
+}
+
+static enum eco_code bind_images(struct frame *f, const struct view_list *list)
+{
+	const struct view_gpu_list *image;
+	enum eco_code code = view_gpu_list(&f->gl->gpu, view_store_list(f->job->store, list->list.image), &image, f->error);
+	if (!code) {
+		bind(3, GL_TEXTURE_2D, image->color);
+		bind(4, GL_TEXTURE_2D, image->alpha);
+	}
+	return code;
+}
+
+static enum eco_code draw_cut(struct frame *f, uint32_t index)
+{
+	const struct view_selection *selection = f->job->selection;
+	const struct eco_cut *cut = &view_store_plan(f->job->store)->cuts[index];
+	const struct view_list *list = view_store_list(f->job->store, cut->list);
+	uint32_t members = selection->member_first[index + 1] - selection->member_first[index], first_member = selection->member_first[index];
+	if (!members || cut->first == cut->end)
+		return ECO_OK;
+	enum view_program which = program_of(&list->list);
+	const struct view_gpu_list *g;
+	const struct view_shader *s;
+	enum eco_code code = view_gpu_list(&f->gl->gpu, list, &g, f->error);
+	unsigned records = code ? 0 : g->texture;
+	if (!code)
+		code = use(f, which, &s);
+	if (!code && which == VIEW_PROGRAM_TEXTURED)
+		code = bind_images(f, list);
+	if (code)
+		return code;
+	bind(0, GL_TEXTURE_BUFFER, records);
+	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
+	glUniform1f(s->uniform[VIEW_U_SCALE], shader_scale(&list->list, cut->scale));
+	if (which == VIEW_PROGRAM_SUMMARY)
+		glUniform1ui(s->uniform[VIEW_U_PATH], view_record_path(selection->instances[selection->members[first_member]].path));
+	if (f->job->tint == VIEW_TINT_KIND)
+		set_tint(s, selection->roles[index]);
+	uint32_t corners = list->list.kind == ECO_LIST_TRIANGLES ? 3 : 6;
+	if ((uint64_t)cut->end * corners > INT32_MAX)
+		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for one draw call: use --reference=cpu", list->id);
+	glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * corners), (GLsizei)((cut->end - cut->first) * corners), (GLsizei)members);
+	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
+	return ECO_OK;
+}
+
+static enum eco_code read_back(struct frame *f)
+{
+	struct view_picture *picture = f->picture;
+	size_t pixels = (size_t)picture->width * picture->height;
+	uint8_t *rgba = malloc(pixels * 8);
+	if (!rgba)
+		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for a picture");
+	glPixelStorei(GL_PACK_ALIGNMENT, 1);
+	glReadBuffer(GL_COLOR_ATTACHMENT0);
+	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+	for (size_t i = 0; i < pixels; i++)
+		memcpy(picture->rgb + 3 * i, rgba + 4 * i, 3);
+	glReadBuffer(GL_COLOR_ATTACHMENT1);
+	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RG_INTEGER, GL_UNSIGNED_INT, rgba);
+	for (size_t i = 0; i < pixels; i++) {
+		uint32_t words[2];
+		memcpy(words, rgba + 8 * i, sizeof words);
+		picture->owner[i] = words[0] | (uint64_t)words[1] << 32;
+		picture->cover[i] = picture->owner[i] ? 255 : 0;
+	}
+	free(rgba);
+	GLenum failed = glGetError();
+	return failed ? eco_fail(f->error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
+}
+
+static void clear(void)
+{
+	glClearBufferfv(GL_COLOR, 0, (const float[]){ 0, 0, 0, 1 });
+	glClearBufferuiv(GL_COLOR, 1, (const unsigned[]){ 0, 0, 0, 0 });
+	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
+	glEnable(GL_DEPTH_TEST);
+	glDepthFunc(GL_GREATER);                 /* nearer wins; of equals, the first */
+	glDisable(GL_CULL_FACE);
+}
+
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture, struct eco_error *error)
+{
+	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
+	double start = view_clock_ms();
+	if (picture->width != gl->width || picture->height != gl->height)
+		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u", picture->width, picture->height, gl->width,
+			gl->height);
+	picture->vertices = 0;
+	clear();
+	enum eco_code code = upload_selection(&f);
+	if (!code)
+		code = draw_sky(&f);
+	if (!code && job->ground)
+		code = draw_ground(&f);
+	bind(1, GL_TEXTURE_BUFFER, gl->instances.texture);
+	bind(2, GL_TEXTURE_BUFFER, gl->members.texture);
+	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++)
+		code = draw_cut(&f, c);
+	if (!code)
+		code = read_back(&f);
+	picture->draw_ms = view_clock_ms() - start;
+	return code;
+}

@@ -1,0 +1,38 @@
+/* Drawing a selection with OpenGL, without a window system.
+ *
+ *   view_gl_open(&gl, &options, &error);            first hardware device, else Mesa's surfaceless platform
+ *   view_gl_draw(gl, &job, &picture, &error);       as often as wanted; what is on the GPU stays there and is only extended
+ *   view_gl_close(gl);
+ *
+ * One pass writes colour and owner; the mask is "owner is not 0", so it cannot depend on shading. No multisampling, depth is
+ * near / distance (reversed, infinite far plane), formulas are those of lod/raster.h. One thread. */
+#ifndef VIEW_GL_H
+#define VIEW_GL_H
+
+#include "client-min/view_picture.h"
+#include "client-min/view_select.h"
+
+struct view_gl;
+
+struct view_gl_options { uint32_t width, height; };
+
+/* ECO_UNSUPPORTED, with what was tried, if there is no usable OpenGL 4.5 or OpenGL ES 3.2. */
+enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *options, struct eco_error *error);
+void view_gl_close(struct view_gl *gl);                          /* NULL is fine */
+const char *view_gl_renderer(const struct view_gl *gl);
+bool view_gl_hardware(const struct view_gl *gl);
+
+enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND };
+
+struct view_gl_job {
+	const struct view_store *store;
+	const struct view_selection *selection;
+	const struct lod_eye *eye;
+	double near_m;
+	bool ground;                             /* the store's ground is there and drawn */
+	enum view_tint tint;
+};
+/* `picture` has the size of the target. picture->vertices is summed at the draw calls. */
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture, struct eco_error *error);
+
+#endif

@@ -1,0 +1,209 @@
+#include "client-min/view_gpu.h"
+
+#include <epoxy/gl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_record.h"
+
+#define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
+
+void view_gpu_init(struct view_gpu *gpu)
+{
+	GLint most = 0;
+	*gpu = (struct view_gpu){ 0 };
+	glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+	gpu->texels_max = most > 0 ? (uint64_t)most : 65536;
+}
+
+void view_gpu_free(struct view_gpu *gpu)
+{
+	for (uint32_t i = 0; i < gpu->count; i++) {
+		glDeleteTextures(1, &gpu->lists[i].texture);
+		glDeleteTextures(1, &gpu->lists[i].color);
+		glDeleteTextures(1, &gpu->lists[i].alpha);
+		glDeleteBuffers(1, &gpu->lists[i].buffer);
+	}
+	view_table_free(&gpu->table);
+	free(gpu->lists);
+	*gpu = (struct view_gpu){ 0 };
+}
+
+static enum eco_code out_of_memory(const struct view_list *list, struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for list %u", list->id);
+}
+
+/* ---- Records ---- */
+
+static void attach(struct view_gpu_list *g)
+{
+	if (!g->texture)
+		glGenTextures(1, &g->texture);
+	glBindTexture(GL_TEXTURE_BUFFER, g->texture);
+	glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32UI, g->buffer);
+}
+
+static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list, uint64_t texels,
+	struct eco_error *error)
+{
+	if (texels <= g->room)
+		return ECO_OK;
+	if (texels > gpu->texels_max)
+		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver allows %llu: use --reference=cpu or fewer "
+			"vertices", list->id, (unsigned long long)texels, (unsigned long long)gpu->texels_max);
+	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list), room = texels + texels / 2;
+	room = room < whole ? room : whole;
+	room = room > gpu->texels_max ? gpu->texels_max : room < texels ? texels : room;
+	unsigned bigger;
+	while (glGetError())
+		;
+	glGenBuffers(1, &bigger);
+	glBindBuffer(GL_COPY_WRITE_BUFFER, bigger);
+	glBufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)(room * VIEW_TEXEL_BYTES), NULL, GL_STATIC_DRAW);
+	if (glGetError()) {
+		glDeleteBuffers(1, &bigger);
+		return out_of_memory(list, error);
+	}
+	if (g->texels) {
+		glBindBuffer(GL_COPY_READ_BUFFER, g->buffer);
+		glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, (GLsizeiptr)(g->texels * VIEW_TEXEL_BYTES));
+	}
+	glDeleteBuffers(1, &g->buffer);
+	gpu->bytes += (room - g->room) * VIEW_TEXEL_BYTES;
+	g->buffer = bigger;
+	g->room = room;
+	attach(g);
+	return ECO_OK;
+}
+
+static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_list *list, uint32_t first, uint32_t end,
+	struct eco_error *error)
+{
+	struct eco_elements e = view_list_chunks(list, first, end);
+	uint64_t texels = (uint64_t)e.primitive_count * view_record_texels(&list->list);
+	uint32_t *words = malloc(texels * VIEW_TEXEL_BYTES + 1);
+	enum eco_code code = words ? view_record_write(list, first, end, words, error) : out_of_memory(list, error);
+	if (!code) {
+		glBindBuffer(GL_COPY_WRITE_BUFFER, g->buffer);
+		glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(g->texels * VIEW_TEXEL_BYTES), (GLsizeiptr)(texels * VIEW_TEXEL_BYTES), words);
+		g->texels += texels;
+		g->chunks = end;
+	}
+	free(words);
+	return code;
+}
+
+static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list, struct eco_error *error)
+{
+	uint32_t per = view_record_texels(&list->list);
+	enum eco_code code = reserve(gpu, g, list, (uint64_t)list->elements.primitive_count * per, error);
+	while (!code && g->chunks < list->chunk_count) {
+		uint32_t end = g->chunks + 1, start = g->chunks ? list->marks[g->chunks - 1].primitives : 0;
+		while (end < list->chunk_count && (uint64_t)(list->marks[end].primitives - start) * per * VIEW_TEXEL_BYTES < UPLOAD_BYTES)
+			end++;
+		code = upload_chunks(g, list, g->chunks, end, error);
+	}
+	return code;
+}
+
+/* ---- Images ---- */
+
+/* Clear texels take the mean of the opaque ones, so that filtering and mip levels do not bleed whatever the file has there. */
+static uint8_t *filled(const struct eco_image *image)
+{
+	size_t count = (size_t)image->width * image->height;
+	uint64_t sum[3] = { 0 }, opaque = 0;
+	uint8_t *rgba = malloc(count * 4);
+	if (!rgba)
+		return NULL;
+	memcpy(rgba, image->rgba, count * 4);
+	for (size_t i = 0; i < count; i++)
+		if (rgba[4 * i + 3] >= 128) {
+			opaque++;
+			for (int k = 0; k < 3; k++)
+				sum[k] += rgba[4 * i + k];
+		}
+	for (size_t i = 0; i < count && opaque; i++)
+		if (rgba[4 * i + 3] < 128)
+			for (int k = 0; k < 3; k++)
+				rgba[4 * i + k] = (uint8_t)(sum[k] / opaque);
+	return rgba;
+}
+
+static enum eco_code upload_image(struct view_gpu_list *g, const struct view_list *list, struct eco_error *error)
+{
+	const struct eco_image *image = &list->image;
+	GLint most = 0;
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+	if (!image->rgba || image->width > (uint32_t)most || image->height > (uint32_t)most)
+		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the graphics driver's %d", list->id,
+			image->width, image->height, most);
+	size_t count = (size_t)image->width * image->height;
+	uint8_t *color = filled(image), *alpha = malloc(count);
+	if (!color || !alpha) {
+		free(color);
+		free(alpha);
+		return out_of_memory(list, error);
+	}
+	for (size_t i = 0; i < count; i++)
+		alpha[i] = image->rgba[4 * i + 3] >= 128 ? 255 : 0;
+	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	glGenTextures(1, &g->color);
+	glBindTexture(GL_TEXTURE_2D, g->color);
+	glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE, color);
+	glGenerateMipmap(GL_TEXTURE_2D);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+	glGenTextures(1, &g->alpha);
+	glBindTexture(GL_TEXTURE_2D, g->alpha);
+	glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RED, GL_UNSIGNED_BYTE, alpha);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	free(color);
+	free(alpha);
+	return ECO_OK;
+}
+
+enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list, const struct view_gpu_list **out,
+	struct eco_error *error)
+{
+	uint32_t index = view_table_get(&gpu->table, list->id);
+	if (index == UINT32_MAX) {
+		if (gpu->count == gpu->room) {
+			uint32_t room = gpu->room ? gpu->room * 2 : 64;
+			struct view_gpu_list *moved = realloc(gpu->lists, room * sizeof *moved);
+			if (!moved)
+				return out_of_memory(list, error);
+			gpu->lists = moved;
+			gpu->room = room;
+		}
+		index = gpu->count;
+		if (!view_table_put(&gpu->table, list->id, index))
+			return out_of_memory(list, error);
+		gpu->lists[gpu->count++] = (struct view_gpu_list){ 0 };
+	}
+	struct view_gpu_list *g = &gpu->lists[index];
+	*out = g;
+	if (list->list.kind == ECO_LIST_IMAGE)
+		return g->color ? ECO_OK : upload_image(g, list, error);
+	return extend(gpu, g, list, error);
+}
+
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format, const void *bytes,
+	size_t size, uint64_t texels, struct eco_error *error)
+{
+	if (texels > gpu->texels_max)
+		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics driver allows %llu",
+			(unsigned long long)texels, (unsigned long long)gpu->texels_max);
+	if (!stream->buffer) {
+		glGenBuffers(1, &stream->buffer);
+		glGenTextures(1, &stream->texture);
+	}
+	while (glGetError())
+		;
+	glBindBuffer(GL_TEXTURE_BUFFER, stream->buffer);
+	glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)(size ? size : 16), size ? bytes : NULL, GL_STREAM_DRAW);
+	glBindTexture(GL_TEXTURE_BUFFER, stream->texture);
+	glTexBuffer(GL_TEXTURE_BUFFER, format, stream->buffer);
+	return glGetError() ? eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the plants in view") : ECO_OK;
+}

@@ -1,0 +1,25 @@
+/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, and whose they are. Row 0 is the top. */
+#ifndef VIEW_PICTURE_H
+#define VIEW_PICTURE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/status.h"
+
+struct view_picture {                    /* owns its arrays */
+	uint32_t width, height;
+	uint8_t *rgb;                    /* 3 per pixel, sRGB */
+	uint8_t *cover;                  /* 255 where a plant is nearest, else 0 */
+	uint64_t *owner;                 /* 0: nothing or ground */
+	uint64_t vertices;               /* counted at the draw calls */
+	double draw_ms;
+};
+
+enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height, struct eco_error *error);
+void view_picture_free(struct view_picture *picture);
+
+/* True and false positives and negatives in three colours over black (neither) : 3 bytes a pixel into `rgb`. */
+void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32_t pixels, uint8_t *rgb);
+
+#endif

@@ -1,0 +1,152 @@
+/* The centre that elements are scaled about belongs to lod/: it is found here by asking for the geometry at factor 1 and at factor 4,
+ * where every edge is twice as long: p4 = c + 2 (p1 - c). */
+#include "client-min/view_record.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_select.h"
+#include "lod/plant.h"
+
+static uint32_t bits(float v)
+{
+	uint32_t b;
+	memcpy(&b, &v, sizeof b);
+	return b;
+}
+
+static uint32_t packed_color(const struct view_list *list, int32_t index)
+{
+	if (index < 0 || (uint32_t)index >= list->list.palette_count)
+		return list->list.image == ECO_NONE ? 0x4f7f5f : 0xffffff;
+	const uint8_t *c = list->palette[index];
+	return (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16;
+}
+
+/* The key's place in an owner, as eco_owner_summary lays it out: a unit and a mask. */
+static uint64_t key_unit(void)
+{
+	return eco_owner_summary(1, 0) ^ eco_owner_summary(0, 0);
+}
+
+static uint32_t key_mask(void)
+{
+	uint64_t mask = eco_owner_summary(0xffff, 0) ^ eco_owner_summary(0, 0);
+	assert((uint32_t)mask == 0);
+	return (uint32_t)(mask >> 32);
+}
+
+uint32_t view_record_path(uint32_t path)
+{
+	return path * (uint32_t)(key_unit() >> 32);
+}
+
+uint32_t view_record_texels(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_TRIANGLES:
+		return list->attributes & ECO_ATTR_UV && list->image != ECO_NONE ? 5 : 4;
+	case ECO_LIST_LINES:
+		return 2;
+	case ECO_LIST_POINTS:
+		return list->attributes & ECO_ATTR_PLANT ? 2 : 1;
+	default:
+		return 1;
+	}
+}
+
+static void put(uint32_t **out, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+	(*out)[0] = a, (*out)[1] = b, (*out)[2] = c, (*out)[3] = d;
+	*out += 4;
+}
+
+static void put_point(uint32_t **out, const float *p, uint32_t w)
+{
+	put(out, bits(p[0]), bits(p[1]), bits(p[2]), w);
+}
+
+struct scratch { struct lod_geometry g; float *twice; };
+
+static void scratch_free(struct scratch *s)
+{
+	free(s->g.position);
+	free(s->g.uv);
+	free(s->g.width);
+	free(s->g.color);
+	free(s->twice);
+}
+
+static bool scratch_make(struct scratch *s, uint32_t count)
+{
+	*s = (struct scratch){ { malloc(36u * (size_t)count + 1), malloc(24u * (size_t)count + 1), malloc(4u * (size_t)count + 1),
+		malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1) };
+	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice)
+		return true;
+	scratch_free(s);
+	return false;
+}
+
+static void write_triangle(const struct view_list *list, const struct scratch *s, uint32_t i, uint32_t texels, uint32_t **out)
+{
+	const float *p = s->g.position + 9 * (size_t)i, *twice = s->twice + 9 * (size_t)i, *uv = s->g.uv + 6 * (size_t)i;
+	float center[3];
+	for (int k = 0; k < 3; k++)
+		center[k] = 2 * p[k] - twice[k];
+	put_point(out, p, packed_color(list, s->g.color[i]));
+	put_point(out, p + 3, bits(center[0]));
+	put_point(out, p + 6, bits(center[1]));
+	if (texels == 4) {
+		put(out, bits(center[2]), 0, 0, 0);
+		return;
+	}
+	put(out, bits(center[2]), bits(uv[0]), bits(uv[1]), bits(uv[2]));
+	put(out, bits(uv[3]), bits(uv[4]), bits(uv[5]), 0);
+}
+
+static void write_ground(const struct view_list *list, const struct eco_elements *e, uint32_t *out)
+{
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		float p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = (float)(e->position[3 * (size_t)i + k] * list->list.grid_step[k]);
+		put_point(&out, p, 0);
+	}
+}
+
+enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk, uint32_t *words,
+	struct eco_error *error)
+{
+	struct eco_elements e = view_list_chunks(list, first_chunk, end_chunk);
+	uint32_t count = e.primitive_count, texels = view_record_texels(&list->list);
+	if (list->list.kind == ECO_LIST_GROUND) {
+		write_ground(list, &e, words);
+		return ECO_OK;
+	}
+	struct scratch s;
+	if (!scratch_make(&s, count))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of list %u", list->id);
+	struct lod_geometry twice = { .position = s.twice };
+	uint32_t written = lod_list_geometry(&list->list, &e, 0, count, 1, &s.g);
+	assert(written == count);
+	if (list->list.kind == ECO_LIST_TRIANGLES)
+		lod_list_geometry(&list->list, &e, 0, count, 4, &twice);
+	uint32_t first_point = first_chunk ? list->marks[first_chunk - 1].elements : 0;
+	for (uint32_t i = 0; i < count; i++) {
+		if (list->list.kind == ECO_LIST_TRIANGLES) {
+			write_triangle(list, &s, i, texels, &words);
+		} else if (list->list.kind == ECO_LIST_LINES) {
+			put_point(&words, s.g.position + 6 * (size_t)i, bits(s.g.width[i]));
+			put_point(&words, s.g.position + 6 * (size_t)i + 3, packed_color(list, s.g.color[i]));
+		} else {
+			put_point(&words, s.g.position + 3 * (size_t)i, packed_color(list, s.g.color[i]));
+			if (texels == 2) {
+				uint64_t owner = view_summary_owner(list, first_point + i, 0);
+				put(&words, (uint32_t)owner, (uint32_t)(owner >> 32), key_mask(), 0);
+			}
+		}
+	}
+	scratch_free(&s);
+	return ECO_OK;
+}

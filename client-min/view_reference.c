@@ -1,0 +1,306 @@
+/* What costs is triangles, and most of a forest is hidden behind the rest of it. So plants are taken in order of distance, dealt to
+ * the threads in turn, and each thread asks its own coarse depth before it touches a plant, and again before it touches a cell.
+ * Geometry is made once per cut and shared by all plants that draw it. */
+#include "client-min/view_reference.h"
+
+#include <assert.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_table.h"
+#include "lod/plant.h"
+#include "lod/raster.h"
+
+#define THREADS_MAX 64u
+#define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
+
+struct mesh {                            /* geometry of one cut */
+	struct lod_raster_batch batch;
+	struct lod_geometry geometry;
+	uint8_t *rgb;
+	uint8_t kind;
+	float center[3], radius;         /* object space */
+	bool by_point;                   /* a summary: each point has its own owner */
+};
+
+struct scene {
+	const struct view_reference_job *job;
+	const struct eco_plan *plan;
+	struct mesh *meshes;             /* per cut */
+	uint32_t *order;                 /* instances, near to far */
+	float *ground; uint32_t ground_triangles;
+	uint8_t *ground_rgb;
+};
+
+struct worker {
+	const struct scene *scene;
+	struct lod_raster raster;
+	uint32_t number, count;
+	pthread_t thread;
+	bool started;
+};
+
+/* ---- Geometry ---- */
+
+static enum eco_code no_memory(struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for the reference's geometry");
+}
+
+static void bound_sphere(struct mesh *mesh, uint32_t vertices)
+{
+	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	const float *p = mesh->geometry.position;
+	for (uint32_t i = 0; i < vertices; i++)
+		for (int k = 0; k < 3; k++) {
+			low[k] = fminf(low[k], p[3 * (size_t)i + k]);
+			high[k] = fmaxf(high[k], p[3 * (size_t)i + k]);
+		}
+	double square = 0;
+	for (int k = 0; k < 3; k++) {
+		mesh->center[k] = 0.5f * (low[k] + high[k]);
+		square += 0.25 * ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
+	}
+	mesh->radius = (float)(sqrt(square) * 1.0001);
+	if (mesh->kind == ECO_LIST_POINTS)
+		mesh->radius += sqrtf(mesh->batch.area);
+	for (uint32_t i = 0; mesh->kind == ECO_LIST_LINES && i < mesh->batch.count; i++)
+		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
+}
+
+static void color_mesh(struct mesh *mesh, const struct view_list *list)
+{
+	static const uint8_t plain[3] = { 95, 127, 79 };
+	for (uint32_t i = 0; i < mesh->batch.count; i++) {
+		int32_t c = mesh->geometry.color[i];
+		bool known = c >= 0 && (uint32_t)c < list->list.palette_count;
+		memcpy(mesh->rgb + 3 * (size_t)i, known ? list->palette[c] : plain, 3);
+	}
+}
+
+static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_job *job, const struct eco_cut *cut, struct eco_error *error)
+{
+	const struct view_list *list = view_store_list(job->store, cut->list);
+	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(&list->list);
+	const struct view_list *image = list->list.image == ECO_NONE ? NULL : view_store_list(job->store, list->list.image);
+	bool cutout = image && image->cutout && list->list.attributes & ECO_ATTR_UV;
+	mesh->kind = list->list.kind;
+	mesh->geometry.position = malloc(12u * (size_t)count * corners + 1);
+	mesh->geometry.uv = cutout ? malloc(24u * (size_t)count + 1) : NULL;
+	mesh->geometry.width = mesh->kind == ECO_LIST_LINES ? malloc(4u * (size_t)count + 1) : NULL;
+	mesh->geometry.color = malloc(4u * (size_t)count + 1);
+	mesh->rgb = malloc(3u * (size_t)count + 1);
+	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (cutout && !mesh->geometry.uv) ||
+		(mesh->kind == ECO_LIST_LINES && !mesh->geometry.width))
+		return no_memory(error);
+	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &mesh->geometry);
+	assert(written == count);
+	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position, .uv = mesh->geometry.uv,
+		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width, .area = list->list.unit_area * cut->scale,
+		.rgb = mesh->rgb };
+	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
+	color_mesh(mesh, list);
+	bound_sphere(mesh, count * corners);
+	return ECO_OK;
+}
+
+/* Two triangles a cell, their diagonal from south-west to north-east, relative to the grid's origin. */
+static enum eco_code make_ground(struct scene *scene, const struct view_list *list, struct eco_error *error)
+{
+	uint32_t columns = list->list.columns, rows = list->elements.primitive_count / columns;
+	if (columns < 2 || rows < 2)
+		return ECO_OK;
+	size_t cells = (size_t)(columns - 1) * (rows - 1);
+	float *out = scene->ground = malloc(cells * 18 * sizeof *out);
+	scene->ground_rgb = malloc(cells * 6);
+	if (!out || !scene->ground_rgb)
+		return no_memory(error);
+	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+	for (uint32_t y = 0; y + 1 < rows; y++)
+		for (uint32_t x = 0; x + 1 < columns; x++)
+			for (int c = 0; c < 6; c++) {
+				const int32_t *at = list->elements.position + 3 * ((size_t)(y + corner[c][1]) * columns + x + corner[c][0]);
+				for (int k = 0; k < 3; k++)
+					*out++ = (float)(at[k] * list->list.grid_step[k]);
+			}
+	scene->ground_triangles = (uint32_t)(2 * cells);
+	for (size_t i = 0; i < 2 * cells; i++)
+		memcpy(scene->ground_rgb + 3 * i, (const uint8_t[3]){ 112, 108, 72 }, 3);
+	return ECO_OK;
+}
+
+/* ---- Drawing ---- */
+
+static void draw_ground(struct worker *w)
+{
+	const struct scene *scene = w->scene;
+	const struct view_list *list = view_store_ground(scene->job->store);
+	struct lod_place place = { .cosine = 1, .scale = 1 };
+	memcpy(place.at, list->list.grid_origin, sizeof place.at);
+	lod_raster_object(&w->raster, &place);
+	struct lod_raster_batch batch = { .count = scene->ground_triangles, .position = scene->ground, .rgb = scene->ground_rgb };
+	lod_raster_triangles(&w->raster, &batch);
+}
+
+/* Summary points name their plants one by one. */
+static void draw_summary(struct worker *w, const struct mesh *mesh, const struct eco_cut *cut, uint32_t path)
+{
+	const struct view_list *list = view_store_list(w->scene->job->store, cut->list);
+	struct lod_raster_batch batch = mesh->batch;
+	for (uint32_t i = 0; i < mesh->batch.count;) {
+		uint64_t owner = view_summary_owner(list, cut->first + i, path);
+		uint32_t end = i + 1;
+		while (end < mesh->batch.count && view_summary_owner(list, cut->first + end, path) == owner)
+			end++;
+		batch.owner = owner;
+		batch.count = end - i;
+		batch.position = mesh->batch.position + 3 * (size_t)i;
+		batch.rgb = mesh->batch.rgb + 3 * (size_t)i;
+		lod_raster_points(&w->raster, &batch);
+		i = end;
+	}
+}
+
+static void draw_mesh(struct worker *w, const struct view_instance *instance, uint32_t cut)
+{
+	const struct mesh *mesh = &w->scene->meshes[cut];
+	if (mesh->by_point) {
+		draw_summary(w, mesh, &w->scene->plan->cuts[cut], instance->path);
+		return;
+	}
+	if (mesh->batch.count >= HIDE_TRIANGLES) {
+		double center[3];
+		lod_place_point(&instance->place, mesh->center, center);
+		if (lod_raster_hides(&w->raster, center, mesh->radius * instance->place.scale))
+			return;
+	}
+	struct lod_raster_batch batch = mesh->batch;
+	batch.owner = instance->owner;
+	if (mesh->kind == ECO_LIST_TRIANGLES)
+		lod_raster_triangles(&w->raster, &batch);
+	else if (mesh->kind == ECO_LIST_LINES)
+		lod_raster_lines(&w->raster, &batch);
+	else
+		lod_raster_points(&w->raster, &batch);
+}
+
+static bool stopped(const struct view_reference_job *job)
+{
+	return job->stop && *job->stop;
+}
+
+static void *work(void *ctx)
+{
+	struct worker *w = ctx;
+	const struct scene *scene = w->scene;
+	const struct view_selection *s = scene->job->selection;
+	lod_raster_camera(&w->raster, scene->job->eye, scene->job->near_m);
+	if (scene->ground_triangles)
+		draw_ground(w);
+	for (uint32_t n = w->number; n < s->instance_count && !stopped(scene->job); n += w->count) {
+		uint32_t i = scene->order[n];
+		lod_raster_object(&w->raster, &s->instances[i].place);
+		for (uint32_t p = s->cut_first[i]; p < s->cut_first[i + 1]; p++)
+			draw_mesh(w, &s->instances[i], s->cuts[p]);
+	}
+	return NULL;
+}
+
+static int by_distance(const void *a, const void *b, void *ctx)
+{
+	const struct view_instance *instances = ctx;
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	double dx = instances[x].distance_m, dy = instances[y].distance_m;
+	return dx < dy ? -1 : dx > dy ? 1 : x < y ? -1 : x > y;
+}
+
+static enum eco_code prepare(struct scene *scene, struct eco_error *error)
+{
+	const struct view_selection *s = scene->job->selection;
+	scene->meshes = calloc((size_t)s->cut_count + 1, sizeof *scene->meshes);
+	scene->order = malloc(((size_t)s->instance_count + 1) * sizeof *scene->order);
+	if (!scene->meshes || !scene->order)
+		return no_memory(error);
+	for (uint32_t i = 0; i < s->instance_count; i++)
+		scene->order[i] = i;
+	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
+	enum eco_code code = ECO_OK;
+	for (uint32_t c = 0; c < s->cut_count && !code; c++)
+		if (s->member_first[c] != s->member_first[c + 1])
+			code = make_mesh(&scene->meshes[c], scene->job, &scene->plan->cuts[c], error);
+	return code || !scene->job->ground ? code : make_ground(scene, view_store_ground(scene->job->store), error);
+}
+
+static void scene_free(struct scene *scene)
+{
+	for (uint32_t c = 0; scene->meshes && c < scene->job->selection->cut_count; c++) {
+		struct mesh *m = &scene->meshes[c];
+		free(m->geometry.position);
+		free(m->geometry.uv);
+		free(m->geometry.width);
+		free(m->geometry.color);
+		free(m->rgb);
+	}
+	free(scene->meshes);
+	free(scene->order);
+	free(scene->ground);
+	free(scene->ground_rgb);
+}
+
+static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture, struct eco_error *error)
+{
+	struct lod_raster_options options = { picture->width, picture->height, true, true };
+	for (uint32_t i = 0; i < count; i++) {
+		enum eco_code code = lod_raster_init(&workers[i].raster, &options, error);
+		if (code)
+			return code;
+	}
+	for (uint32_t i = 1; i < count; i++)
+		workers[i].started = pthread_create(&workers[i].thread, NULL, work, &workers[i]) == 0;
+	work(&workers[0]);
+	for (uint32_t i = 1; i < count; i++) {
+		if (workers[i].started)
+			pthread_join(workers[i].thread, NULL);
+		else
+			work(&workers[i]);
+		lod_raster_merge(&workers[0].raster, &workers[i].raster);
+	}
+	size_t pixels = (size_t)picture->width * picture->height;
+	memcpy(picture->cover, workers[0].raster.cover, pixels);
+	memcpy(picture->owner, workers[0].raster.owner, pixels * sizeof *picture->owner);
+	memcpy(picture->rgb, workers[0].raster.rgb, pixels * 3);
+	for (size_t i = 0; i < pixels; i++)
+		if (!(workers[0].raster.depth[i] > 0))
+			memcpy(picture->rgb + 3 * i, (const uint8_t[3]){ 168, 193, 218 }, 3);
+	return ECO_OK;
+}
+
+enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture, struct eco_error *error)
+{
+	static const struct eco_plan nothing;
+	struct scene scene = { .job = job, .plan = view_store_plan(job->store) };
+	struct worker workers[THREADS_MAX];
+	uint32_t count = job->threads ? job->threads < THREADS_MAX ? job->threads : THREADS_MAX : 2;
+	double start = view_clock_ms();
+	if (!scene.plan)
+		scene.plan = &nothing;
+	memset(workers, 0, sizeof workers);
+	for (uint32_t i = 0; i < count; i++) {
+		workers[i].scene = &scene;
+		workers[i].number = i;
+		workers[i].count = count;
+	}
+	enum eco_code code = prepare(&scene, error);
+	if (!code)
+		code = run(workers, count, picture, error);
+	if (!code && stopped(job))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	for (uint32_t i = 0; i < count; i++)
+		lod_raster_free(&workers[i].raster);
+	scene_free(&scene);
+	picture->vertices = job->selection->vertices;
+	picture->draw_ms = view_clock_ms() - start;
+	return code;
+}

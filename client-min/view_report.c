@@ -1,0 +1,178 @@
+#include "client-min/view_report.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The numbers of a frame by name, once: for the frames, and for their means. */
+static const struct { const char *name; size_t offset; } measures[] = {
+	{ "precision", offsetof(struct view_frame, precision) },
+	{ "recall", offsetof(struct view_frame, recall) },
+	{ "q", offsetof(struct view_frame, q) },
+	{ "skill", offsetof(struct view_frame, skill) },
+	{ "owner_q", offsetof(struct view_frame, owner_q) },
+	{ "predicted_q", offsetof(struct view_frame, predicted_q) },
+	{ "plan_ms", offsetof(struct view_frame, plan_ms) },
+	{ "first_byte_ms", offsetof(struct view_frame, first_byte_ms) },
+	{ "stream_ms", offsetof(struct view_frame, stream_ms) },
+	{ "decode_ms", offsetof(struct view_frame, decode_ms) },
+	{ "draw_ms", offsetof(struct view_frame, draw_ms) },
+	{ "reference_ms", offsetof(struct view_frame, reference_ms) },
+};
+#define MEASURES (sizeof measures / sizeof measures[0])
+
+static double measure(const struct view_frame *frame, size_t i)
+{
+	double v;
+	memcpy(&v, (const char *)frame + measures[i].offset, sizeof v);
+	return v;
+}
+
+struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request)
+{
+	struct view_frame f = { .frame = frame, .time_s = time_s, .budget_vertices = request->vertices, .budget_bytes = request->bytes };
+	for (size_t i = 0; i < MEASURES; i++)
+		memcpy((char *)&f + measures[i].offset, &(double){ NAN }, sizeof(double));
+	return f;
+}
+
+void view_frame_score(struct view_frame *frame, const struct lod_score *score)
+{
+	frame->precision = score->precision;
+	frame->recall = score->recall;
+	frame->q = score->q;
+	frame->skill = score->skill;
+	frame->owner_q = score->owner_q;
+}
+
+double view_predicted_q(const struct eco_prediction *p)
+{
+	double precision = p->tp + p->fp > 0 ? p->tp / (p->tp + p->fp) : 1, recall = p->tp + p->fn > 0 ? p->tp / (p->tp + p->fn) : 1;
+	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
+}
+
+enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error)
+{
+	if (report->count == report->room) {
+		uint32_t room = report->room ? report->room * 2 : 64;
+		struct view_frame *moved = realloc(report->frames, room * sizeof *moved);
+		if (!moved)
+			return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
+		report->frames = moved;
+		report->room = room;
+	}
+	report->frames[report->count++] = *frame;
+	return ECO_OK;
+}
+
+static void print_score(FILE *out, const char *name, double v)
+{
+	if (isnan(v))
+		fprintf(out, "  %s -", name);
+	else
+		fprintf(out, "  %s %.4f", name, v);
+}
+
+void view_report_line(const struct view_frame *f, FILE *out)
+{
+	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame, (unsigned long long)f->vertices,
+		(unsigned long long)f->budget_vertices, (unsigned long long)f->bytes);
+	print_score(out, "P", f->precision);
+	print_score(out, "R", f->recall);
+	print_score(out, "Q", f->q);
+	print_score(out, "skill", f->skill);
+	print_score(out, "owner_q", f->owner_q);
+	fputc('\n', out);
+	fflush(out);
+}
+
+/* ---- JSON ---- */
+
+static json_t *number(double v)
+{
+	return isfinite(v) ? json_real(v) : json_null();
+}
+
+static json_t *frame_json(const struct view_frame *f)
+{
+	json_t *o = json_object();
+	json_object_set_new(o, "frame", json_integer(f->frame));
+	json_object_set_new(o, "time_s", number(f->time_s));
+	json_object_set_new(o, "budget_vertices", json_integer((json_int_t)f->budget_vertices));
+	json_object_set_new(o, "vertices", json_integer((json_int_t)f->vertices));
+	json_object_set_new(o, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED ? json_null()
+		: json_integer((json_int_t)f->budget_bytes));
+	json_object_set_new(o, "bytes", json_integer((json_int_t)f->bytes));
+	for (size_t i = 0; i < MEASURES; i++)
+		json_object_set_new(o, measures[i].name, number(measure(f, i)));
+	return o;
+}
+
+static json_t *summary_json(const struct view_report *report)
+{
+	json_t *o = json_object();
+	uint64_t vertices = 0, bytes = 0;
+	for (uint32_t i = 0; i < report->count; i++) {
+		vertices += report->frames[i].vertices;
+		bytes += report->frames[i].bytes;
+	}
+	json_object_set_new(o, "frames", json_integer(report->count));
+	json_object_set_new(o, "mean_vertices", number(report->count ? (double)vertices / report->count : NAN));
+	json_object_set_new(o, "total_bytes", json_integer((json_int_t)bytes));
+	for (size_t m = 0; m < MEASURES; m++) {
+		double sum = 0;
+		uint32_t n = 0;
+		for (uint32_t i = 0; i < report->count; i++)
+			if (isfinite(measure(&report->frames[i], m))) {
+				sum += measure(&report->frames[i], m);
+				n++;
+			}
+		char name[64];
+		snprintf(name, sizeof name, "mean_%s", measures[m].name);
+		json_object_set_new(o, name, number(n ? sum / n : NAN));
+	}
+	return o;
+}
+
+static json_t *report_json(const struct view_report *report)
+{
+	json_t *o = json_object(), *frames = json_array();
+	for (uint32_t i = 0; i < report->count; i++)
+		json_array_append_new(frames, frame_json(&report->frames[i]));
+	json_t *scene = report->scene ? json_string(report->scene) : NULL;
+	json_object_set_new(o, "scene", scene ? scene : json_null());
+	json_object_set_new(o, "renderer", report->renderer ? json_string(report->renderer) : json_null());
+	json_object_set_new(o, "reference", report->reference ? json_string(report->reference) : json_null());
+	json_object_set_new(o, "width", json_integer(report->width));
+	json_object_set_new(o, "height", json_integer(report->height));
+	json_object_set_new(o, "complete", json_boolean(report->complete));
+	json_object_set_new(o, "frames", frames);
+	json_object_set_new(o, "summary", summary_json(report));
+	return o;
+}
+
+enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error)
+{
+	char path[4096], beside[4096 + 32];
+	if (snprintf(path, sizeof path, "%s/report.json", dir) >= (int)sizeof path)
+		return eco_fail(error, ECO_BAD_USAGE, "the folder's name is too long");
+	snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
+	json_t *root = report_json(report);
+	int failed = json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+	json_decref(root);
+	if (!failed && rename(beside, path) == 0)
+		return ECO_OK;
+	int saved = errno;
+	unlink(beside);
+	return eco_fail(error, ECO_IO, "%s: %s", path, strerror(saved));
+}
+
+void view_report_free(struct view_report *report)
+{
+	free(report->frames);
+	*report = (struct view_report){ 0 };
+}

@@ -1,0 +1,39 @@
+/* What a frame came to, as a line for people and as report.json for scripts. NaN is null: not applicable, or not measured. */
+#ifndef VIEW_REPORT_H
+#define VIEW_REPORT_H
+
+#include <stdio.h>
+
+#include "ecofiles/plan.h"
+#include "lod/raster.h"
+
+struct view_frame {
+	uint32_t frame;
+	double time_s;
+	uint64_t budget_vertices, vertices;
+	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
+	double precision, recall, q, skill, owner_q, predicted_q;
+	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
+};
+
+struct view_report {                             /* owns `frames` */
+	struct view_frame *frames;
+	uint32_t count, room;
+	const char *scene, *renderer, *reference;    /* reference: "cpu", "egl" or NULL */
+	uint32_t width, height;
+	bool complete;                           /* every frame that was asked for is here */
+};
+
+/* A frame with everything that may be missing set to NaN. */
+struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
+void view_frame_score(struct view_frame *frame, const struct lod_score *score);
+/* Q that the planner expected: from its pixels right and wrong, as Q is computed from counted ones. */
+double view_predicted_q(const struct eco_prediction *prediction);
+
+enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error);
+void view_report_line(const struct view_frame *frame, FILE *out);
+/* Writes DIR/report.json beside and renames it. */
+enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error);
+void view_report_free(struct view_report *report);
+
+#endif

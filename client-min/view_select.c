@@ -1,0 +1,295 @@
+/* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared arithmetic of lod/view.h,
+ * and for each the cuts that name the anchor, the band and the share. Cuts are indexed by anchor and sorted by band, so that
+ * an instance costs the cuts that it draws and little else. */
+#include "client-min/view_select.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_table.h"
+#include "ecofiles/turn.h"
+
+#define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
+#define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
+
+const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "lines", "points", "blend triangles", "blend points", "summary" };
+
+struct walk {
+	struct view_selection *out;
+	const struct view_store *store;
+	const struct eco_plan *plan;
+	const struct lod_eye *eye;
+	uint32_t *sorted;                /* cut indices by anchor, then first band */
+	struct view_table anchors;       /* anchor -> first position in `sorted` */
+	struct view_table gates;         /* plant -> band */
+	struct lod_anchor_band *seen;    uint32_t seen_room;
+	uint32_t instance_room, first_room, pair_room, pair_count;
+	uint64_t looked;
+	struct eco_error *error;
+};
+
+static bool reserve(void *array, uint32_t *room, uint64_t count, size_t item)
+{
+	if (count <= *room)
+		return true;
+	void **slot = array;
+	uint64_t bigger = count + count / 2 + 64;
+	void *moved = bigger > UINT32_MAX ? NULL : realloc(*slot, bigger * item);
+	if (!moved)
+		return false;
+	*slot = moved;
+	*room = (uint32_t)bigger;
+	return true;
+}
+
+static enum eco_code no_memory(struct walk *w)
+{
+	return eco_fail(w->error, ECO_NO_MEMORY, "no memory for the plants in view");
+}
+
+/* ---- Cuts by anchor ---- */
+
+static int by_anchor(const void *a, const void *b, void *ctx)
+{
+	const struct eco_cut *cuts = ctx, *x = &cuts[*(const uint32_t *)a], *y = &cuts[*(const uint32_t *)b];
+	if (x->anchor != y->anchor)
+		return x->anchor < y->anchor ? -1 : 1;
+	if (x->band_first != y->band_first)
+		return x->band_first < y->band_first ? -1 : 1;
+	return x < y ? -1 : x > y;
+}
+
+static enum eco_code index_cuts(struct walk *w)
+{
+	const struct eco_plan *plan = w->plan;
+	w->sorted = malloc((plan->cut_count + 1) * sizeof *w->sorted);
+	if (!w->sorted)
+		return no_memory(w);
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		w->sorted[i] = i;
+	qsort_r(w->sorted, plan->cut_count, sizeof *w->sorted, by_anchor, plan->cuts);
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
+		uint32_t anchor = plan->cuts[w->sorted[i]].anchor;
+		if ((i == 0 || plan->cuts[w->sorted[i - 1]].anchor != anchor) && !view_table_put(&w->anchors, anchor, i))
+			return no_memory(w);
+	}
+	for (uint32_t i = 0; i < plan->gate_count; i++)
+		if (!view_table_put(&w->gates, plan->gates[i].plant, plan->gates[i].band))
+			return no_memory(w);
+	return ECO_OK;
+}
+
+static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut)
+{
+	switch (view_store_list(w->store, cut->list)->list.kind) {
+	case ECO_LIST_LINES:
+		return VIEW_ROLE_LINES;
+	case ECO_LIST_POINTS:
+		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : cut->first ? VIEW_ROLE_BLEND_POINTS : VIEW_ROLE_POINTS;
+	default:
+		return VIEW_ROLE_TRIANGLES;
+	}
+}
+
+/* Triangles [0,m) belong to a blend if points [2m, ...) of the same anchor, bands and share take over where they end. */
+static void find_roles(struct walk *w)
+{
+	const struct eco_cut *cuts = w->plan->cuts;
+	uint32_t n = w->plan->cut_count;
+	for (uint32_t i = 0; i < n; i++)
+		w->out->roles[i] = (uint8_t)plain_role(w, &cuts[i]);
+	for (uint32_t i = 0; i < n; i++) {
+		const struct eco_cut *points = &cuts[w->sorted[i]];
+		if (w->out->roles[w->sorted[i]] != VIEW_ROLE_BLEND_POINTS)
+			continue;
+		uint32_t from = view_table_get(&w->anchors, points->anchor);
+		for (uint32_t j = from; j < n && cuts[w->sorted[j]].anchor == points->anchor; j++) {
+			const struct eco_cut *t = &cuts[w->sorted[j]];
+			if (w->out->roles[w->sorted[j]] == VIEW_ROLE_TRIANGLES && t->first == 0 && 2 * (uint64_t)t->end == points->first &&
+				t->band_first == points->band_first && t->band_end == points->band_end && t->share_first == points->share_first)
+				w->out->roles[w->sorted[j]] = VIEW_ROLE_BLEND_TRIANGLES;
+		}
+	}
+}
+
+/* ---- Instances ---- */
+
+static enum eco_code add_instance(struct walk *w, const struct view_instance *instance)
+{
+	struct view_selection *out = w->out;
+	if (!reserve(&out->instances, &w->instance_room, (uint64_t)out->instance_count + 1, sizeof *out->instances) ||
+		!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 2, sizeof *out->cut_first))
+		return no_memory(w);
+	out->cut_first[out->instance_count] = w->pair_count;
+	out->instances[out->instance_count++] = *instance;
+	return ECO_OK;
+}
+
+static enum eco_code add_pair(struct walk *w, uint32_t cut)
+{
+	const struct eco_cut *c = &w->plan->cuts[cut];
+	if (w->pair_count >= PAIRS_MAX || !reserve(&w->out->cuts, &w->pair_room, (uint64_t)w->pair_count + 1, sizeof *w->out->cuts))
+		return no_memory(w);
+	w->out->cuts[w->pair_count++] = cut;
+	w->out->vertices += (uint64_t)(c->end - c->first) * eco_list_vertices(&view_store_list(w->store, c->list)->list);
+	w->out->member_first[cut + 1]++;
+	return ECO_OK;
+}
+
+static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *seen, uint32_t hash)
+{
+	const struct eco_cut *cuts = w->plan->cuts;
+	uint32_t i = view_table_get(&w->anchors, seen->anchor);
+	for (; i < w->plan->cut_count && cuts[w->sorted[i]].anchor == seen->anchor; i++) {
+		const struct eco_cut *cut = &cuts[w->sorted[i]];
+		if (cut->band_first > seen->band)
+			break;
+		if (seen->band < cut->band_end && hash >= cut->share_first && hash < cut->share_end) {
+			enum eco_code code = add_pair(w, w->sorted[i]);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+static double distance_m(const struct lod_eye *eye, const double p[3])
+{
+	double x = p[0] - eye->at[0], y = p[1] - eye->at[1], z = p[2] - eye->at[2];
+	return sqrt(x * x + y * y + z * z);
+}
+
+static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, const struct view_list *list)
+{
+	const struct view_plant *plant = view_store_plant(w->store, list->list.plant);
+	uint32_t count = list->elements.primitive_count;
+	if (!plant || count != list->list.primitive_count || list->list.kind != ECO_LIST_INSTANCES)
+		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were not all sent", list->id);
+	w->looked += count;
+	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count, sizeof *w->seen))
+		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants", INSTANCES_MAX);
+	uint32_t gate = view_table_get(&w->gates, list->list.plant);
+	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_place place = eco_place_of(&list->elements, i);
+		struct view_instance instance = { .plant = list->list.plant, .path = placement->path };
+		lod_place_instance(&instance.place, placement, &list->list, &place);
+		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors, plant->plant.anchor_first,
+			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : (uint8_t)gate, w->seen);
+		if (!seen)
+			continue;
+		double center[3];
+		lod_place_point(&instance.place, plant->anchors[0].center, center);
+		instance.distance_m = distance_m(w->eye, center);
+		instance.owner = eco_owner_instance(key, list->list.plant, i);
+		instance.hash = lod_share_hash(placement->path, list->id, i);
+		enum eco_code code = add_instance(w, &instance);
+		for (uint32_t s = 0; s < seen && !code; s++)
+			code = add_cuts(w, &w->seen[s], instance.hash);
+		if (code)
+			return code;
+		w->out->visible_plants++;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code walk_once(struct walk *w, uint32_t cut)
+{
+	const struct eco_placement *p = &w->plan->placements[w->plan->cuts[cut].placement];
+	struct view_instance instance = { .plant = ECO_NONE, .path = p->path };
+	memcpy(instance.place.at, p->at, sizeof p->at);
+	eco_turn_sincos(p->turn, &instance.place.sine, &instance.place.cosine);
+	instance.place.scale = p->scale;
+	enum eco_code code = add_instance(w, &instance);
+	return code ? code : add_pair(w, cut);
+}
+
+/* member_first counts so far, one place to the right; sums make it the table of contents, and a pass over the pairs fills it. */
+static enum eco_code finish(struct walk *w)
+{
+	struct view_selection *out = w->out;
+	if (!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 1, sizeof *out->cut_first))
+		return no_memory(w);
+	out->cut_first[out->instance_count] = w->pair_count;
+	for (uint32_t c = 0; c < out->cut_count; c++)
+		out->member_first[c + 1] += out->member_first[c];
+	out->members = malloc(((size_t)w->pair_count + 1) * sizeof *out->members);
+	uint32_t *next = malloc(((size_t)out->cut_count + 1) * sizeof *next);
+	if (!out->members || !next) {
+		free(next);
+		return no_memory(w);
+	}
+	memcpy(next, out->member_first, ((size_t)out->cut_count + 1) * sizeof *next);
+	for (uint32_t i = 0; i < out->instance_count; i++)
+		for (uint32_t p = out->cut_first[i]; p < out->cut_first[i + 1]; p++)
+			out->members[next[out->cuts[p]]++] = i;
+	free(next);
+	if (out->vertices != w->plan->vertices)
+		return eco_fail(w->error, ECO_DAMAGED, "the plan promises %llu vertices, drawing it comes to %llu: server and client disagree",
+			(unsigned long long)w->plan->vertices, (unsigned long long)out->vertices);
+	return ECO_OK;
+}
+
+static enum eco_code walk_runs(struct walk *w)
+{
+	const struct eco_plan *plan = w->plan;
+	for (uint32_t r = 0; r < plan->run_count; r++)
+		for (uint32_t id = plan->runs[r].list_first; id < plan->runs[r].list_end; id++) {
+			const struct view_list *list = view_store_list(w->store, id);
+			if (!list)
+				return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which was not sent", id);
+			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement], list);
+			if (code)
+				return code;
+		}
+	return ECO_OK;
+}
+
+enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store, const struct lod_eye *eye,
+	struct eco_error *error)
+{
+	static const struct eco_plan nothing;
+	*selection = (struct view_selection){ 0 };
+	struct walk w = { .out = selection, .store = store, .plan = view_store_plan(store), .eye = eye, .error = error };
+	if (!w.plan)
+		w.plan = &nothing;
+	selection->cut_count = w.plan->cut_count;
+	selection->roles = calloc(w.plan->cut_count + 1, sizeof *selection->roles);
+	selection->member_first = calloc((size_t)w.plan->cut_count + 2, sizeof *selection->member_first);
+	enum eco_code code = selection->roles && selection->member_first ? index_cuts(&w) : no_memory(&w);
+	if (!code) {
+		find_roles(&w);
+		code = walk_runs(&w);
+	}
+	for (uint32_t c = 0; c < w.plan->cut_count && !code; c++)
+		if (w.plan->cuts[c].anchor == ECO_NONE)
+			code = walk_once(&w, c);
+	if (!code)
+		code = finish(&w);
+	free(w.sorted);
+	free(w.seen);
+	view_table_free(&w.anchors);
+	view_table_free(&w.gates);
+	if (code)
+		view_select_free(selection);
+	return code;
+}
+
+void view_select_free(struct view_selection *selection)
+{
+	free(selection->instances);
+	free(selection->cut_first);
+	free(selection->cuts);
+	free(selection->member_first);
+	free(selection->members);
+	free(selection->roles);
+	*selection = (struct view_selection){ 0 };
+}
+
+uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32_t path)
+{
+	const int32_t *extra = list->elements.extra + (size_t)(index + 1) * list->elements.extra_count - 2;
+	return eco_owner_summary((uint32_t)extra[1] + path, (uint32_t)extra[0]);
+}
