@@ -11,6 +11,7 @@
 #ifndef ECO_SCENE_H
 #define ECO_SCENE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -53,6 +54,9 @@ struct eco_source {
 	char *ground_heights, *ground_crs;   /* paths and CRS; NULL: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
 	struct eco_source_plant *plants;                uint32_t plant_count;
+	uint32_t *plants_by_name;            /* first variants, in the order of their names; name_count of them */
+	uint32_t name_count;
+	bool on_disk;                        /* files named were looked for */
 	struct eco_source_instance *instances;          uint32_t instance_count;
 	struct eco_positions_spec *positions;           uint32_t positions_count;
 	struct eco_source_child *children;              uint32_t child_count;

@@ -1,0 +1,327 @@
+/* Where a value stands in the text is found again from its path of ordinal numbers: jansson keeps members in the order of the text
+ * and duplicate keys are refused, so the n-th member of an object is the n-th key written, whatever its escapes. The text has been
+ * accepted by jansson before, so the scanner below only has to skip, never to judge; it is bounded by the text's end all the same. */
+#include "ecofiles/json_read.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DEPTH_MAX 32
+
+static const char *type_name(const json_t *value)
+{
+	switch (json_typeof(value)) {
+	case JSON_OBJECT: return "an object";
+	case JSON_ARRAY: return "an array";
+	case JSON_STRING: return "a text";
+	case JSON_INTEGER:
+	case JSON_REAL: return "a number";
+	case JSON_NULL: return "null";
+	default: return "true or false";
+	}
+}
+
+json_t *eco_json_open(const struct eco_json_file *file)
+{
+	json_error_t problem;
+	json_t *root = json_loadb(file->text, file->size, JSON_REJECT_DUPLICATES, &problem);
+
+	if (root == NULL)
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s", file->name, problem.line > 0 ? problem.line : 1,
+			problem.column > 0 ? problem.column : 1, problem.text);
+	return root;
+}
+
+struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root)
+{
+	return (struct eco_json){ .file = file, .value = root };
+}
+
+struct eco_json eco_json_member(const struct eco_json *object, const char *key)
+{
+	struct eco_json node = { .file = object->file, .parent = object, .key = key };
+	void *iterator = json_object_iter((json_t *)object->value);
+
+	for (; iterator != NULL; iterator = json_object_iter_next((json_t *)object->value, iterator), node.index++)
+		if (strcmp(json_object_iter_key(iterator), key) == 0) {
+			node.value = json_object_iter_value(iterator);
+			return node;
+		}
+	return node;
+}
+
+struct eco_json eco_json_item(const struct eco_json *array, size_t index)
+{
+	return (struct eco_json){ .file = array->file, .parent = array, .index = index,
+		.value = json_array_get(array->value, index) };
+}
+
+/* ---- Places ---- */
+
+static size_t skip_space(const char *text, size_t size, size_t at)
+{
+	while (at < size && (text[at] == ' ' || text[at] == '\t' || text[at] == '\n' || text[at] == '\r'))
+		at++;
+	return at;
+}
+
+static size_t skip_string(const char *text, size_t size, size_t at)
+{
+	for (at++; at < size && text[at] != '"'; at++)
+		if (text[at] == '\\')
+			at++;
+	return at < size ? at + 1 : size;
+}
+
+static size_t skip_value(const char *text, size_t size, size_t at)
+{
+	size_t depth = 0;
+
+	while (at < size) {
+		char c = text[at];
+
+		if (c == '"') {
+			at = skip_string(text, size, at);
+		} else if (c == '{' || c == '[') {
+			depth++;
+			at++;
+		} else if (c == '}' || c == ']') {
+			if (depth == 0)
+				return at;
+			depth--;
+			at++;
+		} else if (depth == 0 && c == ',') {
+			return at;
+		} else {
+			at++;
+			continue;
+		}
+		if (depth == 0)
+			return at;
+	}
+	return size;
+}
+
+/* From the opening bracket at `at` to the index-th entry: its key in an object, its value in an array. */
+static size_t enter(const char *text, size_t size, size_t at, size_t index, bool object)
+{
+	at = skip_space(text, size, at + 1);
+	for (size_t i = 0; i < index && at < size; i++) {
+		if (object)
+			at = skip_space(text, size, skip_string(text, size, at)) + 1;
+		at = skip_space(text, size, skip_value(text, size, skip_space(text, size, at)));
+		at = skip_space(text, size, at + 1);
+	}
+	return at;
+}
+
+static size_t find(const struct eco_json *at, bool key)
+{
+	const struct eco_json *path[DEPTH_MAX];
+	const char *text = at->file->text;
+	size_t size = at->file->size, depth = 0, offset = 0;
+
+	if (at->value == NULL && at->parent != NULL)
+		at = at->parent;
+	for (const struct eco_json *node = at; node->parent != NULL && depth < DEPTH_MAX; node = node->parent)
+		path[depth++] = node;
+	offset = skip_space(text, size, 0);
+	while (depth-- > 0) {
+		bool object = json_is_object(path[depth]->parent->value);
+
+		offset = enter(text, size, offset, path[depth]->index, object);
+		if (object && !(key && depth == 0))
+			offset = skip_space(text, size, skip_space(text, size, skip_string(text, size, offset)) + 1);
+	}
+	return offset < size ? offset : size;
+}
+
+static void line_column(const struct eco_json_file *file, size_t offset, uint32_t *line, uint32_t *column)
+{
+	*line = *column = 1;
+	for (size_t i = 0; i < offset; i++) {
+		if (file->text[i] == '\n') {
+			++*line;
+			*column = 1;
+		} else if (((unsigned char)file->text[i] & 0xc0) != 0x80) {
+			++*column;
+		}
+	}
+}
+
+void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column)
+{
+	line_column(at->file, find(at, false), line, column);
+}
+
+static enum eco_code fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format, va_list arguments)
+{
+	char text[400];
+	uint32_t line, column;
+
+	vsnprintf(text, sizeof text, format, arguments);
+	line_column(at->file, find(at, key), &line, &column);
+	return eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
+}
+
+enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
+{
+	va_list arguments;
+
+	va_start(arguments, format);
+	fail_at(at, false, code, format, arguments);
+	va_end(arguments);
+	return code;
+}
+
+/* ---- Values ---- */
+
+static bool bad(const struct eco_json *at, const char *wanted)
+{
+	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
+	const char *mark = at->key != NULL ? "\"" : "";
+
+	eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
+	return false;
+}
+
+static bool stranger(const struct eco_json *at, const char *format, ...)
+{
+	va_list arguments;
+
+	va_start(arguments, format);
+	fail_at(at, true, ECO_BAD_INPUT, format, arguments);
+	va_end(arguments);
+	return false;
+}
+
+bool eco_json_object(const struct eco_json *at, const char *const *fields)
+{
+	const char *key;
+	json_t *value;
+
+	if (!json_is_object(at->value))
+		return bad(at, "an object");
+	json_object_foreach((json_t *)at->value, key, value) {
+		char known[256] = "";
+		size_t i = 0, used = 0;
+
+		(void)value;
+		while (fields[i] != NULL && strcmp(fields[i], key) != 0)
+			i++;
+		if (fields[i] != NULL)
+			continue;
+		for (i = 0; fields[i] != NULL && used < sizeof known; i++)
+			used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", fields[i]);
+		struct eco_json node = eco_json_member(at, key);
+		return stranger(&node, "unknown field \"%.60s\"; known here: %s", key, known);
+	}
+	return true;
+}
+
+bool eco_json_array(const struct eco_json *at, size_t count_max)
+{
+	if (!json_is_array(at->value))
+		return bad(at, "an array");
+	if (json_array_size(at->value) > count_max) {
+		eco_json_fail(at, ECO_TOO_LARGE, "%zu entries, at most %zu are possible", json_array_size(at->value), count_max);
+		return false;
+	}
+	return true;
+}
+
+bool eco_json_required(const struct eco_json *object, const char *key)
+{
+	if (json_object_get(object->value, key) != NULL)
+		return true;
+	eco_json_fail(object, ECO_BAD_INPUT, "\"%s\" is missing", key);
+	return false;
+}
+
+static bool number_in(const struct eco_json *at, double low, double high, double *out)
+{
+	double number;
+
+	if (!json_is_number(at->value))
+		return bad(at, "a number");
+	number = json_number_value(at->value);
+	if (!(number >= low && number <= high)) {
+		eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
+			at->key != NULL ? at->key : "the number", number, low, high);
+		return false;
+	}
+	*out = number;
+	return true;
+}
+
+bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	return at.value == NULL || number_in(&at, low, high, out);
+}
+
+bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!json_is_integer(at.value))
+		return bad(&at, "a whole number");
+	if (json_integer_value(at.value) < 0 || (uint64_t)json_integer_value(at.value) < low
+		|| (uint64_t)json_integer_value(at.value) > high) {
+		eco_json_fail(&at, ECO_BAD_INPUT, "%s is %lld, it must be between %llu and %llu", key,
+			(long long)json_integer_value(at.value), (unsigned long long)low, (unsigned long long)high);
+		return false;
+	}
+	*out = (uint64_t)json_integer_value(at.value);
+	return true;
+}
+
+bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low, double high,
+	double *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!json_is_array(at.value))
+		return bad(&at, "an array of numbers");
+	if (json_array_size(at.value) < least || json_array_size(at.value) > most) {
+		eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu", key, json_array_size(at.value),
+			least, least < most ? " or " : "", least < most ? most : 0);
+		return false;
+	}
+	for (size_t i = 0; i < json_array_size(at.value); i++) {
+		struct eco_json item = eco_json_item(&at, i);
+
+		if (!number_in(&item, low, high, &out[i]))
+			return false;
+	}
+	return true;
+}
+
+bool eco_json_is_text(const struct eco_json *at, size_t bytes_max)
+{
+	if (!json_is_string(at->value))
+		return bad(at, "a text");
+	if (json_string_length(at->value) == 0 || json_string_length(at->value) > bytes_max) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu", json_string_length(at->value), bytes_max);
+		return false;
+	}
+	return true;
+}
+
+bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_max, const char **out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!eco_json_is_text(&at, bytes_max))
+		return false;
+	*out = json_string_value(at.value);
+	return true;
+}

@@ -1,0 +1,445 @@
+/* One scene file: from text to struct eco_source. Nothing here touches a file, so that it can be fed anything; scene_tree.c opens
+ * files, follows children and checks that what is named exists. */
+#include "ecofiles/scene.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/mix.h"
+#include "ecofiles/scene_parse.h"
+
+#define PLANTS_MAX 65536u
+#define VARIANTS_MAX 256u
+#define INSTANCES_MAX (1u << 24)
+#define HEIGHT_MAX_M 1000.0
+#define SCALE_MIN 0.001
+#define SCALE_MAX 1000.0
+#define YAW_MAX 1e6
+
+static const char *const scene_fields[] = { "name", "crs", "origin", "ground", "plants", "instances", "children", "tile", NULL };
+static const char *const ground_fields[] = { "heights", "crs", NULL };
+static const char *const plant_fields[] = { "model", "height_m", "importance", NULL };
+static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
+static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
+static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
+static const char *const tile_fields[] = { "instances", NULL };
+
+static bool no_memory(const struct eco_json *at)
+{
+	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+	return false;
+}
+
+char *eco_path_beside(const char *base, const char *relative)
+{
+	const char *slash = strrchr(base, '/');
+	size_t folder = slash != NULL ? (size_t)(slash - base) + 1 : 0;
+	char *path;
+
+	if (*relative == '/')
+		folder = 0;
+	path = malloc(folder + strlen(relative) + 1);
+	if (path != NULL) {
+		memcpy(path, base, folder);
+		strcpy(path + folder, relative);
+	}
+	return path;
+}
+
+bool eco_source_has_file(const struct eco_source *source, const struct eco_json *at, const char *path)
+{
+	if (!source->on_disk || access(path, R_OK) == 0)
+		return true;
+	eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
+	return false;
+}
+
+/* ---- Plants ---- */
+
+static int name_compare(const void *a, const void *b, void *context)
+{
+	const struct eco_source_plant *plants = context;
+
+	return strcmp(plants[*(const uint32_t *)a].name, plants[*(const uint32_t *)b].name);
+}
+
+static void sort_names(struct eco_source *source)
+{
+	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
+		source->plants_by_name[source->name_count++] = i;
+	qsort_r(source->plants_by_name, source->name_count, sizeof *source->plants_by_name, name_compare, source->plants);
+}
+
+uint32_t eco_source_find_plant(const struct eco_source *source, const char *name)
+{
+	uint32_t low = 0, high = source->name_count;
+
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2, plant = source->plants_by_name[middle];
+		int order = strcmp(source->plants[plant].name, name);
+
+		if (order == 0)
+			return plant;
+		if (order < 0)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return ECO_NONE;
+}
+
+bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
+{
+	char known[200] = "";
+	size_t used = 0;
+
+	if (!eco_json_is_text(at, sizeof source->plants->name - 1))
+		return false;
+	*plant = eco_source_find_plant(source, json_string_value(at->value));
+	if (*plant != ECO_NONE)
+		return true;
+	for (uint32_t i = 0; i < source->plant_count && used < sizeof known; i += source->plants[i].variant_count)
+		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", source->plants[i].name);
+	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", json_string_value(at->value),
+		known[0] != 0 ? known : "there are none");
+	return false;
+}
+
+static bool add_plant(struct eco_source *source, const struct eco_json *at, const struct eco_json *model,
+	const struct eco_source_plant *plant)
+{
+	struct eco_source_plant *slot = &source->plants[source->plant_count];
+
+	if (!eco_json_is_text(model, ECO_PATH_BYTES))
+		return false;
+	*slot = *plant;
+	slot->model = eco_path_beside(source->path, json_string_value(model->value));
+	if (slot->model == NULL)
+		return no_memory(at);
+	source->plant_count++;
+	return eco_source_has_file(source, model, slot->model);
+}
+
+static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
+{
+	struct eco_json node = eco_json_member(at, "importance");
+
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		importance[i] = 1;
+	if (node.value == NULL)
+		return true;
+	if (!eco_json_object(&node, importance_fields))
+		return false;
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
+		double number = 1;
+
+		if (!eco_json_number(&node, importance_fields[i], 0.01, 100, &number))
+			return false;
+		importance[i] = (float)number;
+	}
+	return true;
+}
+
+/* Names end up in URLs, file names and messages. */
+static bool name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
+{
+	for (size_t i = 0; i < bytes; i++)
+		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f) {
+			eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
+			return false;
+		}
+	if (bytes == 0 || bytes > 63) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
+		return false;
+	}
+	return true;
+}
+
+static bool parse_plant(struct eco_source *source, const struct eco_json *at)
+{
+	struct eco_source_plant plant = { .variant_count = 1 };
+	struct eco_json model;
+
+	if (!name_is_fine(at, at->key, strlen(at->key)) || !eco_json_object(at, plant_fields) || !eco_json_required(at, "model")
+		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) || !parse_importance(at, plant.importance))
+		return false;
+	memcpy(plant.name, at->key, strlen(at->key) + 1);
+	model = eco_json_member(at, "model");
+	if (!json_is_array(model.value))
+		return add_plant(source, at, &model, &plant);
+	if (!eco_json_array(&model, VARIANTS_MAX))
+		return false;
+	plant.variant_count = (uint32_t)json_array_size(model.value);
+	if (plant.variant_count == 0) {
+		eco_json_fail(&model, ECO_BAD_INPUT, "\"model\" names no file");
+		return false;
+	}
+	for (; plant.variant < plant.variant_count; plant.variant++) {
+		struct eco_json item = eco_json_item(&model, plant.variant);
+
+		if (!add_plant(source, at, &item, &plant))
+			return false;
+	}
+	return true;
+}
+
+static size_t count_models(const json_t *plants)
+{
+	const char *key;
+	json_t *plant;
+	size_t count = 0;
+
+	json_object_foreach((json_t *)plants, key, plant) {
+		const json_t *model = json_object_get(plant, "model");
+
+		(void)key;
+		count += json_is_array(model) && json_array_size(model) > 1 ? json_array_size(model) : 1;
+	}
+	return count;
+}
+
+static bool parse_plants(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = top->file, .parent = &node };
+	const char *key;
+	json_t *value;
+	size_t count;
+
+	if (node.value == NULL)
+		return true;
+	if (!json_is_object(node.value))
+		return eco_json_object(&node, plant_fields);
+	count = count_models(node.value);
+	if (count > PLANTS_MAX) {
+		eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
+		return false;
+	}
+	source->plants = calloc(count + 1, sizeof *source->plants);
+	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
+	if (source->plants == NULL || source->plants_by_name == NULL)
+		return no_memory(&node);
+	json_object_foreach((json_t *)node.value, key, value) {
+		entry.key = key;
+		entry.value = value;
+		if (!parse_plant(source, &entry))
+			return false;
+		entry.index++;
+	}
+	sort_names(source);
+	return true;
+}
+
+/* ---- Instances and children ---- */
+
+static bool parse_instance(struct eco_source *source, const struct eco_json *at)
+{
+	struct eco_source_instance *slot = &source->instances[source->instance_count];
+	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
+	struct eco_json plant = eco_json_member(at, "plant");
+
+	if (!eco_json_object(at, instance_fields) || !eco_json_required(at, "plant") || !eco_json_required(at, "at")
+		|| !eco_source_plant_of(source, &plant, &instance.plant)
+		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, instance.at)
+		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &instance.yaw_deg)
+		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &instance.scale)
+		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &instance.height_m))
+		return false;
+	instance.plant += eco_mix_variant(0, source->instance_count, source->plants[instance.plant].variant_count);
+	*slot = instance;
+	source->instance_count++;
+	return true;
+}
+
+static bool parse_instances(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "instances");
+	size_t count, rows = 0;
+
+	if (node.value == NULL)
+		return true;
+	if (!eco_json_array(&node, INSTANCES_MAX))
+		return false;
+	count = json_array_size(node.value);
+	for (size_t i = 0; i < count; i++)
+		rows += json_object_get(json_array_get(node.value, i), "from") != NULL;
+	source->instances = calloc(count - rows + 1, sizeof *source->instances);
+	source->positions = calloc(rows + 1, sizeof *source->positions);
+	if (source->instances == NULL || source->positions == NULL)
+		return no_memory(&node);
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = eco_json_item(&node, i);
+		bool good = json_object_get(item.value, "from") == NULL ? parse_instance(source, &item)
+			: eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
+
+		if (!good)
+			return false;
+	}
+	return true;
+}
+
+static bool parse_child(struct eco_source *source, const struct eco_json *at)
+{
+	struct eco_source_child *child = &source->children[source->child_count++];
+	struct eco_json node = eco_json_member(at, "eco");
+	const char *eco = NULL;
+
+	child->source = ECO_NONE;
+	child->scale = 1;
+	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco") || !eco_json_required(at, "at")
+		|| !eco_json_text(at, "eco", ECO_PATH_BYTES, &eco)
+		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, child->at)
+		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &child->yaw_deg)
+		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &child->scale))
+		return false;
+	child->eco = eco_path_beside(source->path, eco);
+	return child->eco != NULL ? eco_source_has_file(source, &node, child->eco) : no_memory(at);
+}
+
+static bool parse_children(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "children");
+
+	if (node.value == NULL)
+		return true;
+	if (!eco_json_array(&node, INSTANCES_MAX))
+		return false;
+	source->children = calloc(json_array_size(node.value) + 1, sizeof *source->children);
+	if (source->children == NULL)
+		return no_memory(&node);
+	for (size_t i = 0; i < json_array_size(node.value); i++) {
+		struct eco_json item = eco_json_item(&node, i);
+
+		if (!parse_child(source, &item))
+			return false;
+	}
+	return true;
+}
+
+/* ---- The document ---- */
+
+static bool parse_ground(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "ground"), crs_node, heights_node;
+	const char *heights = NULL, *crs = NULL;
+
+	if (node.value == NULL)
+		return true;
+	if (!eco_json_object(&node, ground_fields) || !eco_json_required(&node, "heights")
+		|| !eco_json_text(&node, "heights", ECO_PATH_BYTES, &heights) || !eco_json_text(&node, "crs", ECO_PATH_BYTES, &crs))
+		return false;
+	crs_node = eco_json_member(&node, "crs");
+	if (crs != NULL && source->crs == NULL) {
+		eco_json_fail(&crs_node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, "
+			"or leave this one out", crs);
+		return false;
+	}
+	source->ground_heights = eco_path_beside(source->path, heights);
+	source->ground_crs = crs != NULL ? strdup(crs) : NULL;
+	if (source->ground_heights == NULL || (crs != NULL && source->ground_crs == NULL))
+		return no_memory(&node);
+	heights_node = eco_json_member(&node, "heights");
+	return eco_source_has_file(source, &heights_node, source->ground_heights);
+}
+
+static bool parse_name(struct eco_source *source, const struct eco_json *top)
+{
+	const char *slash = strrchr(source->path, '/'), *name = slash != NULL ? slash + 1 : source->path;
+	struct eco_json node = eco_json_member(top, "name");
+	size_t bytes = strcspn(name, ".");
+
+	if (node.value != NULL) {
+		if (!eco_json_text(top, "name", 63, &name) || !name_is_fine(&node, name, strlen(name)))
+			return false;
+		bytes = strlen(name);
+	}
+	if (bytes >= sizeof source->name)
+		bytes = sizeof source->name - 1;
+	memcpy(source->name, name, bytes);
+	return true;
+}
+
+static bool parse_tile(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "tile");
+	uint64_t instances = ECO_TILE_INSTANCES;
+
+	if (node.value != NULL && (!eco_json_object(&node, tile_fields) || !eco_json_whole(&node, "instances", 1, 65536, &instances)))
+		return false;
+	source->tile_instances = (uint32_t)instances;
+	return true;
+}
+
+static bool parse_document(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json origin = eco_json_member(top, "origin");
+	const char *crs = NULL;
+
+	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_json_text(top, "crs", ECO_PATH_BYTES, &crs)
+		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
+		return false;
+	if (crs != NULL && origin.value == NULL) {
+		eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene in a CRS needs the point of it that is its 0, 0, 0, such as "
+			"\"origin\": [747375, 4308510, 0]");
+		return false;
+	}
+	if (crs != NULL && (source->crs = strdup(crs)) == NULL)
+		return no_memory(top);
+	return parse_tile(source, top) && parse_ground(source, top) && parse_plants(source, top) && parse_instances(source, top)
+		&& parse_children(source, top);
+}
+
+enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
+	struct eco_error *error)
+{
+	struct eco_error local = { .code = ECO_OK };
+	struct eco_json_file file = { path, json, size, error != NULL ? error : &local };
+	struct eco_json top;
+	json_t *root;
+	bool good;
+
+	*source = (struct eco_source){ .path = strdup(path), .on_disk = on_disk };
+	if (source->path == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	if (size > ECO_SOURCE_BYTES_MAX) {
+		eco_source_free(source);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible; keep many plants in a CSV file (\"from\")", path,
+			size, ECO_SOURCE_BYTES_MAX);
+	}
+	root = eco_json_open(&file);
+	top = eco_json_root(&file, root);
+	good = root != NULL && parse_document(source, &top);
+	json_decref(root);
+	if (good)
+		return ECO_OK;
+	eco_source_free(source);
+	return file.error->code;
+}
+
+enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
+	struct eco_error *error)
+{
+	return eco_source_parse_as(source, json, size, path, false, error);
+}
+
+void eco_source_free(struct eco_source *source)
+{
+	for (uint32_t i = 0; i < source->plant_count; i++)
+		free(source->plants[i].model);
+	for (uint32_t i = 0; i < source->positions_count; i++)
+		eco_positions_spec_free(&source->positions[i]);
+	for (uint32_t i = 0; i < source->child_count; i++)
+		free(source->children[i].eco);
+	free(source->plants);
+	free(source->plants_by_name);
+	free(source->instances);
+	free(source->positions);
+	free(source->children);
+	free(source->path);
+	free(source->crs);
+	free(source->ground_heights);
+	free(source->ground_crs);
+	*source = (struct eco_source){ .path = NULL };
+}

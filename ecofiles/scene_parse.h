@@ -1,0 +1,29 @@
+/* Inside the scene reader: what its files share. Not for others. */
+#ifndef ECO_SCENE_PARSE_H
+#define ECO_SCENE_PARSE_H
+
+#include "ecofiles/json_read.h"
+#include "ecofiles/scene.h"
+
+#define ECO_PATH_BYTES 4096u
+#define ECO_METRES_MAX 1e7           /* of anything placed */
+
+/* `relative` as seen from the folder of `base`; malloc'ed, NULL when memory ran out. */
+char *eco_path_beside(const char *base, const char *relative);
+
+/* Index of the first plant of that name, or ECO_NONE. */
+uint32_t eco_source_find_plant(const struct eco_source *source, const char *name);
+/* The plant a text names; an error lists the plants there are. */
+bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant);
+
+/* False after an error at `at` when the file is not there; true for documents from memory. */
+bool eco_source_has_file(const struct eco_source *source, const struct eco_json *at, const char *path);
+
+enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
+	struct eco_error *error);
+
+/* One entry of "instances" that has "from". On failure the spec holds what was read so far. */
+bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec);
+void eco_positions_spec_free(struct eco_positions_spec *spec);
+
+#endif
