@@ -110,10 +110,9 @@ static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, co
 /* ---- Byte budget ---- */
 
 struct search {
-	uint64_t low, low_bytes;     /* fits; `best` is its step */
+	uint64_t low, low_bytes;     /* fits */
 	uint64_t high, high_bytes;   /* does not */
 	uint32_t tries;
-	struct srv_step *best;
 };
 
 /* Bytes grow fast at first and slower later, so a straight line between the ends aims too low in vertices or too high in bytes; every
@@ -142,7 +141,7 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 	bool *fits, struct eco_error *error)
 {
 	uint64_t budget_bytes = stream->input.request->bytes;
-	struct search s = { .high = best->plan.vertices, .high_bytes = *bytes, .best = best };
+	struct search s = { .high = best->plan.vertices, .high_bytes = *bytes };
 	step_free(best);
 	enum eco_code code = make_step(stream, 0, best, error);
 	if (!code)
@@ -153,10 +152,13 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 		uint64_t vertices = next_try(&s, budget_bytes), size;
 		struct srv_step step;
 		code = make_step(stream, vertices, &step, error);
-		if (!code)
-			code = size_of(stream, dry, &step, &size, error);
 		if (code)
 			break;
+		code = size_of(stream, dry, &step, &size, error);
+		if (code) {
+			step_free(&step);
+			break;
+		}
 		srv_trace(SRV_TRACE_PLAN, "byte budget %llu: %llu vertices take %llu bytes", (unsigned long long)budget_bytes,
 			(unsigned long long)vertices, (unsigned long long)size);
 		if (size <= budget_bytes) {

@@ -1,0 +1,239 @@
+#define XXH_STATIC_LINKING_ONLY
+#include <xxhash.h>
+
+#include "server/answer.h"
+
+#include <microhttpd.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/wire.h"
+#include "server/condition.h"
+#include "server/query.h"
+#include "server/trace.h"
+#include "server/version.h"
+
+#define IMMUTABLE "public, max-age=31536000, immutable"
+
+static void add_header(struct srv_answer *answer, const char *name, const char *value)
+{
+	if (answer->response && value && MHD_add_response_header(answer->response, name, value) != MHD_YES)
+		srv_answer_free(answer);             /* an answer without a header it needs would be a wrong answer */
+}
+
+static void add_validators(struct srv_answer *answer, const char *etag, const char *cache_control)
+{
+	add_header(answer, MHD_HTTP_HEADER_ETAG, etag);
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
+}
+
+static void answer_empty(struct srv_answer *answer, unsigned status)
+{
+	*answer = (struct srv_answer){ .status = status,
+		.response = MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT) };
+}
+
+/* Takes json->out. */
+static void answer_text(struct srv_answer *answer, unsigned status, struct srv_json *json, const char *type)
+{
+	*answer = (struct srv_answer){ .status = status, .size_bytes = json->out.size };
+	if (!json->out.failed)
+		answer->response = MHD_create_response_from_buffer(json->out.size, json->out.bytes, MHD_RESPMEM_MUST_FREE);
+	if (answer->response)
+		json->out = (struct eco_writer){ 0 };
+	eco_writer_free(&json->out);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+}
+
+void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_details *details)
+{
+	struct srv_json json = { 0 };
+	srv_problem_write(&json, details->problem, details->detail, details->instance);
+	answer_text(answer, srv_problem_rows[details->problem].status, &json, "application/problem+json");
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	add_header(answer, MHD_HTTP_HEADER_ALLOW, details->allow);
+	if (answer->status == MHD_HTTP_SERVICE_UNAVAILABLE)
+		add_header(answer, MHD_HTTP_HEADER_RETRY_AFTER, "1");
+	if (details->close)
+		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
+}
+
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag, const char *if_none_match,
+	const char *timing)
+{
+	if (etag && srv_etag_match(if_none_match, etag)) {
+		eco_writer_free(&json->out);
+		srv_answer_not_modified(answer, etag);
+		return;
+	}
+	answer_text(answer, MHD_HTTP_OK, json, "application/json");
+	add_validators(answer, etag, etag ? "no-cache" : "no-store");
+	add_header(answer, "Server-Timing", timing);
+}
+
+void srv_answer_not_modified(struct srv_answer *answer, const char *etag)
+{
+	answer_empty(answer, MHD_HTTP_NOT_MODIFIED);
+	add_validators(answer, etag, "no-cache");
+}
+
+/* ---- Streams ---- */
+
+static void free_body(void *body)
+{
+	srv_body_free(body);
+	free(body);
+}
+
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *timing)
+{
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
+	struct srv_body *kept = malloc(sizeof *kept);
+	struct MHD_IoVec *vector = malloc(body->piece_count * sizeof *vector);
+	if (kept && vector) {
+		*kept = *body;
+		for (uint32_t i = 0; i < body->piece_count; i++)
+			vector[i] = (struct MHD_IoVec){ body->pieces[i].bytes, body->pieces[i].size };
+		answer->response = MHD_create_response_from_iovec(vector, body->piece_count, free_body, kept);
+	}
+	free(vector);
+	if (answer->response) {
+		*body = (struct srv_body){ 0 };
+	} else {
+		free(kept);
+		srv_body_free(body);
+	}
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
+	add_validators(answer, etag, etag ? "no-cache" : "no-store");
+	add_header(answer, "Server-Timing", timing);
+}
+
+void srv_answer_no_stream(struct srv_answer *answer, const char *timing)
+{
+	answer_empty(answer, MHD_HTTP_NO_CONTENT);
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	add_header(answer, "Server-Timing", timing);
+}
+
+/* ---- Chunks ---- */
+
+void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id)
+{
+	char text[SRV_ID_TEXT_BYTES];
+	srv_format_id(text, id);
+	snprintf(etag, SRV_ETAG_BYTES, "\"%s\"", text);
+}
+
+void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const char *target)
+{
+	struct eco_chunk_id id;
+	XXH3_state_t state;
+	XXH128_canonical_t hash;
+	XXH3_INITSTATE(&state);
+	XXH3_128bits_reset(&state);
+	XXH3_128bits_update(&state, scene->pack->id.bytes, sizeof scene->pack->id.bytes);
+	XXH3_128bits_update(&state, SRV_VERSION, sizeof SRV_VERSION);
+	XXH3_128bits_update(&state, target, strlen(target));
+	XXH128_canonicalFromHash(&hash, XXH3_128bits_digest(&state));
+	memcpy(id.bytes, hash.digest, sizeof id.bytes);
+	srv_etag_of(etag, &id);
+}
+
+static void chunk_headers(struct srv_answer *answer, const char *etag)
+{
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
+	add_header(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
+	add_validators(answer, etag, IMMUTABLE);
+}
+
+/* The shared response. Two threads may make one each; the first that is stored wins, and the other is destroyed. */
+static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk, const uint8_t *bytes, size_t size,
+	const char *etag)
+{
+	_Atomic(struct MHD_Response *) *slot = &scene->responses[chunk];
+	struct MHD_Response *stored = atomic_load(slot);
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = size };
+	if (!stored) {
+		answer->response = MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT);
+		chunk_headers(answer, etag);
+		if (!answer->response)
+			return;
+		if (atomic_compare_exchange_strong(slot, &stored, answer->response))
+			stored = answer->response;
+		else
+			MHD_destroy_response(answer->response);
+		srv_trace(SRV_TRACE_CACHE, "%s: response for chunk %u made, %zu bytes", scene->name, chunk, size);
+	}
+	answer->response = stored;
+	answer->shared = true;
+}
+
+static void answer_part(struct srv_answer *answer, const struct srv_range *range, const uint8_t *bytes, size_t size,
+	const char *etag)
+{
+	char text[80];
+	*answer = (struct srv_answer){ .status = MHD_HTTP_PARTIAL_CONTENT, .size_bytes = range->end - range->first };
+	answer->response = MHD_create_response_from_buffer(range->end - range->first, (void *)(bytes + range->first),
+		MHD_RESPMEM_PERSISTENT);
+	chunk_headers(answer, etag);
+	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first, (unsigned long long)range->end - 1, size);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
+}
+
+static void answer_outside(struct srv_answer *answer, size_t size, const char *instance)
+{
+	char text[80];
+	snprintf(text, sizeof text, "the chunk has %zu bytes", size);
+	srv_answer_problem(answer, &(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE, .detail = text, .instance = instance });
+	snprintf(text, sizeof text, "bytes */%zu", size);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
+}
+
+void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk, const struct srv_framing *framing,
+	bool get, const char *instance)
+{
+	char etag[SRV_ETAG_BYTES];
+	const uint8_t *bytes;
+	size_t size;
+	struct eco_error error = { 0 };
+	enum eco_code code = srv_scene_payload(scene, chunk, &bytes, &size, &error);
+	if (code) {
+		srv_trace(SRV_TRACE_CACHE, "%s: chunk %u refused: %s", scene->name, chunk, error.text);
+		srv_answer_problem(answer, &(struct srv_problem_details){ .problem = srv_problem_of(code), .detail = error.text,
+			.instance = instance });
+		return;
+	}
+	srv_etag_of(etag, &scene->pack->scene.chunks[chunk].id);
+	if (srv_etag_match(framing->if_none_match, etag)) {
+		answer_empty(answer, MHD_HTTP_NOT_MODIFIED);
+		add_validators(answer, etag, IMMUTABLE);
+		return;
+	}
+	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
+	bool wants_part = get && (!framing->if_range || strcmp(framing->if_range, etag) == 0);
+	struct srv_range range = srv_range_parse(wants_part ? framing->range : NULL, size);
+	if (range.kind == SRV_RANGE_OUTSIDE)
+		answer_outside(answer, size, instance);
+	else if (range.kind == SRV_RANGE_PART)
+		answer_part(answer, &range, bytes, size, etag);
+	else
+		answer_whole(answer, scene, chunk, bytes, size, etag);
+}
+
+void srv_answer_free(struct srv_answer *answer)
+{
+	if (answer->response && !answer->shared)
+		MHD_destroy_response(answer->response);
+	answer->response = NULL;
+}
+
+void srv_answer_drop_shared(struct srv_store *store)
+{
+	for (uint32_t i = 0; i < store->count; i++)
+		for (uint32_t c = 0; c < store->scenes[i].pack->scene.chunk_count; c++) {
+			struct MHD_Response *response = atomic_exchange(&store->scenes[i].responses[c], NULL);
+			if (response)
+				MHD_destroy_response(response);
+		}
+}

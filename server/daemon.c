@@ -1,0 +1,257 @@
+/* Wiring between the HTTP library's callbacks and exchanges, and the daemon's life.
+ *
+ * Order of stopping: quiesce (no connection is accepted, new requests get 503) -> work stopped (suspended connections are resumed with
+ * an answer, since the library aborts on suspended ones) -> library stopped -> reaper, shared responses, listen socket. */
+#include "server/daemon.h"
+
+#include <errno.h>
+#include <microhttpd.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "server/exchange.h"
+
+#define CONNECTION_MEMORY_BYTES (16u << 10)
+#define BACKLOG 1024
+
+struct srv_daemon {
+	struct srv_host host;
+	struct MHD_Daemon *http;
+	int listen_fd;
+	bool listening;              /* the library still owns listen_fd */
+	uint16_t port;
+	char url[NI_MAXHOST + 24];
+};
+
+/* ---- Callbacks ---- */
+
+static void *on_request_line(void *ctx, const char *target, struct MHD_Connection *connection)
+{
+	struct srv_daemon *daemon = ctx;
+	return srv_exchange_new(&daemon->host, connection, target);
+}
+
+static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url, const char *method,
+	const char *version, const char *bytes, size_t *size, void **exchange)
+{
+	(void)ctx;
+	(void)connection;
+	(void)url;
+	(void)version;
+	return *exchange && srv_exchange_handle(*exchange, method, bytes, size) ? MHD_YES : MHD_NO;
+}
+
+static void on_completed(void *ctx, struct MHD_Connection *connection, void **exchange, enum MHD_RequestTerminationCode how)
+{
+	(void)ctx;
+	(void)connection;
+	(void)how;
+	if (*exchange)
+		srv_exchange_end(*exchange);
+	*exchange = NULL;
+}
+
+static void on_connection(void *ctx, struct MHD_Connection *connection, void **lease, enum MHD_ConnectionNotificationCode what)
+{
+	struct srv_daemon *daemon = ctx;
+	if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+		const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+		*lease = info ? srv_reaper_open(daemon->host.reaper, info->connect_fd, daemon->host.config.head_ms) : NULL;
+	} else {
+		srv_reaper_close(daemon->host.reaper, *lease);
+		*lease = NULL;
+	}
+}
+
+/* Targets are decoded by target.c; the library's copy stays as it came. */
+static size_t no_unescape(void *ctx, struct MHD_Connection *connection, char *text)
+{
+	(void)ctx;
+	(void)connection;
+	return strlen(text);
+}
+
+static void no_log(void *ctx, const char *format, va_list arguments)
+{
+	(void)ctx;
+	(void)format;
+	(void)arguments;
+}
+
+/* ---- Listening ---- */
+
+static enum eco_code split_listen(const char *listen_at, char host[NI_MAXHOST], char port[8], struct eco_error *error)
+{
+	const char *colon = strrchr(listen_at, ':');
+	size_t size = colon ? (size_t)(colon - listen_at) : 0;
+	bool brackets = size >= 2 && listen_at[0] == '[' && listen_at[size - 1] == ']';
+	uint64_t number;
+	if (!colon || size == 0 || size >= NI_MAXHOST || !srv_parse_count(colon + 1, &number) || number > 65535
+		|| (!brackets && memchr(listen_at, ':', size)))
+		return eco_fail(error, ECO_BAD_USAGE, "--listen: '%.80s' is not HOST:PORT, as 127.0.0.1:8080, [::1]:8080, or port 0 for any",
+			listen_at);
+	snprintf(host, NI_MAXHOST, "%.*s", (int)(size - 2 * brackets), listen_at + brackets);
+	snprintf(port, 8, "%u", (unsigned)number);
+	return ECO_OK;
+}
+
+static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *listen_at, struct eco_error *error)
+{
+	int on = 1;
+	setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+	if (at->ai_family == AF_INET6)
+		setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
+	if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
+		return ECO_OK;
+	return eco_fail(error, ECO_IO, "cannot listen on %s: %s%s", listen_at, strerror(errno), errno == EADDRINUSE
+		? "; stop what listens there, or choose another port with --listen HOST:PORT (port 0: any)"
+		: errno == EACCES ? "; ports below 1024 need privileges: choose a higher one with --listen" : "");
+}
+
+static enum eco_code open_listener(struct srv_daemon *daemon, struct eco_error *error)
+{
+	const char *listen_at = daemon->host.config.listen;
+	char host[NI_MAXHOST], port[8];
+	struct addrinfo hints = { .ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV }, *found;
+	enum eco_code code = split_listen(listen_at, host, port, error);
+	if (code)
+		return code;
+	int failed = getaddrinfo(host, port, &hints, &found);
+	if (failed)
+		return eco_fail(error, ECO_IO, "--listen: '%s' names no address of this machine: %s", host, gai_strerror(failed));
+	daemon->listen_fd = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+	code = daemon->listen_fd < 0 ? eco_fail(error, ECO_IO, "cannot open a socket: %s", strerror(errno))
+		: bind_to(daemon->listen_fd, found, listen_at, error);
+	freeaddrinfo(found);
+	return code;
+}
+
+static void name_listener(struct srv_daemon *daemon)
+{
+	struct sockaddr_storage address = { 0 };
+	socklen_t size = sizeof address;
+	char host[NI_MAXHOST] = "?", port[8] = "0";
+	getsockname(daemon->listen_fd, (struct sockaddr *)&address, &size);
+	getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV);
+	daemon->port = (uint16_t)atoi(port);
+	snprintf(daemon->url, sizeof daemon->url, address.ss_family == AF_INET6 ? "http://[%s]:%s" : "http://%s:%s", host, port);
+}
+
+/* ---- Life ---- */
+
+static uint32_t processors(void)
+{
+	long count = sysconf(_SC_NPROCESSORS_ONLN);
+	return count < 1 ? 1 : count > 8 ? 8 : (uint32_t)count;
+}
+
+#define DEFAULT(field, value) config->field = config->field ? config->field : (value)
+static void fill_defaults(struct srv_config *config)
+{
+	DEFAULT(listen, SRV_LISTEN_DEFAULT);
+	DEFAULT(polling_threads, 2);
+	DEFAULT(work_threads, processors());
+	DEFAULT(queue_max, 64);
+	DEFAULT(connections_max, 1000);
+	DEFAULT(head_ms, 20000);
+	DEFAULT(body_ms, 30000);
+	DEFAULT(rate_bytes_s, 16u << 10);
+	DEFAULT(body_max, 4u << 20);
+	DEFAULT(response_max, 1ull << 31);
+}
+#undef DEFAULT
+
+static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *error)
+{
+	unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_INTERNAL_POLLING_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC
+		| MHD_USE_ERROR_LOG;
+	daemon->http = MHD_start_daemon(flags, 0, NULL, NULL, on_request, daemon,
+		MHD_OPTION_EXTERNAL_LOGGER, no_log, NULL,
+		MHD_OPTION_LISTEN_SOCKET, daemon->listen_fd,
+		MHD_OPTION_THREAD_POOL_SIZE, daemon->host.config.polling_threads,
+		MHD_OPTION_CONNECTION_LIMIT, daemon->host.config.connections_max,
+		MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY_BYTES,
+		MHD_OPTION_STRICT_FOR_CLIENT, 1,
+		MHD_OPTION_UNESCAPE_CALLBACK, no_unescape, NULL,
+		MHD_OPTION_URI_LOG_CALLBACK, on_request_line, daemon,
+		MHD_OPTION_NOTIFY_COMPLETED, on_completed, daemon,
+		MHD_OPTION_NOTIFY_CONNECTION, on_connection, daemon,
+		MHD_OPTION_END);
+	if (!daemon->http)
+		return eco_fail(error, ECO_IO, "cannot start the HTTP threads: %s", errno ? strerror(errno) : "not enough resources");
+	daemon->listening = true;
+	return ECO_OK;
+}
+
+enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config, struct srv_store *store,
+	struct eco_error *error)
+{
+	struct srv_daemon *daemon = calloc(1, sizeof *daemon);
+	*out = NULL;
+	if (!daemon)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the daemon");
+	daemon->host.config = *config;
+	daemon->host.store = store;
+	daemon->listen_fd = -1;
+	fill_defaults(&daemon->host.config);
+	enum eco_code code = open_listener(daemon, error);
+	if (!code)
+		code = srv_reaper_start(&daemon->host.reaper, error);
+	if (!code)
+		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads, daemon->host.config.queue_max, error);
+	if (!code) {
+		name_listener(daemon);
+		code = start_http(daemon, error);
+	}
+	if (code) {
+		srv_daemon_stop(daemon);
+		return code;
+	}
+	*out = daemon;
+	return ECO_OK;
+}
+
+uint16_t srv_daemon_port(const struct srv_daemon *daemon)
+{
+	return daemon->port;
+}
+
+const char *srv_daemon_url(const struct srv_daemon *daemon)
+{
+	return daemon->url;
+}
+
+void srv_daemon_quiesce(struct srv_daemon *daemon)
+{
+	atomic_store(&daemon->host.draining, true);
+	if (daemon->listening && MHD_quiesce_daemon(daemon->http) != MHD_INVALID_SOCKET)
+		daemon->listening = false;       /* ours again, to be closed after the threads have ended */
+}
+
+uint32_t srv_daemon_busy(const struct srv_daemon *daemon)
+{
+	return atomic_load(&daemon->host.busy);
+}
+
+void srv_daemon_stop(struct srv_daemon *daemon)
+{
+	if (!daemon)
+		return;
+	if (daemon->http)
+		srv_daemon_quiesce(daemon);
+	if (daemon->host.work)
+		srv_work_stop(daemon->host.work);
+	if (daemon->http)
+		MHD_stop_daemon(daemon->http);
+	srv_work_free(daemon->host.work);
+	srv_reaper_stop(daemon->host.reaper);
+	srv_answer_drop_shared(daemon->host.store);
+	if (daemon->listen_fd >= 0 && !daemon->listening)
+		close(daemon->listen_fd);
+	free(daemon);
+}

@@ -1,0 +1,50 @@
+/* The daemon: scenes over HTTP.
+ *
+ *   srv_store_init(&store); srv_store_add(&store, ...);
+ *   srv_daemon_start(&daemon, &config, &store, &error);
+ *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
+ *   srv_daemon_quiesce(daemon);               no new connections, no new requests
+ *   while (srv_daemon_busy(daemon)) wait;     what runs is finished, for as long as the caller cares to wait
+ *   srv_daemon_stop(daemon);
+ *   srv_store_free(&store);
+ *
+ * Threads: a pool of polling threads reads requests and sends answers and does nothing that takes long; work threads plan; one thread
+ * watches deadlines. The library's parser is not trusted with anything but splitting the head into lines: see target.h and framing.h. */
+#ifndef SRV_DAEMON_H
+#define SRV_DAEMON_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "server/store.h"
+
+struct srv_config {              /* 0 is the default */
+	const char *listen;          /* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
+	uint32_t polling_threads;    /* 2 */
+	uint32_t work_threads;       /* one a processor, at most 8 */
+	uint32_t queue_max;          /* plans waiting: 64 */
+	uint32_t connections_max;    /* 1000; more wait in the system's queue */
+	uint32_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
+	uint32_t body_ms;            /* to send its body: 30,000 */
+	uint32_t rate_bytes_s;       /* an answer must be taken at this rate after 30 s of grace: 16 KiB */
+	uint64_t body_max;           /* of requests: 4 MiB */
+	uint64_t response_max;       /* 2 GiB */
+	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/planner.h's defaults */
+	bool log;                    /* one line a request on stderr */
+};
+
+#define SRV_LISTEN_DEFAULT "127.0.0.1:8080"
+
+struct srv_daemon;
+
+/* Errors say what was wrong with the address, or who may hold the port. */
+enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config, struct srv_store *store,
+	struct eco_error *error);
+uint16_t srv_daemon_port(const struct srv_daemon *daemon);
+/* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
+const char *srv_daemon_url(const struct srv_daemon *daemon);
+void srv_daemon_quiesce(struct srv_daemon *daemon);
+uint32_t srv_daemon_busy(const struct srv_daemon *daemon);       /* requests that have begun and are not answered yet */
+void srv_daemon_stop(struct srv_daemon *daemon);                 /* ends what still runs; NULL is fine */
+
+#endif

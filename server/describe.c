@@ -1,0 +1,279 @@
+#include "server/describe.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "lod/view.h"
+#include "server/query.h"
+
+#define URL_BYTES 160
+
+static const char *const kind_names[] = {
+	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
+	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground", [ECO_LIST_IMAGE] = "image",
+};
+
+static const struct { uint32_t bit; const char *name; } need_names[] = {
+	{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" }, { ECO_NEED_TRIANGLES, "triangles" },
+	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
+	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" }, { ECO_NEED_PLACEMENTS, "placements" },
+};
+
+static void key_id(struct srv_json *json, const char *key, const struct eco_chunk_id *id)
+{
+	char text[SRV_ID_TEXT_BYTES];
+	srv_format_id(text, id);
+	srv_json_key_text(json, key, text);
+}
+
+static void key_url(struct srv_json *json, const char *key, const struct srv_scene *scene, const char *rest)
+{
+	char url[URL_BYTES];
+	snprintf(url, sizeof url, "/v1/scenes/%s%s", scene->name, rest);
+	srv_json_key_text(json, key, url);
+}
+
+/* ECO_NONE is null. */
+static void key_index(struct srv_json *json, const char *key, uint32_t index)
+{
+	srv_json_key(json, key);
+	if (index == ECO_NONE)
+		srv_json_null(json);
+	else
+		srv_json_count(json, index);
+}
+
+void srv_describe_health(struct srv_json *json, const struct srv_store *store)
+{
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "status", "ok");
+	srv_json_key_count(json, "scenes", store->count);
+	srv_json_close(json, '}');
+}
+
+void srv_describe_scenes(struct srv_json *json, const struct srv_store *store)
+{
+	srv_json_open(json, '{');
+	srv_json_key(json, "scenes");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < store->count; i++) {
+		const struct srv_scene *scene = &store->scenes[i];
+		srv_json_open(json, '{');
+		srv_json_key_text(json, "name", scene->name);
+		key_id(json, "id", &scene->pack->id);
+		srv_json_key_count(json, "instances", scene->pack->scene.tile_count
+			? scene->pack->scene.tiles[scene->pack->scene.root].instance_count : 0);
+		key_url(json, "href", scene, "");
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+	srv_json_close(json, '}');
+}
+
+static void describe_needs(struct srv_json *json, uint32_t needs)
+{
+	srv_json_key(json, "needs");
+	srv_json_open(json, '[');
+	for (size_t i = 0; i < sizeof need_names / sizeof *need_names; i++)
+		if (needs & need_names[i].bit)
+			srv_json_text(json, need_names[i].name);
+	srv_json_close(json, ']');
+}
+
+static void describe_links(struct srv_json *json, const struct srv_scene *scene)
+{
+	srv_json_key(json, "links");
+	srv_json_open(json, '{');
+	key_url(json, "self", scene, "");
+	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,pack}");
+	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,pack}");
+	key_url(json, "chunk", scene, "/chunks/{id}");
+	srv_json_close(json, '}');
+}
+
+void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
+{
+	const struct eco_scene *tables = &scene->pack->scene;
+	const struct eco_tile *root = tables->tile_count ? &tables->tiles[tables->root] : NULL;
+	uint64_t payload_bytes = 0;
+	for (uint32_t i = 0; i < tables->chunk_count; i++)
+		payload_bytes += tables->chunks[i].size_bytes;
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "name", scene->name);
+	srv_json_key_text(json, "title", tables->name);
+	key_id(json, "id", &scene->pack->id);
+	srv_json_key_count(json, "plants", tables->plant_count);
+	srv_json_key_count(json, "tiles", tables->tile_count);
+	srv_json_key_count(json, "instances", root ? root->instance_count : 0);
+	srv_json_key_count(json, "lists", tables->list_count);
+	srv_json_key_count(json, "chunks", tables->chunk_count);
+	srv_json_key_count(json, "payload_bytes", payload_bytes);
+	srv_json_key(json, "bounds");
+	if (root) {
+		srv_json_open(json, '{');
+		srv_json_key(json, "low");
+		srv_json_point(json, root->low);
+		srv_json_key(json, "high");
+		srv_json_point(json, root->high);
+		srv_json_close(json, '}');
+	} else {
+		srv_json_null(json);
+	}
+	srv_json_key_number(json, "near_m", tables->near_m);
+	describe_needs(json, tables->needs);
+	describe_links(json, scene);
+	srv_json_close(json, '}');
+}
+
+/* ---- Plans ---- */
+
+double srv_predicted_q(const struct eco_prediction *prediction)
+{
+	double drawn = prediction->tp + prediction->fp, wanted = prediction->tp + prediction->fn;
+	if (!(drawn > 0) && !(wanted > 0))
+		return 1;
+	double missed_precision = drawn > 0 ? prediction->fp / drawn : 0, missed_recall = wanted > 0 ? prediction->fn / wanted : 0;
+	return 1 - sqrt(missed_precision * missed_precision + missed_recall * missed_recall);
+}
+
+static void describe_prediction(struct srv_json *json, const struct eco_prediction *prediction)
+{
+	srv_json_key(json, "prediction");
+	srv_json_open(json, '{');
+	srv_json_key_number(json, "tp_px", prediction->tp);
+	srv_json_key_number(json, "fp_px", prediction->fp);
+	srv_json_key_number(json, "fn_px", prediction->fn);
+	srv_json_key_number(json, "q", srv_predicted_q(prediction));
+	srv_json_close(json, '}');
+}
+
+static void describe_steps(struct srv_json *json, const struct srv_stream *stream)
+{
+	srv_json_key(json, "steps");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < stream->step_count; i++) {
+		srv_json_open(json, '{');
+		srv_json_key_count(json, "vertices", stream->steps[i].plan.vertices);
+		srv_json_key_count(json, "end_bytes", stream->steps[i].end_bytes);
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+}
+
+/* Whom a cut is for: a tile's own list in its placement, or instances of a plant by distance and share. */
+static void describe_who(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
+{
+	srv_json_key(json, "who");
+	srv_json_open(json, '{');
+	if (cut->anchor == ECO_NONE) {
+		srv_json_key_count(json, "placement", cut->placement);
+		srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
+	} else {
+		uint32_t plant = scene->lists[cut->list].owner;
+		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
+		srv_json_key_count(json, "anchor", cut->anchor);
+		srv_json_key_count(json, "band_first", cut->band_first);
+		srv_json_key_count(json, "band_end", cut->band_end);
+		srv_json_key_number(json, "distance_first_m", lod_band_distance_m(cut->band_first));
+		srv_json_key_number(json, "distance_last_m", lod_band_distance_m((uint8_t)(cut->band_end - 1)));
+		srv_json_key_number(json, "share_first", (double)cut->share_first / ECO_SHARE_ONE);
+		srv_json_key_number(json, "share_end", (double)cut->share_end / ECO_SHARE_ONE);
+	}
+	srv_json_close(json, '}');
+}
+
+static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
+{
+	srv_json_key(json, "cuts");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
+		const struct eco_cut *cut = &plan->cuts[i];
+		uint8_t kind = scene->lists[cut->list].kind;
+		srv_json_open(json, '{');
+		srv_json_key_count(json, "list", cut->list);
+		srv_json_key_text(json, "kind", kind < sizeof kind_names / sizeof *kind_names ? kind_names[kind] : NULL);
+		srv_json_key_count(json, "first", cut->first);
+		srv_json_key_count(json, "end", cut->end);
+		srv_json_key_count(json, "of", scene->lists[cut->list].primitive_count);
+		srv_json_key_number(json, "scale", (double)cut->scale);
+		describe_who(json, scene, cut);
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+}
+
+static void describe_placements(struct srv_json *json, const struct eco_plan *plan)
+{
+	srv_json_key(json, "placements");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < plan->placement_count; i++) {
+		srv_json_open(json, '{');
+		srv_json_key(json, "at");
+		srv_json_point(json, plan->placements[i].at);
+		srv_json_key_number(json, "turn_deg", plan->placements[i].turn * (360.0 / 65536));
+		srv_json_key_number(json, "scale", plan->placements[i].scale);
+		srv_json_key_count(json, "path", plan->placements[i].path);
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+}
+
+static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
+{
+	srv_json_key(json, "runs");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < plan->run_count; i++) {
+		srv_json_open(json, '{');
+		srv_json_key_count(json, "placement", plan->runs[i].placement);
+		srv_json_key_count(json, "list_first", plan->runs[i].list_first);
+		srv_json_key_count(json, "list_end", plan->runs[i].list_end);
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+}
+
+static void describe_gates(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
+{
+	srv_json_key(json, "gates");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < plan->gate_count; i++) {
+		uint32_t plant = plan->gates[i].plant;
+		srv_json_open(json, '{');
+		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
+		srv_json_key_count(json, "band", plan->gates[i].band);
+		srv_json_close(json, '}');
+	}
+	srv_json_close(json, ']');
+}
+
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	const struct eco_request *request = stream->input.request;
+	const struct eco_plan *plan = &stream->steps[stream->step_count - 1].plan;
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "scene", stream->input.scene->name);
+	key_id(json, "pack", &stream->input.scene->pack->id);
+	srv_json_key_count(json, "budget_vertices", request->vertices);
+	srv_json_key(json, "budget_bytes");
+	if (request->bytes == ECO_BYTES_UNBOUNDED)
+		srv_json_null(json);
+	else
+		srv_json_count(json, request->bytes);
+	srv_json_key_bool(json, "fits", stream->fits);
+	srv_json_key_count(json, "bytes", stream->body_bytes);
+	srv_json_key_count(json, "chunks", stream->chunk_count);
+	srv_json_key_count(json, "chunk_bytes", stream->chunk_bytes);
+	srv_json_key_count(json, "vertices", plan->vertices);
+	srv_json_key_count(json, "visible_plants", plan->visible_plants);
+	srv_json_key_number(json, "sample_distance_rad", plan->sample_distance);
+	describe_prediction(json, &plan->prediction);
+	srv_json_key_bool(json, "ground", plan->ground);
+	key_index(json, "ground_list", plan->ground ? scene->ground : ECO_NONE);
+	describe_steps(json, stream);
+	describe_placements(json, plan);
+	describe_runs(json, plan);
+	describe_gates(json, scene, plan);
+	describe_cuts(json, scene, plan);
+	srv_json_close(json, '}');
+}

@@ -1,0 +1,371 @@
+#include "server/exchange.h"
+
+#include <microhttpd.h>
+#include <netdb.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/chunk.h"
+#include "ecofiles/wire.h"
+#include "server/condition.h"
+#include "server/describe.h"
+
+#define SEND_GRACE_MS 30000u
+
+struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection, const char *raw)
+{
+	struct srv_exchange *exchange = calloc(1, sizeof *exchange);
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+	if (!exchange)
+		return NULL;
+	exchange->host = host;
+	exchange->connection = connection;
+	exchange->lease = info ? info->socket_context : NULL;
+	exchange->begun_us = srv_clock_us();
+	exchange->raw = strdup(raw);
+	if (!exchange->raw) {
+		free(exchange);
+		return NULL;
+	}
+	exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw), &exchange->error);
+	return exchange;
+}
+
+/* ---- Sending ---- */
+
+static bool queue_answer(struct srv_exchange *exchange)
+{
+	struct srv_answer *answer = &exchange->answer;
+	if (!answer->response)
+		return false;
+	uint64_t bytes = exchange->method == SRV_METHOD_HEAD ? 0 : answer->size_bytes;
+	srv_reaper_arm(exchange->host->reaper, exchange->lease, SEND_GRACE_MS + bytes * 1000 / exchange->host->config.rate_bytes_s);
+	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
+	exchange->phase = SRV_PHASE_DONE;
+	srv_answer_free(answer);
+	return queued;
+}
+
+/* The path names the resource that a problem is about; NULL where it could not be parsed. */
+static const char *path_of(const struct srv_exchange *exchange, char path[SRV_TARGET_BYTES_MAX])
+{
+	if (exchange->target_code)
+		return NULL;
+	snprintf(path, SRV_TARGET_BYTES_MAX, "%.*s", (int)strcspn(exchange->raw, "?"), exchange->raw);
+	return path;
+}
+
+static void make_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail, bool close)
+{
+	char path[SRV_TARGET_BYTES_MAX];
+	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem, .detail = detail,
+		.instance = path_of(exchange, path), .close = close,
+		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
+}
+
+static bool queue_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail, bool close)
+{
+	make_problem(exchange, problem, detail, close);
+	return queue_answer(exchange);
+}
+
+/* ---- Plans and streams, on a work thread ---- */
+
+static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t planned_us)
+{
+	snprintf(text, size, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) / 1000.0,
+		(double)(srv_clock_us() - planned_us) / 1000.0);
+}
+
+static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
+	struct eco_error *error)
+{
+	const char *etag = exchange->etag[0] ? exchange->etag : NULL;
+	uint64_t planned_us = srv_clock_us();
+	char timing[96];
+	if (exchange->route == &srv_routes[SRV_PLAN]) {
+		struct srv_json json = { 0 };
+		srv_describe_plan(&json, stream);
+		timing_text(timing, sizeof timing, begun_us, planned_us);
+		srv_answer_json(&exchange->answer, &json, etag, NULL, timing);
+		return ECO_OK;
+	}
+	if (!stream->fits) {
+		timing_text(timing, sizeof timing, begun_us, planned_us);
+		srv_answer_no_stream(&exchange->answer, timing);
+		return ECO_OK;
+	}
+	struct srv_body body;
+	enum eco_code code = srv_stream_write(stream, &body, error);
+	timing_text(timing, sizeof timing, begun_us, planned_us);
+	if (!code)
+		srv_answer_stream(&exchange->answer, &body, etag, timing);
+	return code;
+}
+
+static void plan_job(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	struct srv_host *host = exchange->host;
+	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
+		.holdings = &exchange->holdings, .body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
+		.placements_max = host->config.placements_max, .cancelled = srv_work_cancelled(host->work) };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	uint64_t begun_us = srv_clock_us();
+	enum eco_code code = srv_stream_plan(&stream, &input, &error);
+	if (!code) {
+		code = answer_planned(exchange, &stream, begun_us, &error);
+		srv_stream_free(&stream);
+	}
+	if (code)
+		make_problem(exchange, srv_problem_of(code), error.text, false);
+	exchange->phase = SRV_PHASE_DONE;
+	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
+}
+
+static bool start_plan(struct srv_exchange *exchange)
+{
+	exchange->phase = SRV_PHASE_WORKING;
+	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
+	if (srv_work_submit(exchange->host->work, plan_job, exchange))
+		return true;
+	make_problem(exchange, SRV_PROBLEM_BUSY, "all threads are planning and the queue is full; ask again in a second", false);
+	exchange->phase = SRV_PHASE_DONE;
+	MHD_resume_connection(exchange->connection);
+	return true;
+}
+
+/* Reads the parameters and the body; true if there is something to plan, else an answer has been made. */
+static bool prepare_plan(struct srv_exchange *exchange)
+{
+	struct eco_error error = { 0 };
+	if (srv_query_parse(&exchange->query, &exchange->target, &error)) {
+		make_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
+		return false;
+	}
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes) != 0) {
+		make_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' names: forget what was held of it "
+			"and ask again without holdings", false);
+		return false;
+	}
+	if (exchange->method != SRV_METHOD_POST) {
+		srv_etag_request(exchange->etag, exchange->scene, exchange->raw);
+		if (!srv_etag_match(exchange->framing.if_none_match, exchange->etag))
+			return true;
+		srv_answer_not_modified(&exchange->answer, exchange->etag);
+		return false;
+	}
+	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings, &error);
+	if (!code)
+		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
+	if (code)
+		make_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS, error.text, false);
+	return !code;
+}
+
+/* ---- The other routes ---- */
+
+static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
+{
+	char etag[SRV_ETAG_BYTES];
+	if (validated && !json->out.failed) {
+		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
+		srv_etag_of(etag, &id);
+	}
+	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->framing.if_none_match, NULL);
+}
+
+static void answer_chunk(struct srv_exchange *exchange)
+{
+	struct eco_chunk_id id;
+	char detail[256], path[SRV_TARGET_BYTES_MAX];
+	uint32_t chunk = srv_parse_id(exchange->variables[1], &id) ? srv_scene_chunk(exchange->scene, &id) : ECO_NONE;
+	if (chunk != ECO_NONE) {
+		srv_answer_chunk(&exchange->answer, exchange->scene, chunk, &exchange->framing, exchange->method == SRV_METHOD_GET,
+			path_of(exchange, path));
+		return;
+	}
+	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, as CHUNK frames state them",
+		exchange->scene->name, exchange->variables[1]);
+	make_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
+}
+
+static bool answer_direct(struct srv_exchange *exchange)
+{
+	struct srv_json json = { 0 };
+	struct eco_error error = { 0 };
+	if (srv_query_none(&exchange->target, &error))
+		return queue_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
+	switch (exchange->route - srv_routes) {
+	case SRV_HEALTH:
+		srv_describe_health(&json, exchange->host->store);
+		answer_described(exchange, false, &json);
+		break;
+	case SRV_SCENES:
+		srv_describe_scenes(&json, exchange->host->store);
+		answer_described(exchange, true, &json);
+		break;
+	case SRV_SCENE:
+		srv_describe_scene(&json, exchange->scene);
+		answer_described(exchange, true, &json);
+		break;
+	default:
+		answer_chunk(exchange);
+	}
+	return queue_answer(exchange);
+}
+
+/* The whole request is here. */
+static bool answer_request(struct srv_exchange *exchange)
+{
+	char detail[256];
+	srv_reaper_clear(exchange->host->reaper, exchange->lease);
+	if (!exchange->route)
+		return queue_problem(exchange, SRV_PROBLEM_ROUTE, "known are /healthz, /v1/scenes, and below a scene plan, stream and "
+			"chunks/{id}", false);
+	if (!(exchange->route->methods & exchange->method)) {
+		snprintf(detail, sizeof detail, "use one of %s", exchange->route->allow);
+		return queue_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
+	}
+	if (exchange->variables[0]) {
+		exchange->scene = srv_store_find(exchange->host->store, exchange->variables[0]);
+		if (!exchange->scene) {
+			snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what there is", exchange->variables[0]);
+			return queue_problem(exchange, SRV_PROBLEM_SCENE, detail, false);
+		}
+	}
+	if (exchange->route != &srv_routes[SRV_PLAN] && exchange->route != &srv_routes[SRV_STREAM])
+		return answer_direct(exchange);
+	return prepare_plan(exchange) ? start_plan(exchange) : queue_answer(exchange);
+}
+
+/* ---- Receiving ---- */
+
+static enum MHD_Result take_header(void *framing, enum MHD_ValueKind kind, const char *name, size_t name_size, const char *value,
+	size_t value_size)
+{
+	(void)kind;
+	srv_framing_header(framing, name, name_size, value, value_size);
+	return MHD_YES;
+}
+
+/* application/octet-stream, with or without parameters. */
+static bool is_octets(const char *type)
+{
+	static const char octets[] = "application/octet-stream";
+	return type && strncasecmp(type, octets, sizeof octets - 1) == 0 && strchr(" \t;", type[sizeof octets - 1]);
+}
+
+/* What is wrong with the head alone, worst first: where the request ends, then what it asks for. Without a body only the former is
+ * judged here; the latter can wait for answer_request, which keeps the connection. */
+static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
+{
+	enum srv_problem problem = srv_framing_check(&exchange->framing, error);
+	if (problem)
+		return problem;
+	if (exchange->target_code) {
+		eco_fail(error, exchange->target_code, "%s", exchange->error.text);
+		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
+	}
+	if (exchange->framing.length > 0 && !takes_body && !exchange->route) {
+		eco_fail(error, ECO_NOT_FOUND, "there is no such resource, and none here takes a body but .../stream");
+		return SRV_PROBLEM_ROUTE;
+	}
+	if (exchange->framing.length > 0 && !takes_body && !(exchange->route->methods & exchange->method)) {
+		eco_fail(error, ECO_BAD_INPUT, "use one of %s", exchange->route->allow);
+		return SRV_PROBLEM_METHOD;
+	}
+	problem = srv_framing_body(&exchange->framing, takes_body, exchange->host->config.body_max, error);
+	if (!problem && takes_body && !is_octets(exchange->framing.content_type)) {
+		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: application/octet-stream");
+		problem = SRV_PROBLEM_MEDIA_TYPE;
+	}
+	return problem;
+}
+
+/* The head is complete: either the request goes on, or it is refused and the connection closed, since what follows may be a body. */
+static bool handle_head(struct srv_exchange *exchange, const char *method)
+{
+	struct srv_host *host = exchange->host;
+	struct eco_error error = { 0 };
+	exchange->counted = true;
+	atomic_fetch_add(&host->busy, 1);
+	exchange->method = srv_method_of(method);
+	MHD_get_connection_values_n(exchange->connection, MHD_HEADER_KIND, take_header, &exchange->framing);
+	if (atomic_load(&host->draining))
+		return queue_problem(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment", true);
+	exchange->route = exchange->target_code ? NULL : srv_route_find(&exchange->target, exchange->variables);
+	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route && (exchange->route->methods & SRV_METHOD_POST);
+	enum srv_problem problem = judge_head(exchange, takes_body, &error);
+	if (problem)
+		return queue_problem(exchange, problem, error.text, true);
+	exchange->phase = SRV_PHASE_BODY;
+	if (!takes_body)
+		return true;
+	exchange->body = malloc((size_t)exchange->framing.length + 1);
+	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
+	return exchange->body != NULL;
+}
+
+static bool take_body(struct srv_exchange *exchange, const char *bytes, size_t *size)
+{
+	if (!exchange->body || *size > exchange->framing.length - exchange->body_size)
+		return false;            /* the library promised not to deliver more than the length */
+	memcpy(exchange->body + exchange->body_size, bytes, *size);
+	exchange->body_size += *size;
+	*size = 0;
+	return true;
+}
+
+bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, const char *bytes, size_t *size)
+{
+	switch (exchange->phase) {
+	case SRV_PHASE_HEAD:
+		return handle_head(exchange, method);
+	case SRV_PHASE_BODY:
+		return *size ? take_body(exchange, bytes, size) : answer_request(exchange);
+	case SRV_PHASE_WORKING:
+		return true;
+	case SRV_PHASE_DONE:
+		return queue_answer(exchange);
+	}
+	return false;
+}
+
+/* ---- The end ---- */
+
+static void log_line(const struct srv_exchange *exchange)
+{
+	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET", [SRV_METHOD_HEAD] = "HEAD",
+		[SRV_METHOD_POST] = "POST" };
+	char host[64] = "?", target[256];
+	size_t size = 0;
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(exchange->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+	if (info && info->client_addr)
+		getnameinfo(info->client_addr, info->client_addr->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6)
+			: sizeof(struct sockaddr_in), host, sizeof host, NULL, 0, NI_NUMERICHOST);
+	for (; exchange->raw[size] && size < sizeof target - 1; size++)
+		target[size] = exchange->raw[size] > 0x20 && exchange->raw[size] < 0x7f ? exchange->raw[size] : '?';
+	target[size] = 0;
+	fprintf(stderr, "%s %s %s %u %llu %.3f ms\n", host, methods[exchange->method], target, exchange->answer.status,
+		(unsigned long long)(exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes),
+		(double)(srv_clock_us() - exchange->begun_us) / 1000.0);
+}
+
+void srv_exchange_end(struct srv_exchange *exchange)
+{
+	if (exchange->host->config.log)
+		log_line(exchange);
+	if (exchange->counted)
+		atomic_fetch_sub(&exchange->host->busy, 1);
+	srv_reaper_arm(exchange->host->reaper, exchange->lease, exchange->host->config.head_ms);
+	srv_answer_free(&exchange->answer);
+	free(exchange->holdings.items);
+	free(exchange->body);
+	free(exchange->raw);
+	free(exchange);
+}

@@ -1,0 +1,135 @@
+/* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at once. */
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "server/daemon.h"
+#include "server/trace.h"
+#include "server/version.h"
+
+#define DRAIN_MS 10000u
+#define DRAIN_ROUND_MS 20u
+
+static const char usage[] =
+	"usage: ecoserve [--listen HOST:PORT] [--log] [NAME=]OUT.eco ...\n"
+	"\n"
+	"Serves packs made by ecopack. Each is a scene under /v1/scenes/NAME; without NAME= it is the scene's own name, or the file's.\n"
+	"\n"
+	"  -l, --listen HOST:PORT  where to listen; port 0 takes any free one (" SRV_LISTEN_DEFAULT ")\n"
+	"      --log               one line a request on stderr\n"
+	"  -h, --help              this text\n"
+	"  -V, --version           the version\n"
+	"\n"
+	"Prints one line when ready. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a second one ends at once.\n"
+	"ECO_TRACE=plan,cache,connection prints on stderr why things are as they are.\n"
+	"Exit status: 0 ended as asked, 1 failed, 2 wrong usage.\n";
+
+enum { OPTION_LOG = 256 };
+
+static const struct option options[] = {
+	{ "listen", required_argument, NULL, 'l' },
+	{ "log", no_argument, NULL, OPTION_LOG },
+	{ "help", no_argument, NULL, 'h' },
+	{ "version", no_argument, NULL, 'V' },
+	{ NULL, 0, NULL, 0 },
+};
+
+static int fail(const struct eco_error *error)
+{
+	fprintf(stderr, "ecoserve: %s\n", error->text);
+	return eco_exit_status(error->code);
+}
+
+static int wrong_usage(const char *text)
+{
+	fprintf(stderr, "ecoserve: %s\nTry 'ecoserve --help'.\n", text);
+	return 2;
+}
+
+/* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
+static enum eco_code add_scene(struct srv_store *store, const char *argument, struct eco_error *error)
+{
+	const char *equals = strchr(argument, '='), *slash = strchr(argument, '/');
+	char name[SRV_NAME_BYTES + 1];
+	if (!equals || (slash && slash < equals))
+		return srv_store_add(store, NULL, argument, error);
+	snprintf(name, sizeof name, "%.*s", (int)(equals - argument), argument);
+	return srv_store_add(store, name, equals + 1, error);
+}
+
+static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_store *store, struct eco_error *error)
+{
+	if (printf("ecoserve: ready on %s (%u scene%s)\n", srv_daemon_url(daemon), store->count, store->count == 1 ? "" : "s") < 0
+		|| fflush(stdout))
+		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to know");
+	return ECO_OK;
+}
+
+/* Signals stay blocked in all threads and are taken here, one after the other: no handler, no race. */
+static void serve(struct srv_daemon *daemon, const sigset_t *signals)
+{
+	const struct timespec pause = { 0, DRAIN_ROUND_MS * 1000000L };
+	while (sigwaitinfo(signals, NULL) < 0)
+		continue;
+	srv_daemon_quiesce(daemon);
+	for (uint32_t waited = 0; srv_daemon_busy(daemon) && waited < DRAIN_MS; waited += DRAIN_ROUND_MS)
+		if (sigtimedwait(signals, NULL, &pause) > 0)
+			_exit(1);
+	srv_daemon_stop(daemon);
+}
+
+static int run(struct srv_config *config, char **arguments, int count)
+{
+	struct eco_error error = { 0 };
+	struct srv_store store;
+	struct srv_daemon *daemon = NULL;
+	sigset_t signals;
+	signal(SIGPIPE, SIG_IGN);
+	sigemptyset(&signals);
+	sigaddset(&signals, SIGTERM);
+	sigaddset(&signals, SIGINT);
+	srv_store_init(&store);
+	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), &error);
+	for (int i = 0; i < count && !code; i++)
+		code = add_scene(&store, arguments[i], &error);
+	if (!code) {
+		sigprocmask(SIG_BLOCK, &signals, NULL);
+		code = srv_daemon_start(&daemon, config, &store, &error);
+	}
+	if (!code)
+		code = announce(daemon, &store, &error);
+	if (!code)
+		serve(daemon, &signals);
+	else
+		srv_daemon_stop(daemon);
+	srv_store_free(&store);
+	return code ? fail(&error) : 0;
+}
+
+int main(int argc, char **argv)
+{
+	struct srv_config config = { 0 };
+	for (int option; (option = getopt_long(argc, argv, "l:hV", options, NULL)) != -1;)
+		switch (option) {
+		case 'l':
+			config.listen = optarg;
+			break;
+		case OPTION_LOG:
+			config.log = true;
+			break;
+		case 'h':
+			return fputs(usage, stdout) < 0 || fflush(stdout) ? 1 : 0;
+		case 'V':
+			return puts(SRV_VERSION) < 0 || fflush(stdout) ? 1 : 0;
+		default:
+			fputs("Try 'ecoserve --help'.\n", stderr);
+			return 2;
+		}
+	if (optind == argc)
+		return wrong_usage("no scene to serve: name at least one OUT.eco");
+	return run(&config, argv + optind, argc - optind);
+}
