@@ -1,0 +1,32 @@
+/* Scratch memory of one build: taken piece by piece, given back all at once.
+ *
+ *   struct lod_arena arena = { 0 };
+ *   if (setjmp(arena.failed)) { lod_arena_free(&arena); ... return out of memory; }
+ *   x = lod_arena_take(&arena, count, sizeof *x);      never NULL, zeroed
+ *   lod_arena_free(&arena);
+ *
+ * The stages of a build take some hundred arrays, and each could fail. Failing by a jump to the one place that cleans up keeps that
+ * out of the algorithms. Every piece is an allocation of its own, so that a sanitizer sees its bounds. */
+#ifndef LOD_ARENA_H
+#define LOD_ARENA_H
+
+#include <setjmp.h>
+#include <stddef.h>
+
+struct lod_arena_piece;
+struct lod_arena {
+	struct lod_arena_piece *last;
+	jmp_buf failed;              /* set by the owner before the first take */
+};
+
+/* Zeroed memory for count * size bytes (one byte at least); jumps to `failed` where there is none or the product overflows. */
+void *lod_arena_take(struct lod_arena *arena, size_t count, size_t size);
+
+/* Gives back what was taken after `mark` (a value of arena->last). */
+void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *mark);
+void lod_arena_free(struct lod_arena *arena);
+
+/* The same as take, but from malloc: the result outlives the arena and is the caller's to free. */
+void *lod_arena_own(struct lod_arena *arena, size_t count, size_t size);
+
+#endif

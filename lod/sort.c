@@ -1,0 +1,25 @@
+#include "lod/sort.h"
+
+/* Least significant byte first; passes in which all keys agree are left out. */
+void lod_sort(struct lod_arena *arena, struct lod_keyed *items, uint32_t count)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *from = items, *to = lod_arena_take(arena, count, sizeof *to);
+	for (unsigned shift = 0; shift < 64 && count > 1; shift += 8) {
+		uint32_t start[257] = { 0 };
+		for (uint32_t i = 0; i < count; i++)
+			start[1 + (from[i].key >> shift & 255)]++;
+		if (start[1 + (from[0].key >> shift & 255)] == count)
+			continue;
+		for (unsigned b = 0; b < 256; b++)
+			start[b + 1] += start[b];
+		for (uint32_t i = 0; i < count; i++)
+			to[start[from[i].key >> shift & 255]++] = from[i];
+		struct lod_keyed *other = from;
+		from = to;
+		to = other;
+	}
+	if (from != items)
+		memcpy(items, from, count * sizeof *items);
+	lod_arena_release(arena, mark);
+}

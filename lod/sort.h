@@ -1,0 +1,39 @@
+/* Stable sorting of 64-bit keys with 32-bit values: linear, the same result on every machine. */
+#ifndef LOD_SORT_H
+#define LOD_SORT_H
+
+#include <stdint.h>
+#include <string.h>
+
+#include "lod/arena.h"
+
+struct lod_keyed { uint64_t key; uint32_t value; };
+
+/* Ascending by key; equal keys keep their order. */
+void lod_sort(struct lod_arena *arena, struct lod_keyed *items, uint32_t count);
+
+/* A key that orders doubles ascending (no NaN). */
+static inline uint64_t lod_sort_key(double value)
+{
+	uint64_t bits;
+	value += 0.0;                /* -0 and 0 are one key */
+	memcpy(&bits, &value, sizeof bits);
+	return bits >> 63 ? ~bits : bits | UINT64_C(1) << 63;
+}
+
+/* A well mixed hash of a number: the source of all "randomness" in lod/. */
+static inline uint64_t lod_mix(uint64_t x)
+{
+	x += UINT64_C(0x9E3779B97F4A7C15);
+	x = (x ^ x >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+	x = (x ^ x >> 27) * UINT64_C(0x94D049BB133111EB);
+	return x ^ x >> 31;
+}
+
+/* In [0, 1), exact. */
+static inline double lod_unit(uint64_t hash)
+{
+	return (double)(hash >> 11) / 9007199254740992.0;
+}
+
+#endif

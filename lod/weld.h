@@ -1,0 +1,64 @@
+/* A model made ready for decisions: vertices welded by position, useless triangles dropped and counted, every vertex on the plant's
+ * integer grid, neighbours across edges, connected components.
+ *
+ * Decisions (organs, order, cells) look at `place`, the welded positions in metres, so that they do not depend on the grid; what is
+ * stored comes from `grid`. A component is what hangs together by vertices within one material: a leaf glued to a twig of the same
+ * position but another material stays a leaf. */
+#ifndef LOD_WELD_H
+#define LOD_WELD_H
+
+#include <stddef.h>
+
+#include "ecofiles/model.h"
+#include "lod/arena.h"
+
+#define LOD_GRID_BITS_MAX 20u
+
+struct lod_mesh {
+	double origin[3], step;      /* metres = origin + grid * step, for every list of the plant */
+	float low[3], high[3];       /* bounds of all vertices, metres */
+	uint32_t vertex_count;
+	float *place;                /* 3 per vertex, metres */
+	int32_t *grid;               /* 3 per vertex, in [0, 2^bits] */
+	uint32_t triangle_count;
+	uint32_t *index;             /* 3 per triangle */
+	uint32_t *material;          /* per triangle; valid index into the model's materials, or ECO_NONE if it has none */
+	int32_t *uv;                 /* 6 per triangle in 1/ECO_UV_ONE, zero where its material has no image */
+	bool *collapsed;             /* per triangle: no area left on the grid; it takes part in decisions, but is not stored */
+	uint32_t *across;            /* per triangle edge (k to k+1): 3 * neighbour + its edge, or ECO_NONE: border or more than two
+	                              * triangles; the neighbour may be of another component */
+	uint32_t *around_first;      /* vertex v's corners (3 * triangle + k) are around[around_first[v] .. around_first[v+1]) */
+	uint32_t *around;
+	uint32_t component_count;
+	uint32_t *component;         /* per triangle */
+	uint32_t *member_first;      /* component c's triangles are member[member_first[c] .. member_first[c+1]) */
+	uint32_t *member;
+	uint32_t dropped[ECO_DROP_COUNT];    /* of the model's triangles, here */
+};
+
+/* Arrays come from `arena`. `bits` is the grid's (1 to LOD_GRID_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
+ * largest extent are one. Afterwards triangle_count + sum of dropped - dropped[ECO_DROP_QUANTIZED] = model->triangle_count, and
+ * dropped[ECO_DROP_QUANTIZED] of the triangles are collapsed. A mesh without triangles is a valid result. */
+void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
+
+/* The neighbour across edge k of triangle t within its component: 3 * triangle + edge, or ECO_NONE. */
+static inline uint32_t lod_mesh_across(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
+{
+	uint32_t edge = mesh->across[3 * (size_t)t + k];
+	return edge != ECO_NONE && mesh->component[edge / 3] == mesh->component[t] ? edge : ECO_NONE;
+}
+
+static inline const struct eco_material *lod_mesh_material(const struct eco_model *model, uint32_t material)
+{
+	static const struct eco_material none = { .name = "", .rgb = { 128, 128, 128 }, .image = ECO_NONE };
+	return material < model->material_count ? &model->materials[material] : &none;
+}
+
+/* The material's image, or NULL. Cut-outs matter only with `cutout` set. */
+static inline const struct eco_image *lod_mesh_image(const struct eco_model *model, uint32_t material)
+{
+	const struct eco_material *m = lod_mesh_material(model, material);
+	return m->image < model->image_count && model->uv ? &model->images[m->image] : NULL;
+}
+
+#endif
