@@ -4,7 +4,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <climits>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -52,6 +52,8 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 		return fail(text, size, "out of memory");
 	if (!input.read_image(0, 0, 0, channels, TypeDesc::UINT8, row.data()))
 		return fail(text, size, last_error(&input));
+	// Some readers (WebP) multiply colours by alpha whatever was asked; they also leave out the attribute.
+	const bool straight = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
 	const bool has_alpha = channels == 2 || (channels == 4 && (spec.alpha_channel == 3 || spec.alpha_channel < 0));
 	for (size_t i = 0; i < pixels; i++) {
 		const uint8_t *from = &row[i * size_t(channels)];
@@ -60,6 +62,8 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 		for (int c = 0; c < 3; c++)
 			to[c] = channels >= 3 ? from[c] : from[0];
 		to[3] = has_alpha ? from[channels - 1] : 255;
+		for (int c = 0; c < 3 && !straight && to[3] != 0; c++)
+			to[c] = uint8_t(std::min(255, (to[c] * 255 + to[3] / 2) / to[3]));
 	}
 	*width = uint32_t(spec.width);
 	*height = uint32_t(spec.height);
@@ -75,8 +79,11 @@ int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max
 		std::unique_ptr<Filesystem::IOMemReader> memory;
 
 		config.attribute("oiio:UnassociatedAlpha", 1);
-		if (bytes != nullptr)
+		if (bytes != nullptr) {
 			memory.reset(new Filesystem::IOMemReader(const_cast<void *>(bytes), size));
+			Filesystem::IOProxy *proxy = memory.get();
+			config.attribute("oiio:ioproxy", TypeDesc::PTR, &proxy);
+		}
 		auto input = ImageInput::open(name, &config, memory.get());
 		if (!input)
 			return fail(text, text_size, last_error(nullptr));
