@@ -10,18 +10,18 @@
 
 #include <assert.h>
 #include <errno.h>
-#include <jansson.h>
 #include <math.h>
-#include <stdarg.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "ecofiles/json_read.h"
 
 #define FRAMES_MAX 1000000u
 #define FPS_LEAST 0.001
 #define FPS_MOST 1000.0
 #define TIME_MAX_S 1e9
+#define COORDINATE_MAX 1e12
 #define FILE_MAX_BYTES (64u << 20)
 
 enum { EYE = 0, TARGET = 3, UP = 6, FOV = 9, NUMBERS = 10 };
@@ -34,112 +34,54 @@ struct eco_camera {
 	struct key *keys;
 };
 
-/* ---- Fields. An error names the script and the field, as in `tour.json: keyframes[3].eye[1]: ...` ---- */
+/* ---- Keyframes; an error has the line and column of the value, see json_read.h ---- */
 
-struct script { const char *name; struct eco_error *error; };
-
-static enum eco_code bad(const struct script *s, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
-static enum eco_code bad(const struct script *s, const char *path, const char *format, ...)
+static bool read_key(const struct eco_json *node, uint32_t index, struct key *key)
 {
-	char text[256];
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
-	va_end(arguments);
-	return eco_fail(s->error, ECO_BAD_INPUT, "%s: %s%s%s", s->name, path, *path ? ": " : "", text);
-}
-
-static enum eco_code read_number(const struct script *s, const json_t *value, const char *path, double low, double high, double *out)
-{
-	if (!value)
-		return bad(s, path, "is missing");
-	if (!json_is_number(value))
-		return bad(s, path, "must be a number");
-	*out = json_number_value(value);
-	if (!(*out >= low && *out <= high))
-		return bad(s, path, "is %g, must lie in [%g, %g]", *out, low, high);
-	return ECO_OK;
-}
-
-static enum eco_code read_vector(const struct script *s, const json_t *value, const char *path, double out[3])
-{
-	if (!value)
-		return bad(s, path, "is missing");
-	if (!json_is_array(value) || json_array_size(value) != 3)
-		return bad(s, path, "must be [x, y, z]");
-	for (size_t i = 0; i < 3; i++) {
-		char element[80];
-		snprintf(element, sizeof element, "%s[%zu]", path, i);
-		enum eco_code code = read_number(s, json_array_get(value, i), element, -1e12, 1e12, &out[i]);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
-}
-
-/* Refuses what is not an object, and fields that are not in the NULL-terminated list. */
-static enum eco_code check_fields(const struct script *s, json_t *object, const char *path, const char *const *known)
-{
-	const char *field;
-	json_t *value;
-	if (!json_is_object(object))
-		return bad(s, path, "must be an object in {}");
-	json_object_foreach(object, field, value) {
-		const char *const *k = known;
-		while (*k && strcmp(*k, field) != 0)
-			k++;
-		if (!*k)
-			return bad(s, path, "unknown field \"%.64s\"", field);
-	}
-	return ECO_OK;
-}
-
-static enum eco_code read_key(const struct script *s, json_t *object, size_t index, struct key *key)
-{
-	static const char *const known[] = { "time_s", "eye", "target", "up", "fov_y_deg", NULL };
-	char path[5][64];
-	snprintf(path[0], sizeof path[0], "keyframes[%zu]", index);
-	enum eco_code code = check_fields(s, object, path[0], known);
-	if (code)
-		return code;
-	for (int i = 0; i < 5; i++)
-		snprintf(path[i], sizeof path[i], "keyframes[%zu].%s", index, known[i]);
-	json_t *up = json_object_get(object, "up");
-	code = read_number(s, json_object_get(object, "time_s"), path[0], -TIME_MAX_S, TIME_MAX_S, &key->time_s);
-	if (!code)
-		code = read_vector(s, json_object_get(object, "eye"), path[1], key->number + EYE);
-	if (!code)
-		code = read_vector(s, json_object_get(object, "target"), path[2], key->number + TARGET);
+	static const char *const fields[] = { "time_s", "eye", "target", "up", "fov_y_deg", NULL };
+	if (!eco_json_object(node, fields))
+		return false;
+	for (int i = 0; fields[i]; i++)
+		if (strcmp(fields[i], "up") != 0 && !eco_json_required(node, fields[i]))
+			return false;
 	key->number[UP + 2] = 1;
-	if (!code && up)
-		code = read_vector(s, up, path[3], key->number + UP);
-	if (!code)
-		code = read_number(s, json_object_get(object, "fov_y_deg"), path[4], 0, 180, &key->number[FOV]);
-	if (!code && (key->number[FOV] == 0 || key->number[FOV] == 180))
-		code = bad(s, path[4], "is %g, must lie between 0 and 180", key->number[FOV]);
-	if (!code && index && !(key->time_s > key[-1].time_s))
-		code = bad(s, path[0], "is %g, but the keyframe before it is at %g: times must ascend", key->time_s, key[-1].time_s);
-	return code;
+	if (!eco_json_number(node, "time_s", -TIME_MAX_S, TIME_MAX_S, &key->time_s) ||
+		!eco_json_numbers(node, "eye", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + EYE) ||
+		!eco_json_numbers(node, "target", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + TARGET) ||
+		!eco_json_numbers(node, "up", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + UP) ||
+		!eco_json_number(node, "fov_y_deg", 0, 180, &key->number[FOV]))
+		return false;
+	if (index && !(key->time_s > key[-1].time_s)) {
+		struct eco_json time = eco_json_member(node, "time_s");
+		eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at %g: times must ascend", key->time_s,
+			key[-1].time_s);
+		return false;
+	}
+	return true;
 }
 
-static enum eco_code read_keys(const struct script *s, const json_t *array, struct eco_camera *camera)
+static bool read_keys(const struct eco_json *array, struct eco_camera *camera)
 {
-	if (!json_is_array(array) || json_array_size(array) == 0)
-		return bad(s, "keyframes", array ? "must be an array of at least one keyframe" : "is missing");
-	size_t count = json_array_size(array);
 	/* more keyframes than frames is no script; it also keeps the sizes below in range */
-	if (count > FRAMES_MAX)
-		return bad(s, "keyframes", "there are %zu, at most %u are possible", count, FRAMES_MAX);
-	camera->keys = calloc(count, sizeof *camera->keys);
-	if (!camera->keys)
-		return eco_fail(s->error, ECO_NO_MEMORY, "%s: no memory for %zu keyframes", s->name, count);
-	camera->key_count = (uint32_t)count;
-	for (size_t i = 0; i < count; i++) {
-		enum eco_code code = read_key(s, json_array_get(array, i), i, &camera->keys[i]);
-		if (code)
-			return code;
+	if (!eco_json_array(array, FRAMES_MAX))
+		return false;
+	size_t count = json_array_size(array->value);
+	if (count == 0) {
+		eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or more");
+		return false;
 	}
-	return ECO_OK;
+	camera->keys = calloc(count, sizeof *camera->keys);
+	if (!camera->keys) {
+		eco_json_fail(array, ECO_NO_MEMORY, "no memory for %zu keyframes", count);
+		return false;
+	}
+	camera->key_count = (uint32_t)count;
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_json node = eco_json_item(array, i);
+		if (!read_key(&node, i, &camera->keys[i]))
+			return false;
+	}
+	return true;
 }
 
 /* ---- Interpolation ---- */
@@ -207,63 +149,68 @@ double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct 
 
 /* ---- The whole script ---- */
 
-static enum eco_code count_frames(const struct script *s, struct eco_camera *camera)
+static bool count_frames(const struct eco_json *root, struct eco_camera *camera)
 {
 	double length_s = camera->keys[camera->key_count - 1].time_s - camera->keys[0].time_s;
 	/* 0.1 s * 30 is not quite 3: the last frame counts if it misses the end by a millionth of a frame */
 	double frames = floor(length_s * camera->fps + 1e-6) + 1;
-	if (frames > FRAMES_MAX)
-		return bad(s, "", "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s, camera->fps, frames,
-			FRAMES_MAX);
+	if (frames > FRAMES_MAX) {
+		eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,
+			camera->fps, frames, FRAMES_MAX);
+		return false;
+	}
 	camera->frame_count = (uint32_t)frames;
-	return ECO_OK;
+	return true;
 }
 
-static enum eco_code check_frames(const struct script *s, const struct eco_camera *camera)
+static bool check_frames(const struct eco_json *keyframes, const struct eco_camera *camera)
 {
 	for (uint32_t i = 0; i < camera->frame_count; i++) {
 		struct eco_view view = { .width = 1, .height = 1 };
 		struct eco_error cause = { 0 };
 		double time_s = eco_camera_frame(camera, i, &view);
-		if (eco_view_check(&view, &cause))
-			return bad(s, "", "frame %u at %g s cannot be drawn: %s", i, time_s, cause.text);
+		if (eco_view_check(&view, &cause)) {
+			struct eco_json node = eco_json_item(keyframes, segment(camera, time_s));
+			eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
+				cause.text);
+			return false;
+		}
 	}
-	return ECO_OK;
+	return true;
 }
 
-static enum eco_code read_script(const struct script *s, json_t *root, struct eco_camera *camera)
+static bool read_script(const struct eco_json *root, struct eco_camera *camera)
 {
-	static const char *const known[] = { "fps", "keyframes", NULL };
-	enum eco_code code = check_fields(s, root, "", known);
-	if (!code)
-		code = read_number(s, json_object_get(root, "fps"), "fps", FPS_LEAST, FPS_MOST, &camera->fps);
-	if (!code)
-		code = read_keys(s, json_object_get(root, "keyframes"), camera);
-	if (!code)
-		code = count_frames(s, camera);
-	if (code)
-		return code;
+	static const char *const fields[] = { "fps", "keyframes", NULL };
+	if (!eco_json_object(root, fields) || !eco_json_required(root, "fps") || !eco_json_required(root, "keyframes"))
+		return false;
+	struct eco_json keyframes = eco_json_member(root, "keyframes");
+	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) || !read_keys(&keyframes, camera) ||
+		!count_frames(root, camera))
+		return false;
 	set_slopes(camera);
-	return check_frames(s, camera);
+	return check_frames(&keyframes, camera);
 }
 
 enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name, struct eco_error *error)
 {
-	struct script script = { name, error };
-	json_error_t where;
+	struct eco_error cause = { 0 };
+	struct eco_json_file file = { .name = name, .text = json, .size = size, .error = &cause };
 	*camera = NULL;
-	json_t *root = json_loadb(json, size, JSON_REJECT_DUPLICATES, &where);
-	if (!root)
-		return eco_fail(error, ECO_BAD_INPUT, "%s: line %d, column %d: %s", name, where.line, where.column, where.text);
+	json_t *document = eco_json_open(&file);
+	if (!document)
+		return eco_fail(error, cause.code, "%s", cause.text);
+	struct eco_json root = eco_json_root(&file, document);
 	struct eco_camera *made = calloc(1, sizeof *made);
-	enum eco_code code = made ? read_script(&script, root, made) : eco_fail(error, ECO_NO_MEMORY, "%s: no memory", name);
-	json_decref(root);
-	if (code) {
-		eco_camera_free(made);
-		return code;
-	}
-	*camera = made;
-	return ECO_OK;
+	if (!made)
+		eco_fail(&cause, ECO_NO_MEMORY, "%s: no memory for a camera", name);
+	else if (read_script(&root, made))
+		*camera = made;
+	json_decref(document);
+	if (*camera)
+		return ECO_OK;
+	eco_camera_free(made);
+	return eco_fail(error, cause.code, "%s", cause.text);
 }
 
 static enum eco_code read_file(FILE *file, const char *path, char **text, size_t *size, struct eco_error *error)
