@@ -11,6 +11,7 @@
 
 typedef float lod_f4 __attribute__((vector_size(16)));
 typedef int32_t lod_i4 __attribute__((vector_size(16)));
+typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that may wrap in lanes nobody reads */
 
 static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
 static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
@@ -40,19 +41,22 @@ static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b) {
 
 static inline lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
 
-/* One bit a lane, from masks that are all ones or all zeros. */
+/* One bit a lane: its sign. */
 static inline unsigned lod_i4_bits(lod_i4 mask) {
 #ifdef __SSE2__
 	return (unsigned)_mm_movemask_ps((__m128)mask);
 #else
-	return (unsigned)((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+	return (uint32_t)mask[0] >> 31 | (uint32_t)mask[1] >> 31 << 1 | (uint32_t)mask[2] >> 31 << 2 | (uint32_t)mask[3] >> 31 << 3;
 #endif
 }
 
-/* Nearest integer, ties to even, for |a| < 2^22: adding 1.5 * 2^23 leaves the integer in the low bits. */
-static inline lod_i4 lod_f4_round(lod_f4 a) {
-	return (lod_i4)(a + lod_f4_all(12582912.0f)) - lod_i4_all(0x4b400000);
+/* `middle` + the nearest integer, ties to even, for |a| < 2^22 (else something): adding 1.5 * 2^23 leaves the integer in the low
+ * bits of the float. */
+static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle) {
+	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f)) + ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
 }
+
+static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
 
 /* Rows become columns. */
 static inline void lod_f4_transpose(lod_f4 r[4]) {

@@ -60,8 +60,8 @@ static inline lod_f4 f4_max3(const lod_f4 a[3]) { return lod_f4_max(lod_f4_max(a
 
 /* The pixels whose centres lie in [low, high] (from the middle). Rounding is monotone: snapping the least gives the least. */
 static inline void centres(lod_f4 low, lod_f4 high, lod_i4 middle, lod_i4 *first, lod_i4 *last) {
-	*first = (lod_f4_round(low) + middle + (LOD_SUBPIXEL / 2 - 1)) >> 8;
-	*last = (lod_f4_round(high) + middle - LOD_SUBPIXEL / 2) >> 8;
+	*first = lod_i4_add(lod_f4_round(low, middle), LOD_SUBPIXEL / 2 - 1) >> 8;
+	*last = lod_i4_add(lod_f4_round(high, middle), -LOD_SUBPIXEL / 2) >> 8;
 }
 
 static inline struct lanes project_four(const struct screen *screen, const lod_f4 c[9], struct lod_four *four) {
@@ -88,8 +88,8 @@ static inline struct lanes project_four(const struct screen *screen, const lod_f
 	lanes.small = lod_i4_bits(within & (four->last_x - four->first_x < LOD_SMALL) & (four->last_y - four->first_y < LOD_SMALL));
 	lanes.large &= ~lanes.small;
 	for (int i = 0; i < 3; i++) {
-		four->x[i] = lod_f4_round(x[i]) + screen->middle_x;
-		four->y[i] = lod_f4_round(y[i]) + screen->middle_y;
+		four->x[i] = lod_f4_round(x[i], screen->middle_x);
+		four->y[i] = lod_f4_round(y[i], screen->middle_y);
 	}
 	return lanes;
 }
@@ -135,7 +135,7 @@ static int clip_polygon(struct vertex *polygon, int count, int plane, double nea
 }
 
 static int32_t snap(float at, int32_t middle) {
-	return lod_f4_round(lod_f4_all(at))[0] + middle;
+	return lod_f4_round(lod_f4_all(at), lod_i4_all(middle))[0];
 }
 
 static struct lod_corner corner_of(const struct lod_raster *raster, const struct vertex *p) {
@@ -311,10 +311,10 @@ static inline void project_points(const struct screen *screen, const lod_f4 c[3]
 	lod_f4 w = row_dot(screen->matrix[2], c);
 	out->z = lod_f4_all(1.0f) / w;
 	lod_f4 x = row_dot(screen->matrix[0], c) * out->z, y = row_dot(screen->matrix[1], c) * out->z, half = half_w * out->z;
-	out->x0 = lod_f4_round(guarded(x - half)) + screen->middle_x;
-	out->x1 = lod_f4_round(guarded(x + half)) + screen->middle_x;
-	out->y0 = lod_f4_round(guarded(y - half)) + screen->middle_y;
-	out->y1 = lod_f4_round(guarded(y + half)) + screen->middle_y;
+	out->x0 = lod_f4_round(guarded(x - half), screen->middle_x);
+	out->x1 = lod_f4_round(guarded(x + half), screen->middle_x);
+	out->y0 = lod_f4_round(guarded(y - half), screen->middle_y);
+	out->y1 = lod_f4_round(guarded(y + half), screen->middle_y);
 	lod_i4 finite = (lod_f4_abs(x) < lod_f4_all(1e30f)) & (lod_f4_abs(y) < lod_f4_all(1e30f));
 	out->draw = lod_i4_bits((w >= screen->near_w) & finite & box_holds_centre(out->x0, out->x1, screen->width)
 		& box_holds_centre(out->y0, out->y1, screen->height));

@@ -41,11 +41,12 @@ static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_
 
 /* Fills *setup, relative to the first pixel centre of each box; returns the lanes that may cover something. */
 static inline unsigned setup_four(struct setup *setup, const struct lod_four *four) {
-	lod_i4 centre_x = four->first_x * LOD_SUBPIXEL + LOD_SUBPIXEL / 2, centre_y = four->first_y * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
+	lod_u4 centre_x = (lod_u4)four->first_x * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
+	lod_u4 centre_y = (lod_u4)four->first_y * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
 	lod_f4 x[3], y[3], z[3] = { four->z[0], four->z[1], four->z[2] };
 	for (int i = 0; i < 3; i++) {
-		x[i] = to_float(four->x[i] - centre_x);
-		y[i] = to_float(four->y[i] - centre_y);
+		x[i] = to_float((lod_i4)((lod_u4)four->x[i] - centre_x));
+		y[i] = to_float((lod_i4)((lod_u4)four->y[i] - centre_y));
 	}
 	lod_f4 area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
 	lod_i4 turned = area < lod_f4_all(0);
@@ -55,7 +56,7 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 	swap = lod_f4_select(turned, z[2], z[1]), z[2] = lod_f4_select(turned, z[1], z[2]), z[1] = swap;
 	lod_f4 e0 = edge_four(setup, 0, x[1], y[1], x[2], y[2]), e1 = edge_four(setup, 1, x[2], y[2], x[0], y[0]);
 	lod_f4 e2 = edge_four(setup, 2, x[0], y[0], x[1], y[1]);
-	lod_i4 missed = (lod_i4)(lod_f4)((lod_i4)e0 | (lod_i4)e1 | (lod_i4)e2) < 0;
+	lod_i4 missed = ((lod_i4)e0 | (lod_i4)e1 | (lod_i4)e2) < 0;
 	lod_i4 single = (four->first_x == four->last_x) & (four->first_y == four->last_y);
 	depth_four(setup, x, y, z, lod_f4_abs(area));
 	return lod_i4_bits((area != lod_f4_all(0)) & ~(missed & single));
