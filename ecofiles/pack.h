@@ -2,8 +2,8 @@
  *
  *   eco_pack_create(&w, path, &error);              writes path.tmp-PID beside the target
  *   eco_pack_add_list(w, &list, &elements, ...);    encodes chunks as it goes; returns the list's id
- *   w->scene.plants = ...;                          fill the tables of the scene
- *   eco_pack_commit(w, &error);                     tables, hashes, fsync, rename, fsync of the folder: all or nothing
+ *   scene.plants = ...;                             fill the other tables of a struct eco_scene
+ *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync of the folder: all or nothing
  *
  *   eco_pack_open(&pack, path, &error);             maps, checks header and section hashes, bounds every index: then immutable,
  *   ... any number of threads read pack->scene ...  shared by all threads without locks
@@ -20,11 +20,14 @@
  *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
  *
  *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
- *        2 SCENE       one record: near, needs, root tile, ground list, bounds
+ *        2 SCENE       one record: name, needs, root tile, ground list, u32 0, near (bounds are the root tile's)
  *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS  12 PALETTE
  *        13 PLACES  14 CHUNK_DATA   payloads, one after the other
  *
- * CHUNK_DATA is last. Field order inside records is that of the structs below; see pack_record.c, which reads and writes each field by name. */
+ * Each section starts at the first multiple of 64 after the one before; the file ends with the last section. META and CHUNK_DATA
+ * have no records (count and size of a record 0); PALETTE has 3 bytes a colour. In the chunk table, a payload either follows the
+ * payloads so far or lies within them (equal payloads are stored once), so that no byte of CHUNK_DATA is without a hash. Field order
+ * inside records is that of the structs below; see pack_record.c, which reads and writes each field by name. */
 #ifndef ECO_PACK_H
 #define ECO_PACK_H
 
@@ -175,6 +178,10 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
 /* Checks a scene's tables against each other (every index in range, counts add up, bounds finite, tree acyclic, unused space zero).
  * Called by open; separate so that a client can check what a stream declared. */
 enum eco_code eco_scene_check(const struct eco_scene *scene, struct eco_error *error);
+/* What can be said of one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
+enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error);
+enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error);
+enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error);
 
 /* Record coders, one function a table row, shared by pack and wire. */
 struct eco_reader;
@@ -183,6 +190,7 @@ void eco_list_write(struct eco_writer *w, const struct eco_list *list);
 void eco_list_read(struct eco_reader *r, struct eco_list *list);
 void eco_anchor_write(struct eco_writer *w, const struct eco_anchor *anchor);
 void eco_anchor_read(struct eco_reader *r, struct eco_anchor *anchor);
+void eco_place_write(struct eco_writer *w, const struct eco_place *place);     /* for the makers of section PLACES */
 
 /* ---- Writing ---- */
 

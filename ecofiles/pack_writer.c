@@ -1,0 +1,579 @@
+/* Writing a pack, all or nothing. Payloads come first but lie last in the file, behind tables whose size is known only at the end:
+ * so they are spooled to an unlinked file in the target's folder (memory stays small, and a full disk is noticed early) and copied
+ * behind the tables by eco_pack_commit. The target's name appears only by renaming a complete, synced file. */
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <xxhash.h>
+
+#include "ecofiles/chunk.h"
+#include "ecofiles/pack_record.h"
+
+/* Chunks found by their id, to store equal payloads once: open addressing over chunk indices + 1. */
+struct id_table {
+	uint32_t *slots;
+	uint32_t size;               /* power of two, more than twice the chunks */
+};
+
+struct eco_pack_writer {
+	char *path, *temporary, *folder;
+	int file, spool;             /* -1 when closed */
+	uint64_t spooled;
+	struct eco_list *lists;
+	uint32_t list_count, list_capacity;
+	struct eco_chunk *chunks;    /* offsets relative to the spool until commit */
+	uint32_t chunk_count, chunk_capacity;
+	struct id_table ids;
+};
+
+/* ---- Files ---- */
+
+static enum eco_code io_failed(const char *path, const char *what, struct eco_error *error)
+{
+	return eco_fail(error, ECO_IO, "%s: cannot %s: %s%s", path, what, strerror(errno),
+		errno == ENOSPC || errno == EDQUOT || errno == EFBIG ? "; free some space or write elsewhere" : "");
+}
+
+static enum eco_code write_all(int file, const char *path, const void *bytes, size_t size, struct eco_error *error)
+{
+	const uint8_t *at = bytes;
+
+	while (size > 0) {
+		ssize_t written = write(file, at, size);
+
+		if (written < 0 && errno == EINTR)
+			continue;
+		if (written <= 0)
+			return io_failed(path, "write", error);
+		at += written;
+		size -= (size_t)written;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code open_spool(struct eco_pack_writer *w, struct eco_error *error)
+{
+	char *name = NULL;
+
+	w->spool = open(w->folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+	if (w->spool >= 0)
+		return ECO_OK;
+	/* Not every file system has nameless files. */
+	if (asprintf(&name, "%s-payloads", w->temporary) < 0)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", w->path);
+	w->spool = open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
+	if (w->spool < 0)
+		io_failed(name, "create", error);
+	else
+		unlink(name);
+	free(name);
+	return w->spool < 0 ? ECO_IO : ECO_OK;
+}
+
+/* The folder part of a path, malloc'ed. */
+static char *folder_of(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+
+	if (slash == NULL)
+		return strdup(".");
+	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
+
+enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
+{
+	struct eco_pack_writer *w = calloc(1, sizeof *w);
+	struct stat status;
+	enum eco_code code;
+
+	*writer = NULL;
+	if (w == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	w->file = w->spool = -1;
+	w->path = strdup(path);
+	w->folder = folder_of(path);
+	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
+		w->temporary = NULL;
+	if (w->path == NULL || w->folder == NULL || w->temporary == NULL) {
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	} else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
+		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
+	} else {
+		/* A file of this name can only be the rest of a process that had our number. */
+		unlink(w->temporary);
+		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		code = w->file < 0 ? io_failed(w->temporary, "create", error) : open_spool(w, error);
+	}
+	if (code != ECO_OK) {
+		eco_pack_abort(w);
+		return code;
+	}
+	*writer = w;
+	return ECO_OK;
+}
+
+static void writer_free(struct eco_pack_writer *w)
+{
+	if (w->file >= 0)
+		close(w->file);
+	if (w->spool >= 0)
+		close(w->spool);
+	free(w->path);
+	free(w->temporary);
+	free(w->folder);
+	free(w->lists);
+	free(w->chunks);
+	free(w->ids.slots);
+	free(w);
+}
+
+void eco_pack_abort(struct eco_pack_writer *writer)
+{
+	if (writer == NULL)
+		return;
+	if (writer->file >= 0)
+		unlink(writer->temporary);
+	writer_free(writer);
+}
+
+/* ---- Chunks and lists ---- */
+
+static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk *chunk)
+{
+	uint32_t slot;
+
+	memcpy(&slot, chunk->id.bytes, sizeof slot);
+	for (;; slot++) {
+		uint32_t found = w->ids.slots[slot & (w->ids.size - 1)];
+
+		if (found == 0 || (memcmp(w->chunks[found - 1].id.bytes, chunk->id.bytes, sizeof chunk->id.bytes) == 0
+		    && w->chunks[found - 1].size_bytes == chunk->size_bytes))
+			return slot & (w->ids.size - 1);
+	}
+}
+
+static bool grow_ids(struct eco_pack_writer *w)
+{
+	uint32_t *old = w->ids.slots;
+
+	if (w->ids.size / 2 > w->chunk_count)
+		return true;
+	w->ids.size = w->ids.size == 0 ? 256 : 2 * w->ids.size;
+	w->ids.slots = calloc(w->ids.size, sizeof *w->ids.slots);
+	free(old);
+	if (w->ids.slots == NULL) {
+		w->ids.size = 0;
+		return false;
+	}
+	for (uint32_t i = w->chunk_count; i-- > 0;)
+		w->ids.slots[id_slot(w, &w->chunks[i])] = i + 1;
+	return true;
+}
+
+static bool grow_chunks(struct eco_pack_writer *w)
+{
+	uint32_t capacity = w->chunk_capacity == 0 ? 64 : 2 * w->chunk_capacity;
+	struct eco_chunk *chunks;
+
+	if (w->chunk_count < w->chunk_capacity)
+		return true;
+	chunks = realloc(w->chunks, capacity * sizeof *chunks);
+	if (chunks == NULL)
+		return false;
+	w->chunks = chunks;
+	w->chunk_capacity = capacity;
+	return true;
+}
+
+static bool grow_lists(struct eco_pack_writer *w)
+{
+	uint32_t capacity = w->list_capacity == 0 ? 64 : 2 * w->list_capacity;
+	struct eco_list *lists;
+
+	if (w->list_count < w->list_capacity)
+		return true;
+	lists = realloc(w->lists, capacity * sizeof *lists);
+	if (lists == NULL)
+		return false;
+	w->lists = lists;
+	w->list_capacity = capacity;
+	return true;
+}
+
+static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size, uint32_t elements,
+	uint32_t primitives, struct eco_error *error)
+{
+	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled, .size_bytes = (uint32_t)size,
+		.element_count = elements, .primitive_count = primitives };
+	uint32_t slot;
+
+	if (w->chunk_count >= ECO_NONE / 4 || !grow_chunks(w) || !grow_ids(w))
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path, w->chunk_count);
+	slot = id_slot(w, &chunk);
+	if (w->ids.slots[slot] != 0) {
+		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
+	} else {
+		enum eco_code code = write_all(w->spool, w->temporary, bytes, size, error);
+
+		if (code != ECO_OK)
+			return code;
+		w->spooled += size;
+		w->ids.slots[slot] = w->chunk_count + 1;
+	}
+	w->chunks[w->chunk_count++] = chunk;
+	return ECO_OK;
+}
+
+/* Primitives of elements [first, end). */
+static uint32_t count_primitives(const struct eco_elements *elements, uint32_t first, uint32_t end)
+{
+	uint32_t count = 0;
+
+	for (uint32_t i = first; i < end; i++)
+		count += elements->corners[i] < 3 ? 1 : elements->corners[i] - 2u;
+	return count;
+}
+
+static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+{
+	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
+		const struct eco_chunk_input input = { list, elements, first, ends[i], i };
+		uint8_t *bytes = NULL;
+		size_t size = 0;
+		enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
+
+		if (code == ECO_OK)
+			code = add_chunk(w, bytes, size, ends[i] - first, count_primitives(elements, first, ends[i]), error);
+		free(bytes);
+		if (code != ECO_OK)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code add_paired_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *points,
+	const struct eco_elements *partner, const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+{
+	uint32_t point_first = 0;
+
+	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
+		/* How the partner is stored follows from its elements alone: kind and coder are all that is needed of its list. */
+		const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
+			.attributes = w->lists[list->partner].attributes };
+		const struct eco_chunk_input input = { &fans, partner, first, ends[i], i };
+		uint32_t point_count = 2 * count_primitives(partner, first, ends[i]);
+		uint8_t *bytes = NULL;
+		size_t size = 0;
+		enum eco_code code = eco_chunk_encode_paired(&input, list, points, point_first, &bytes, &size, error);
+
+		if (code == ECO_OK)
+			code = add_chunk(w, bytes, size, point_count, point_count, error);
+		free(bytes);
+		if (code != ECO_OK)
+			return code;
+		point_first += point_count;
+	}
+	return ECO_OK;
+}
+
+/* Appends the list with the chunks since `chunk_first` and its counts. */
+static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first, uint32_t *list_id,
+	struct eco_error *error)
+{
+	struct eco_list *stored;
+
+	if (!grow_lists(w))
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path, w->list_count);
+	stored = &w->lists[w->list_count];
+	*stored = *list;
+	stored->reserved = 0;
+	stored->chunk_first = chunk_first;
+	stored->chunk_count = w->chunk_count - chunk_first;
+	stored->primitive_count = stored->element_count = 0;
+	for (uint32_t i = chunk_first; i < w->chunk_count; i++) {
+		stored->primitive_count += w->chunks[i].primitive_count;
+		stored->element_count += w->chunks[i].element_count;
+	}
+	*list_id = w->list_count++;
+	return ECO_OK;
+}
+
+enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
+	struct eco_error *error)
+{
+	const struct eco_elements *counted = list->coder == ECO_CODER_PAIRED ? partner_elements : elements;
+	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
+	enum eco_code code;
+
+	*list_id = ECO_NONE;
+	if (list->coder == ECO_CODER_BYTES || (list->coder == ECO_CODER_PAIRED) != (partner_elements != NULL))
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner", writer->list_count, list->coder,
+			partner_elements != NULL ? "a" : "no");
+	if (list->coder == ECO_CODER_PAIRED && list->partner >= writer->list_count)
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it", writer->list_count, list->partner);
+	if (last != counted->element_count)
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u", writer->list_count, last,
+			counted->element_count);
+	code = list->coder == ECO_CODER_PAIRED ? add_paired_chunks(writer, list, elements, partner_elements, ends, end_count, error)
+		: add_plain_chunks(writer, list, elements, ends, end_count, error);
+	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
+}
+
+enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
+	uint32_t *list_id, struct eco_error *error)
+{
+	uint32_t chunk_first = writer->chunk_count;
+	enum eco_code code;
+
+	*list_id = ECO_NONE;
+	assert(list->coder == ECO_CODER_BYTES);
+	if (size == 0 || size > ECO_CHUNK_BYTES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit", writer->list_count, size,
+			ECO_CHUNK_BYTES_MAX);
+	code = add_chunk(writer, bytes, size, 1, 1, error);
+	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
+}
+
+const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id)
+{
+	assert(list_id < writer->list_count);
+	return &writer->lists[list_id];
+}
+
+/* ---- Commit ---- */
+
+/* The bytes of a section: of `owned`, or borrowed. */
+struct body {
+	struct eco_section section;
+	const uint8_t *bytes;
+	struct eco_writer owned;
+};
+
+static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind kind, uint64_t records, struct body body)
+{
+	uint32_t record_bytes = eco_section_info[kind].record_bytes;
+
+	if (body.bytes == NULL) {
+		body.bytes = body.owned.bytes;
+		body.section.size = body.owned.size;
+	}
+	if (body.section.size == 0 && !body.owned.failed) {
+		eco_writer_free(&body.owned);
+		return;
+	}
+	assert(body.owned.failed || record_bytes == 0 || body.section.size == records * record_bytes);
+	body.section.kind = kind;
+	body.section.count = record_bytes == 0 ? 0 : (uint32_t)records;
+	body.section.record_bytes = record_bytes;
+	body.section.hash = body.bytes == NULL ? 0 : XXH3_64bits(body.bytes, body.section.size);
+	bodies[(*count)++] = body;
+}
+
+/* All sections but CHUNK_DATA, without offsets. The chunk table holds offsets, so it is written for a given one of CHUNK_DATA. */
+static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, uint64_t chunk_data, struct body *bodies)
+{
+	uint32_t count = 0;
+	struct body body;
+
+	add_body(bodies, &count, ECO_SECTION_META, 0, (struct body){ .bytes = (const uint8_t *)meta_json,
+		.section.size = meta_json == NULL ? 0 : strlen(meta_json) });
+	body = (struct body){ 0 };
+	eco_scene_write(&body.owned, s);
+	add_body(bodies, &count, ECO_SECTION_SCENE, 1, body);
+#define TABLE(kind, table, name) \
+	body = (struct body){ 0 }; \
+	for (uint32_t i = 0; i < s->name##_count; i++) \
+		eco_##name##_write(&body.owned, &s->table[i]); \
+	add_body(bodies, &count, ECO_SECTION_##kind, s->name##_count, body)
+	TABLE(PLANTS, plants, plant);
+	TABLE(ANCHORS, anchors, anchor);
+	TABLE(LADDERS, ladders, ladder);
+	TABLE(CURVES, curves, curve);
+	TABLE(TILES, tiles, tile);
+	TABLE(GROUPS, groups, group);
+	TABLE(CHILDREN, children, child);
+	TABLE(LISTS, lists, list);
+#undef TABLE
+	body = (struct body){ 0 };
+	for (uint32_t i = 0; i < s->chunk_count; i++) {
+		struct eco_chunk chunk = s->chunks[i];
+
+		chunk.offset += chunk_data;
+		eco_chunk_write(&body.owned, &chunk);
+	}
+	add_body(bodies, &count, ECO_SECTION_CHUNKS, s->chunk_count, body);
+	add_body(bodies, &count, ECO_SECTION_PALETTE, s->palette_count, (struct body){ .bytes = (const uint8_t *)s->palette,
+		.section.size = 3 * (uint64_t)s->palette_count });
+	add_body(bodies, &count, ECO_SECTION_PLACES, s->place_count, (struct body){ .bytes = s->places,
+		.section.size = ECO_PLACE_BYTES * s->place_count });
+	return count;
+}
+
+static void free_bodies(struct body *bodies, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		eco_writer_free(&bodies[i].owned);
+}
+
+static uint64_t align(uint64_t at)
+{
+	return (at + ECO_PACK_ALIGN - 1) / ECO_PACK_ALIGN * ECO_PACK_ALIGN;
+}
+
+/* Sets the sections' offsets; returns the end of the last. */
+static uint64_t place_bodies(struct body *bodies, uint32_t count, uint32_t section_count)
+{
+	uint64_t at = ECO_PACK_HEADER_BYTES + (uint64_t)section_count * ECO_PACK_SECTION_BYTES;
+
+	for (uint32_t i = 0; i < count; i++) {
+		bodies[i].section.offset = align(at);
+		at = bodies[i].section.offset + bodies[i].section.size;
+	}
+	return at;
+}
+
+static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset, struct eco_error *error)
+{
+	static const uint8_t zeros[ECO_PACK_ALIGN];
+
+	return write_all(w->file, w->temporary, zeros, offset - at, error);
+}
+
+static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *error)
+{
+	size_t size = 1u << 18;
+	uint8_t *buffer = malloc(size);
+	enum eco_code code = ECO_OK;
+
+	if (buffer == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for copying", w->path);
+	for (uint64_t at = 0; code == ECO_OK && at < w->spooled;) {
+		ssize_t got = pread(w->spool, buffer, w->spooled - at < size ? w->spooled - at : size, (off_t)at);
+
+		if (got < 0 && errno == EINTR)
+			continue;
+		if (got <= 0)
+			code = io_failed(w->temporary, "read back payloads", error);
+		else
+			code = write_all(w->file, w->temporary, buffer, (size_t)got, error);
+		at += got > 0 ? (uint64_t)got : 0;
+	}
+	free(buffer);
+	return code;
+}
+
+static enum eco_code write_header(struct eco_pack_writer *w, const struct body *bodies, uint32_t count, uint64_t file_size,
+	struct eco_error *error)
+{
+	struct eco_writer start = { 0 }, table = { 0 }, hashed = { 0 };
+	enum eco_code code;
+
+	for (uint32_t i = 0; i < count; i++)
+		eco_section_write(&table, &bodies[i].section);
+	eco_write_bytes(&start, ECO_PACK_MAGIC, 8);
+	eco_write_u32(&start, ECO_PACK_VERSION);
+	eco_write_u32(&start, count);
+	eco_write_u64(&start, file_size);
+	eco_write_bytes(&hashed, start.bytes, start.size);
+	eco_write_bytes(&hashed, table.bytes, table.size);
+	eco_write_u64(&start, hashed.failed ? 0 : XXH3_64bits(hashed.bytes, hashed.size));
+	eco_write_bytes(&start, table.bytes, table.size);
+	if (start.failed || table.failed || hashed.failed)
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for the header", w->path);
+	else
+		code = write_all(w->file, w->temporary, start.bytes, start.size, error);
+	eco_writer_free(&start);
+	eco_writer_free(&table);
+	eco_writer_free(&hashed);
+	return code;
+}
+
+static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scene *scene, const char *meta_json,
+	struct eco_error *error)
+{
+	struct body bodies[ECO_SECTION_KIND_END];
+	uint32_t count = make_bodies(scene, meta_json, 0, bodies), section_count = count + (w->spooled > 0 ? 1 : 0);
+	uint64_t at, end = place_bodies(bodies, count, section_count), chunk_data = align(end), file_size;
+	enum eco_code code = ECO_OK;
+
+	/* Sizes do not depend on where CHUNK_DATA begins, only the chunk table's contents do: make it again now that it is known. */
+	free_bodies(bodies, count);
+	count = make_bodies(scene, meta_json, chunk_data, bodies);
+	place_bodies(bodies, count, section_count);
+	file_size = end;
+	for (uint32_t i = 0; i < count; i++)
+		if (bodies[i].owned.failed)
+			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for section %s", w->path,
+				eco_section_info[bodies[i].section.kind].name);
+	if (w->spooled > 0) {
+		bodies[count] = (struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA, .offset = chunk_data, .size = w->spooled } };
+		file_size = chunk_data + w->spooled;
+	}
+	if (code == ECO_OK)
+		code = write_header(w, bodies, section_count, file_size, error);
+	at = ECO_PACK_HEADER_BYTES + (uint64_t)section_count * ECO_PACK_SECTION_BYTES;
+	for (uint32_t i = 0; code == ECO_OK && i < count; i++) {
+		code = write_padding(w, at, bodies[i].section.offset, error);
+		if (code == ECO_OK)
+			code = write_all(w->file, w->temporary, bodies[i].bytes, bodies[i].section.size, error);
+		at = bodies[i].section.offset + bodies[i].section.size;
+	}
+	if (code == ECO_OK && w->spooled > 0)
+		code = write_padding(w, at, chunk_data, error);
+	if (code == ECO_OK)
+		code = copy_payloads(w, error);
+	free_bodies(bodies, count);
+	return code;
+}
+
+/* From here on the pack is there even if the machine stops. */
+static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	int folder;
+
+	if (fsync(w->file) != 0)
+		return io_failed(w->temporary, "sync", error);
+	if (rename(w->temporary, w->path) != 0)
+		return io_failed(w->path, "rename the finished file to this name", error);
+	folder = open(w->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (folder < 0 || fsync(folder) != 0)
+		code = io_failed(w->folder, "sync the folder", error);
+	if (folder >= 0)
+		close(folder);
+	/* The temporary's name is gone: nothing is left to remove. */
+	close(w->file);
+	w->file = -1;
+	return code;
+}
+
+enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene, const char *meta_json,
+	struct eco_error *error)
+{
+	struct eco_scene whole = *scene;
+	enum eco_code code = ECO_OK;
+
+	whole.lists = writer->lists;
+	whole.list_count = writer->list_count;
+	whole.chunks = writer->chunks;
+	whole.chunk_count = writer->chunk_count;
+	if (whole.place_count > UINT32_MAX)
+		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack", writer->path,
+			(unsigned long long)whole.place_count, UINT32_MAX);
+	if (code == ECO_OK)
+		code = eco_scene_check(&whole, error);
+	if (code == ECO_OK)
+		code = write_file(writer, &whole, meta_json, error);
+	if (code == ECO_OK)
+		code = publish(writer, error);
+	eco_pack_abort(writer);
+	return code;
+}
