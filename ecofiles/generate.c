@@ -1,0 +1,51 @@
+/* The frame around the layouts: which there are, folders, models. */
+#include "ecofiles/generate.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "ecofiles/generate_plants.h"
+#include "ecofiles/generate_scenes.h"
+
+const struct eco_generate_kind eco_generate_kinds[] = {
+	{ "park", "trees along a path, groups of conifers, palms, shrubs, grasses and flowers on a gentle lawn", 60 },
+	{ "forest", "a mixed stand on hills: stems with trunk diameters in a CSV file, shrubs and ferns below", 2000 },
+	{ "meadow", "grasses and patches of flowers from nested eco files, with a few trees", 4000 },
+	{ NULL, NULL, 0 },
+};
+static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) = { gen_park, gen_forest, gen_meadow };
+
+static enum eco_code make_folder(const char *path, struct eco_error *error)
+{
+	struct stat status;
+	if (mkdir(path, 0777) == 0)
+		return ECO_OK;
+	if (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+		return ECO_OK;
+	return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", path, strerror(errno == EEXIST ? ENOTDIR : errno));
+}
+
+enum eco_code eco_generate(const struct eco_generate_options *options, struct eco_error *error)
+{
+	size_t kind = 0;
+	char models[4096];
+	while (eco_generate_kinds[kind].name && strcmp(eco_generate_kinds[kind].name, options->name) != 0)
+		kind++;
+	if (!eco_generate_kinds[kind].name)
+		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest or meadow", options->name);
+	if (options->plants > ECO_GENERATE_PLANTS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%u plants: at most %u are generated; nest eco files for more", options->plants,
+			ECO_GENERATE_PLANTS_MAX);
+	if (snprintf(models, sizeof models, "%s/models", options->folder) >= (int)sizeof models)
+		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", options->folder);
+	enum eco_code code = make_folder(options->folder, error);
+	if (!code)
+		code = make_folder(models, error);
+	if (code)
+		return code;
+	struct gen_layout layout = { .options = options, .plants = options->plants ? options->plants : eco_generate_kinds[kind].plants,
+		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
+	return layouts[kind](&layout, error);
+}

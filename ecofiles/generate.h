@@ -1,0 +1,35 @@
+/* Example scenes made from nothing: parametric plants of our own, placed as in nature, on ground of our own.
+ *
+ *   eco_generate(&(struct eco_generate_options){ .name = "park", .folder = "park", .seed = 1 }, &error);
+ *
+ * The folder then holds scene.json, models/ (OBJ, MTL, PNG), dem.tif, camera.json and, for a forest, stems.csv. The same name, plants
+ * and seed give the same bytes on every machine: random numbers are integers, angles come from ecofiles/turn.h, other functions are
+ * polynomials and square roots, and coordinates are written with few decimals. */
+#ifndef ECO_GENERATE_H
+#define ECO_GENERATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/status.h"
+
+#define ECO_GENERATE_PLANTS_MAX 20000000u
+
+struct eco_generate_options {
+	const char *name;            /* park, forest, meadow */
+	const char *folder;          /* made if it is not there; files of the same names are replaced, each one whole */
+	uint32_t plants;             /* about so many instances; 0: the scene's own number */
+	uint64_t seed;
+	/* Called before each piece of work with its name and the share done; false stops with ECO_INTERRUPTED; may be NULL. */
+	bool (*progress)(void *ctx, const char *stage, double share);
+	void *ctx;
+};
+
+/* Names and one-line descriptions of what can be generated; ends with a NULL name. */
+struct eco_generate_kind { const char *name, *says; uint32_t plants; };
+extern const struct eco_generate_kind eco_generate_kinds[];
+
+/* On failure scene.json is not written, so that half a folder is not mistaken for a scene. */
+enum eco_code eco_generate(const struct eco_generate_options *options, struct eco_error *error);
+
+#endif
