@@ -29,7 +29,9 @@ static void quarter_sincos(uint32_t step, double *sine, double *cosine)
 {
 	const double radians = 1.57079632679489661923 / QUARTER;
 
-	if (step <= QUARTER / 2) {
+	if (step == QUARTER / 2) {
+		*sine = *cosine = 0.70710678118654752440;
+	} else if (step < QUARTER / 2) {
 		*sine = sine_series(step * radians);
 		*cosine = cosine_series(step * radians);
 	} else {
