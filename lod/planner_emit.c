@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "ecofiles/wire.h"
 #include "lod/ladder.h"
 
 static double entry_density(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
@@ -27,6 +28,7 @@ static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry
 		return;
 	uint32_t count = lod_ladder_cuts(p->scene, ladder, vertices, entry_density(p, entry, vertices), cuts);
 	for (uint32_t i = 0; i < count; i++) {
+		cuts[i].scale = eco_wire_scale_round(cuts[i].scale);
 		cuts[i].anchor = slot->anchor;
 		cuts[i].band_first = slot->band;
 		cuts[i].band_end = (uint8_t)(slot->band + 1);
@@ -44,15 +46,15 @@ static void add_summary_cut(const struct lod_planning *p, const struct lod_entry
 		return;
 	plan->cuts[plan->cut_count++] = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
-		.scale = (float)((double)entry->full / (double)entry->vertices),
+		.scale = eco_wire_scale_round((float)((double)entry->full / (double)entry->vertices)),
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
 }
 
 static int by_anchor(const void *a, const void *b)
 {
 	const struct eco_cut *x = a, *y = b;
-	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->first, x->end, x->share_first, x->share_end, x->band_first };
-	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->first, y->end, y->share_first, y->share_end, y->band_first };
+	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->band_first, x->share_first, x->first, x->end, x->share_end };
+	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->band_first, y->share_first, y->first, y->end, y->share_end };
 	for (int i = 0; i < 8; i++)
 		if (kx[i] != ky[i])
 			return kx[i] < ky[i] ? -1 : 1;
