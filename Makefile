@@ -91,6 +91,13 @@ $(B)/tests/test_%: $(B)/obj/tests/test_%.o $(TEST_LIBS)
 	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
 		$(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
+# Programs that measure: tests/bench/NAME.c
+BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(wildcard tests/bench/*.c))
+$(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS)
+	@mkdir -p $(@D)
+	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \
+		$(LIBS_DRACO) $(LIBS_CORE)
+
 # A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
 $(B)/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.o $(FUZZ_MAIN) $(TEST_LIBS)
