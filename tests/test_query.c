@@ -1,0 +1,370 @@
+/* What comes in as text: targets, parameters, ranges, entity tags, headers. Tables of what is accepted and what is refused. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/condition.h"
+#include "server/framing.h"
+#include "server/json.h"
+#include "server/query.h"
+#include "server/route.h"
+#include "server/store.h"
+
+#define VIEW "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=1000"
+
+static enum eco_code parse_target(struct srv_target *target, const char *raw)
+{
+	struct eco_error error = { 0 };
+	enum eco_code code = srv_target_parse(target, raw, strlen(raw), &error);
+	assert_int_equal(code != ECO_OK, error.text[0] != 0);
+	return code;
+}
+
+static void paths_are_allow_listed(void **state)
+{
+	static const struct { const char *raw; uint32_t segments; } rows[] = {      /* 0: refused; / is 99 */
+		{ "/", 99 }, { "/healthz", 1 }, { "/v1/scenes", 2 }, { "/v1/scenes/a-b_c.d/plan", 4 }, { "/A/0", 2 },
+		{ "http://127.0.0.1:8080/v1/scenes", 2 }, { "http://host/", 99 },
+		{ "", 0 }, { "v1", 0 }, { "*", 0 }, { "http://host", 0 }, { "https://host/healthz", 0 }, { "//healthz", 0 }, { "/a//b", 0 },
+		{ "/healthz/", 0 }, { "/..", 0 }, { "/../..", 0 }, { "/v1/./scenes", 0 }, { "/v1/.hidden", 0 }, { "/healthz%00", 0 },
+		{ "/%68ealthz", 0 }, { "/%zz", 0 }, { "/a%2fb", 0 }, { "/a;b", 0 }, { "/a#b", 0 }, { "/a b", 0 }, { "/a\\b", 0 }, { "/a\tb", 0 },
+		{ "/\xc3\xa4", 0 }, { "/a/b/c/d/e/f/g/h", 8 }, { "/a/b/c/d/e/f/g/h/i", 0 },
+	};
+	struct srv_target target;
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		enum eco_code code = parse_target(&target, rows[i].raw);
+		assert_int_equal(code, rows[i].segments ? ECO_OK : ECO_BAD_INPUT);
+		if (!code)
+			assert_int_equal(target.segment_count, rows[i].segments % 99);
+	}
+	char *large = malloc(SRV_TARGET_BYTES_MAX + 1);
+	memset(large, 'a', SRV_TARGET_BYTES_MAX);
+	large[0] = '/';
+	large[SRV_TARGET_BYTES_MAX] = 0;
+	assert_int_equal(parse_target(&target, large), ECO_TOO_LARGE);
+	large[SRV_TARGET_BYTES_MAX - 1] = 0;
+	assert_int_equal(parse_target(&target, large), ECO_OK);
+	free(large);
+	assert_int_equal(srv_target_parse(&target, "/a\0b", 4, NULL), ECO_BAD_INPUT);
+}
+
+static void parameters_are_decoded_strictly(void **state)
+{
+	static const struct { const char *raw, *value; } rows[] = {         /* of parameter x; NULL: refused */
+		{ "/p?x=1", "1" }, { "/p?y=2&x=1", "1" }, { "/p?x=1%2C2", "1,2" }, { "/p?x=%41%7e", "A~" }, { "/p?x=a=b", "a=b" },
+		{ "/p?x=a+b", "a+b" }, { "/p?x=a?b", "a?b" },
+		{ "/p?", NULL }, { "/p?x", NULL }, { "/p?x=", NULL }, { "/p?=1", NULL }, { "/p?x=1&", NULL }, { "/p?&x=1", NULL },
+		{ "/p?x=1&&y=2", NULL }, { "/p?x=1&x=1", NULL }, { "/p?x=1&y=2&x=3", NULL }, { "/p?X=1", NULL }, { "/p?x1=1", NULL },
+		{ "/p?%78=1", NULL }, { "/p?x=%", NULL }, { "/p?x=%4", NULL }, { "/p?x=%zz", NULL }, { "/p?x=%4g", NULL }, { "/p?x=%00", NULL },
+		{ "/p?x=a%0Ab", NULL }, { "/p?x=%20", NULL }, { "/p?x=%80", NULL }, { "/p?x=%7f", NULL }, { "/p?x=\xc3\xa4", NULL },
+		{ "/p?x=%2", NULL }, { "/p?x=1%", NULL },
+	};
+	struct srv_target target;
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		enum eco_code code = parse_target(&target, rows[i].raw);
+		assert_int_equal(code, rows[i].value ? ECO_OK : ECO_BAD_INPUT);
+		if (!code)
+			assert_string_equal(srv_target_param(&target, "x"), rows[i].value);
+	}
+}
+
+static void too_many_parameters_are_refused(void **state)
+{
+	struct srv_target target;
+	char raw[256] = "/p?";
+	(void)state;
+	for (size_t i = 0; i <= SRV_PARAMS_MAX; i++) {
+		size_t at = strlen(raw);
+		raw[at++] = (char)('a' + i % 26);
+		raw[at++] = (char)('a' + i / 26);
+		strcpy(raw + at, i < SRV_PARAMS_MAX ? "=1&" : "=1");
+	}
+	assert_int_equal(parse_target(&target, raw), ECO_BAD_INPUT);
+}
+
+static void numbers_are_plain_decimals(void **state)
+{
+	static const struct { const char *text; bool good; double value; } rows[] = {
+		{ "0", true, 0 }, { "-1.5", true, -1.5 }, { "1e3", true, 1000 }, { "1E-2", true, .01 }, { "1.25e+2", true, 125 }, { "007", true, 7 },
+		{ "", false, 0 }, { "-", false, 0 }, { ".", false, 0 }, { "1.", false, 0 }, { ".5", false, 0 }, { "+1", false, 0 }, { "1e", false, 0 },
+		{ "1e+", false, 0 }, { "nan", false, 0 }, { "inf", false, 0 }, { "-inf", false, 0 }, { "0x10", false, 0 }, { " 1", false, 0 },
+		{ "1 ", false, 0 }, { "1,5", false, 0 }, { "1e999", false, 0 }, { "--1", false, 0 }, { "1_000", false, 0 }, { "1d3", false, 0 },
+		{ "1234567890123456789012345678901234567890123456789", false, 0 }, { "1e-999", true, 0 },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		double value = 0;
+		assert_int_equal(srv_parse_number(rows[i].text, &value), rows[i].good);
+		if (rows[i].good)
+			assert_true(value == rows[i].value);
+	}
+}
+
+static void counts_do_not_overflow(void **state)
+{
+	uint64_t value = 0;
+	(void)state;
+	assert_true(srv_parse_count("18446744073709551615", &value) && value == UINT64_MAX);
+	assert_false(srv_parse_count("18446744073709551616", &value));
+	assert_false(srv_parse_count("99999999999999999999999", &value));
+	assert_false(srv_parse_count("", &value));
+	assert_false(srv_parse_count("-1", &value));
+	assert_false(srv_parse_count("1.0", &value));
+	assert_false(srv_parse_count("1e6", &value));
+	assert_false(srv_parse_count("0x1", &value));
+}
+
+static enum eco_code parse_query(struct srv_query *query, const char *parameters, struct eco_error *error)
+{
+	struct srv_target target;
+	char raw[512] = "/plan?";
+	*error = (struct eco_error){ 0 };
+	strcat(raw, parameters);
+	enum eco_code code = srv_target_parse(&target, raw, strlen(raw), error);
+	return code ? code : srv_query_parse(query, &target, error);
+}
+
+static void a_query_has_defaults(void **state)
+{
+	struct srv_query query;
+	struct eco_error error;
+	(void)state;
+	assert_int_equal(parse_query(&query, VIEW, &error), ECO_OK);
+	const struct eco_view *view = &query.request.view;
+	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0 && view->up[2] == 1);
+	assert_true(view->fov_y_deg == 45 && view->width == 800 && view->height == 600);
+	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED && !query.has_pack);
+	assert_int_equal(parse_query(&query, VIEW "&up=0,1,0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
+	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000 && query.has_pack);
+	assert_int_equal(query.pack.bytes[15], 0xff);
+}
+
+static void bad_queries_name_the_parameter(void **state)
+{
+	static const struct { const char *query, *named; } rows[] = {
+		{ "target=4,5,6&width=800&height=600&vertices=1000", "'eye' is missing" },
+		{ "eye=1,2,3&width=800&height=600&vertices=1000", "'target' is missing" },
+		{ "eye=1,2,3&target=4,5,6&height=600&vertices=1000", "'width' is missing" },
+		{ "eye=1,2,3&target=4,5,6&width=800&height=600", "'vertices' is missing" },
+		{ VIEW "&budget=7", "unknown parameter 'budget'" }, { VIEW "&up=0,0", "'up'" }, { VIEW "&up=0,0,1,2", "'up'" },
+		{ VIEW "&up=0,0,nan", "'up'" }, { VIEW "&up=,,", "'up'" }, { VIEW "&up=0,,1", "'up'" }, { VIEW "&fov_y_deg=inf", "'fov_y_deg'" },
+		{ VIEW "&fov_y_deg=180", "fov_y_deg" }, { VIEW "&bytes=-1", "'bytes'" }, { VIEW "&bytes=1e6", "'bytes'" },
+		{ VIEW "&pack=00", "'pack'" }, { VIEW "&pack=00112233445566778899AABBCCDDEEFF", "'pack'" },
+		{ "eye=1,2,3&target=1,2,3&width=800&height=600&vertices=1000", "target" },
+		{ "eye=1e13,2,3&target=1,2,3&width=800&height=600&vertices=1000", "eye" },
+		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000", "width" },
+		{ "eye=1,2,3&target=4,5,6&width=16385&height=600&vertices=1000", "'width'" },
+		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
+		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
+		{ VIEW "&vertices=5", "twice" },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_query query;
+		struct eco_error error;
+		assert_int_equal(parse_query(&query, rows[i].query, &error), ECO_BAD_INPUT);
+		if (!strstr(error.text, rows[i].named))
+			fail_msg("%s: '%s' is not in \"%s\"", rows[i].query, rows[i].named, error.text);
+	}
+}
+
+static void ids_have_one_spelling(void **state)
+{
+	struct eco_chunk_id id;
+	char text[SRV_ID_TEXT_BYTES];
+	(void)state;
+	assert_true(srv_parse_id("0123456789abcdef0011223344556677", &id));
+	srv_format_id(text, &id);
+	assert_string_equal(text, "0123456789abcdef0011223344556677");
+	assert_false(srv_parse_id("0123456789ABCDEF0011223344556677", &id));
+	assert_false(srv_parse_id("0123456789abcdef001122334455667", &id));
+	assert_false(srv_parse_id("0123456789abcdef00112233445566778", &id));
+	assert_false(srv_parse_id("", &id));
+	assert_false(srv_parse_id("0123456789abcdef00112233445566g7", &id));
+}
+
+static void ranges_follow_rfc_9110(void **state)
+{
+	static const struct { const char *value; enum srv_range_kind kind; uint64_t first, end; } rows[] = {
+		{ NULL, SRV_RANGE_ALL, 0, 0 }, { "bytes=0-0", SRV_RANGE_PART, 0, 1 }, { "bytes=0-99", SRV_RANGE_PART, 0, 100 },
+		{ "bytes=10-19", SRV_RANGE_PART, 10, 20 }, { "bytes=10-", SRV_RANGE_PART, 10, 100 }, { "bytes=-10", SRV_RANGE_PART, 90, 100 },
+		{ "bytes=-1000", SRV_RANGE_PART, 0, 100 }, { "bytes=99-1000", SRV_RANGE_PART, 99, 100 }, { "Bytes=0-0", SRV_RANGE_PART, 0, 1 },
+		{ "bytes=0-99999999999999999999999999", SRV_RANGE_PART, 0, 100 },
+		{ "bytes=100-", SRV_RANGE_OUTSIDE, 0, 0 }, { "bytes=100-200", SRV_RANGE_OUTSIDE, 0, 0 }, { "bytes=-0", SRV_RANGE_OUTSIDE, 0, 0 },
+		{ "bytes=99999999999999999999999999-", SRV_RANGE_OUTSIDE, 0, 0 },
+		{ "bytes=0-1,5-6", SRV_RANGE_ALL, 0, 0 }, { "bytes=", SRV_RANGE_ALL, 0, 0 }, { "bytes=-", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=5-4", SRV_RANGE_ALL, 0, 0 }, { "bytes=a-b", SRV_RANGE_ALL, 0, 0 }, { "bytes=1-2 ", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes= 1-2", SRV_RANGE_ALL, 0, 0 }, { "lines=1-2", SRV_RANGE_ALL, 0, 0 }, { "bytes=1", SRV_RANGE_ALL, 0, 0 },
+		{ "b", SRV_RANGE_ALL, 0, 0 }, { "", SRV_RANGE_ALL, 0, 0 }, { "bytes=1--2", SRV_RANGE_ALL, 0, 0 },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_range range = srv_range_parse(rows[i].value, 100);
+		assert_int_equal(range.kind, rows[i].kind);
+		if (range.kind == SRV_RANGE_PART)
+			assert_true(range.first == rows[i].first && range.end == rows[i].end);
+	}
+}
+
+static void entity_tags_match_weakly(void **state)
+{
+	static const struct { const char *value; bool match; } rows[] = {
+		{ "\"abc\"", true }, { "W/\"abc\"", true }, { "*", true }, { " * ", true }, { "\"x\", \"abc\"", true }, { "\"x\",W/\"abc\"", true },
+		{ NULL, false }, { "", false }, { "abc", false }, { "\"ab\"", false }, { "\"abcd\"", false }, { "\"abc", false }, { "**", false },
+		{ "\"x\"\"abc\"", false }, { "\"a,\\\"abc\\\"", false },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		assert_int_equal(srv_etag_match(rows[i].value, "\"abc\""), rows[i].match);
+}
+
+static void header(struct srv_framing *framing, const char *name, const char *value)
+{
+	srv_framing_header(framing, name, strlen(name), value, strlen(value));
+}
+
+static void framing_is_unambiguous_or_refused(void **state)
+{
+	static const struct { const char *headers[4][2]; bool body; enum srv_problem problem; } rows[] = {
+		{ { { "Host", "a" } }, false, SRV_PROBLEM_NONE },
+		{ { { "content-length", "0" } }, false, SRV_PROBLEM_NONE },
+		{ { { "Content-Length", "5" } }, true, SRV_PROBLEM_NONE },
+		{ { { "Content-Length", "5" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "5" }, { "Content-Length", "5" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "5" }, { "Transfer-Encoding", "chunked" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Transfer-Encoding", "chunked" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "TRANSFER-ENCODING", "identity" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "5, 5" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "+5" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length ", "5" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Transfer-Encoding\x0b", "chunked" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "X", "a\x01" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "", "a" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Host", "a" }, { "Host", "b" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Range", "bytes=0-1" }, { "Range", "bytes=0-2" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Host", "a" } }, true, SRV_PROBLEM_LENGTH_REQUIRED },
+		{ { { "Content-Length", "1001" } }, true, SRV_PROBLEM_BODY_TOO_LARGE },
+		{ { { "Content-Length", "99999999999999999999999" } }, true, SRV_PROBLEM_FRAMING },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_framing framing = { 0 };
+		struct eco_error error = { 0 };
+		for (int h = 0; h < 4 && rows[i].headers[h][0]; h++)
+			header(&framing, rows[i].headers[h][0], rows[i].headers[h][1]);
+		enum srv_problem problem = srv_framing_check(&framing, &error);
+		if (!problem)
+			problem = srv_framing_body(&framing, rows[i].body, 1000, &error);
+		assert_int_equal(problem, rows[i].problem);
+		assert_int_equal(problem != SRV_PROBLEM_NONE, error.text[0] != 0);
+	}
+}
+
+static void routes_match_whole_paths(void **state)
+{
+	static const struct { const char *raw; int route; const char *first, *second; } rows[] = {
+		{ "/healthz", SRV_HEALTH, NULL, NULL }, { "/v1/scenes", SRV_SCENES, NULL, NULL }, { "/v1/scenes/a", SRV_SCENE, "a", NULL },
+		{ "/v1/scenes/a/plan", SRV_PLAN, "a", NULL }, { "/v1/scenes/a/stream", SRV_STREAM, "a", NULL },
+		{ "/v1/scenes/a/chunks/b", SRV_CHUNK, "a", "b" }, { "/v1/scenes/plan/plan", SRV_PLAN, "plan", NULL },
+		{ "/", -1, NULL, NULL }, { "/v1", -1, NULL, NULL }, { "/v1/scenes/a/chunks", -1, NULL, NULL }, { "/v1/scenes/a/b", -1, NULL, NULL },
+		{ "/v1/scenes/a/chunks/b/c", -1, NULL, NULL }, { "/healthzz", -1, NULL, NULL }, { "/health", -1, NULL, NULL },
+		{ "/V1/scenes", -1, NULL, NULL },
+	};
+	struct srv_target target;
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		const char *variables[2];
+		assert_int_equal(parse_target(&target, rows[i].raw), ECO_OK);
+		const struct srv_route *route = srv_route_find(&target, variables);
+		assert_ptr_equal(route, rows[i].route < 0 ? NULL : &srv_routes[rows[i].route]);
+		for (int v = 0; route && v < 2; v++) {
+			const char *expected = v ? rows[i].second : rows[i].first;
+			assert_int_equal(variables[v] != NULL, expected != NULL);
+			if (expected)
+				assert_string_equal(variables[v], expected);
+		}
+	}
+}
+
+static void json_escapes_and_keeps_numbers(void **state)
+{
+	struct srv_json json = { 0 };
+	(void)state;
+	srv_json_open(&json, '{');
+	srv_json_key_text(&json, "a\"\\\n", "\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3");
+	srv_json_key_count(&json, "n", UINT64_MAX);
+	srv_json_key_number(&json, "x", 0.1);
+	srv_json_key_number(&json, "y", -1.0 / 3);
+	srv_json_key_number(&json, "z", (double)INFINITY);
+	srv_json_key(&json, "l");
+	srv_json_open(&json, '[');
+	srv_json_bool(&json, true);
+	srv_json_open(&json, '{');
+	srv_json_close(&json, '}');
+	srv_json_null(&json);
+	srv_json_close(&json, ']');
+	srv_json_key_text(&json, "t", NULL);
+	srv_json_close(&json, '}');
+	eco_write_u8(&json.out, 0);
+	assert_false(json.out.failed);
+	assert_string_equal((char *)json.out.bytes, "{\"a\\\"\\\\\\u000a\":\"\\u007f\xc3\xa4\\ufffd\\ufffd\\ufffd\\ufffd\xf0\x9f\x8c\xb3\","
+		"\"n\":18446744073709551615,\"x\":0.1,\"y\":-0.3333333333333333,\"z\":null,\"l\":[true,{},null],\"t\":null}");
+	eco_writer_free(&json.out);
+}
+
+static void problems_are_complete(void **state)
+{
+	(void)state;
+	for (int i = 1; i < SRV_PROBLEM_COUNT; i++) {
+		assert_true(strncmp(srv_problem_rows[i].type, "urn:ecostream:problem:", 22) == 0);
+		assert_true(srv_problem_rows[i].status >= 400 && srv_problem_rows[i].status < 600 && srv_problem_rows[i].title[0]);
+		for (int k = 1; k < i; k++)
+			assert_string_not_equal(srv_problem_rows[i].type, srv_problem_rows[k].type);
+	}
+}
+
+static void scene_names_are_checked(void **state)
+{
+	char name[80];
+	(void)state;
+	assert_true(srv_name_valid("a") && srv_name_valid("0-9_z") && srv_name_valid("scbi"));
+	assert_false(srv_name_valid("") || srv_name_valid("-a") || srv_name_valid("_a") || srv_name_valid("A") || srv_name_valid("a.b"));
+	assert_false(srv_name_valid("a b") || srv_name_valid("a/b") || srv_name_valid("\xc3\xa4"));
+	memset(name, 'a', sizeof name);
+	name[63] = 0;
+	assert_true(srv_name_valid(name));
+	name[63] = 'a';
+	name[64] = 0;
+	assert_false(srv_name_valid(name));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(paths_are_allow_listed),
+		cmocka_unit_test(parameters_are_decoded_strictly),
+		cmocka_unit_test(too_many_parameters_are_refused),
+		cmocka_unit_test(numbers_are_plain_decimals),
+		cmocka_unit_test(counts_do_not_overflow),
+		cmocka_unit_test(a_query_has_defaults),
+		cmocka_unit_test(bad_queries_name_the_parameter),
+		cmocka_unit_test(ids_have_one_spelling),
+		cmocka_unit_test(ranges_follow_rfc_9110),
+		cmocka_unit_test(entity_tags_match_weakly),
+		cmocka_unit_test(framing_is_unambiguous_or_refused),
+		cmocka_unit_test(routes_match_whole_paths),
+		cmocka_unit_test(json_escapes_and_keeps_numbers),
+		cmocka_unit_test(problems_are_complete),
+		cmocka_unit_test(scene_names_are_checked),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
