@@ -82,12 +82,18 @@ enum eco_code view_egl_open(struct view_egl *egl, struct eco_error *error)
 	return ECO_OK;
 }
 
+void view_egl_use(const struct view_egl *egl)
+{
+	if (eglGetCurrentContext() != egl->context)
+		eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context);
+}
+
+/* The display is one for all contexts of a process and is left to it. */
 void view_egl_close(struct view_egl *egl)
 {
 	if (!egl->display)
 		return;
 	eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 	eglDestroyContext(egl->display, egl->context);
-	eglTerminate(egl->display);
 	*egl = (struct view_egl){ 0 };
 }

@@ -96,6 +96,7 @@ void view_gl_close(struct view_gl *gl)
 	if (gl->egl.display) {
 		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade, gl->instances.texture, gl->members.texture };
 		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer };
+		view_egl_use(&gl->egl);
 		view_gpu_free(&gl->gpu);
 		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
 			glDeleteProgram(gl->shaders[i].program);
@@ -392,6 +393,7 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u", picture->width, picture->height, gl->width,
 			gl->height);
 	picture->vertices = 0;
+	view_egl_use(&gl->egl);
 	clear();
 	enum eco_code code = upload_selection(&f);
 	if (!code)

@@ -70,13 +70,31 @@ static void bound_sphere(struct mesh *mesh, uint32_t vertices)
 		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
 }
 
-static void color_mesh(struct mesh *mesh, const struct view_list *list)
+/* Mean colour of an image's opaque texels, out of 255; white without an image. */
+static void mean_color(const struct view_list *image, uint32_t mean[3])
+{
+	uint64_t sum[3] = { 0 }, count = 0;
+	size_t texels = image ? (size_t)image->image.width * image->image.height : 0;
+	for (size_t i = 0; i < texels; i++) {
+		const uint8_t *p = image->image.rgba + 4 * i;
+		for (int k = 0; k < 3 && p[3] >= 128; k++)
+			sum[k] += p[k];
+		count += p[3] >= 128;
+	}
+	for (int k = 0; k < 3; k++)
+		mean[k] = count ? (uint32_t)(sum[k] / count) : 255;
+}
+
+static void color_mesh(struct mesh *mesh, const struct view_list *list, const struct view_list *image)
 {
 	static const uint8_t plain[3] = { 95, 127, 79 };
+	uint32_t mean[3];
+	mean_color(image, mean);
 	for (uint32_t i = 0; i < mesh->batch.count; i++) {
 		int32_t c = mesh->geometry.color[i];
-		bool known = c >= 0 && (uint32_t)c < list->list.palette_count;
-		memcpy(mesh->rgb + 3 * (size_t)i, known ? list->palette[c] : plain, 3);
+		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c] : plain;
+		for (int k = 0; k < 3; k++)
+			mesh->rgb[3 * (size_t)i + (size_t)k] = (uint8_t)(rgb[k] * mean[k] / 255);
 	}
 }
 
@@ -101,7 +119,7 @@ static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_jo
 		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width, .area = list->list.unit_area * cut->scale,
 		.rgb = mesh->rgb };
 	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
-	color_mesh(mesh, list);
+	color_mesh(mesh, list, image);
 	bound_sphere(mesh, count * corners);
 	return ECO_OK;
 }

@@ -196,7 +196,7 @@ static void wrong_streams_are_refused_with_a_reason(void **state)
 {
 	(void)state;
 	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice", "described twice", "are held",
-		"was not sent", "not drawable", "ends with", "ground", "palette" };
+		"was not sent", "not drawable", "vertices", "ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {
 		struct view_store *store;
