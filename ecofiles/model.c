@@ -284,6 +284,8 @@ static enum eco_code stand(struct clean *c, double height_m, const char *path, s
 	for (uint32_t i = 0; i < m->vertex_count; i++)
 		for (int k = 0; k < 3; k++)
 			m->position[(size_t)i * 3 + k] = (float)((m->position[(size_t)i * 3 + k] - foot[k]) * scale);
+	memcpy(m->foot, foot, sizeof m->foot);
+	m->scale = scale;
 	return ECO_OK;
 }
 

@@ -46,6 +46,7 @@ struct eco_model {           /* owns all its arrays; zero-initialised is empty *
 	uint32_t *material;      /* 1 per triangle */
 	struct eco_material *materials;
 	struct eco_image *images;
+	double foot[3], scale;   /* position = (source's, Z up - foot) * scale */
 	uint32_t triangles_in;   /* triangles of the source; = triangle_count + sum of dropped */
 	uint32_t dropped[ECO_DROP_COUNT];
 };

@@ -1,10 +1,10 @@
 /* Does what is streamed look like the file it came from? Rasterises a source model by a path of its own (assimp's arrays, no import,
  * no lists, no packs of ours; only the filling of triangles is shared) and compares with the masks that ecoview wrote.
  *
- *   source_check MODEL HEIGHT_M FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR
+ *   source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR
  *
- * HEIGHT_M 0 keeps the file's unit; FOOT is what the import subtracted, in metres after turning Z up and scaling (`ecopack info
- * --json` says it). Prints one line a frame and the least Q; exit 0. */
+ * SCALE and FOOT are what the import did after turning Z up, (p - FOOT) * SCALE, as `ecopack info --json` says them. Prints one line a
+ * frame and the least Q; exit 0. */
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -49,8 +49,6 @@ static void add_triangle(struct soup *soup, const double p[3][3], const float uv
 	soup->material[soup->count++] = material;
 }
 
-/* Polygons as fans; assimp's own triangulation is not asked for, so that nothing here repeats the import. Concave n-gons are rare in
- * plants; assimp's triangulator is used for those with more than four corners. */
 static void add_mesh(struct soup *soup, const struct aiMesh *mesh, const struct aiMatrix4x4 *m)
 {
 	for (unsigned f = 0; f < mesh->mNumFaces; f++) {
@@ -86,18 +84,11 @@ static void add_node(struct soup *soup, const struct aiScene *scene, const struc
 		add_node(soup, scene, node->mChildren[i], m);
 }
 
-static void settle(struct soup *soup, double height_m, const double foot[3])
+static void settle(struct soup *soup, double scale, const double foot[3])
 {
-	double low = INFINITY, high = -INFINITY;
-	for (uint32_t i = 0; i < 3 * soup->count; i++) {
-		double z = soup->position[3 * i + 2];
-		low = z < low ? z : low;
-		high = z > high ? z : high;
-	}
-	double scale = height_m > 0 && high > low ? height_m / (high - low) : 1;
 	for (uint32_t i = 0; i < 3 * soup->count; i++)
 		for (int k = 0; k < 3; k++)
-			soup->position[3 * i + k] = (float)(soup->position[3 * i + k] * scale - foot[k]);
+			soup->position[3 * i + k] = (float)((soup->position[3 * i + k] - foot[k]) * scale);
 }
 
 static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned material, const char *model)
@@ -169,7 +160,7 @@ int main(int argc, char **argv)
 	double foot[3], least = 1;
 	char file[4096];
 	if (argc != 6 || sscanf(argv[3], "%lf,%lf,%lf", &foot[0], &foot[1], &foot[2]) != 3) {
-		fprintf(stderr, "usage: source_check MODEL HEIGHT_M FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR\n");
+		fprintf(stderr, "usage: source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR\n");
 		return 2;
 	}
 	const struct aiScene *scene = aiImportFile(argv[1], aiProcess_Triangulate);
