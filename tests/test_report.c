@@ -1,0 +1,211 @@
+/* What the viewer says: figures of frames, report.json, command lines, and the little arithmetic behind them. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "client-min/view_fetch.h"
+#include "client-min/view_load.h"
+#include "client-min/view_options.h"
+#include "client-min/view_picture.h"
+#include "client-min/view_report.h"
+
+static const struct eco_request request = { .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
+	.bytes = ECO_BYTES_UNBOUNDED };
+
+static void line_shows_dashes_for_what_is_not_known(void **state)
+{
+	(void)state;
+	char *text = NULL;
+	size_t size;
+	struct view_frame f = view_frame_empty(7, 3.5, &request);
+	f.vertices = 999;
+	f.bytes = 1234;
+	f.q = 0.25;
+	FILE *out = open_memstream(&text, &size);
+	view_report_line(&f, out);
+	fclose(out);
+	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill -  owner_q -\n");
+	free(text);
+}
+
+static json_t *written(const struct view_report *report)
+{
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	mkdir("build/tmp/report", 0777);
+	struct eco_error error = { 0 };
+	assert_int_equal(view_report_write(report, "build/tmp/report", &error), ECO_OK);
+	json_t *root = json_load_file("build/tmp/report/report.json", 0, NULL);
+	assert_non_null(root);
+	return root;
+}
+
+static void report_has_every_figure(void **state)
+{
+	(void)state;
+	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes", "bytes", "precision", "recall",
+		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms", "draw_ms", "reference_ms" };
+	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600, .complete = true };
+	struct lod_score score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN, .owner_q = 0.3 };
+	for (uint32_t i = 0; i < 3; i++) {
+		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
+		f.vertices = 900 + i;
+		f.bytes = 10;
+		if (i < 2)
+			view_frame_score(&f, &score);
+		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
+	}
+	json_t *root = written(&report), *frames = json_object_get(root, "frames"), *summary = json_object_get(root, "summary");
+	assert_int_equal(json_array_size(frames), 3);
+	json_t *first = json_array_get(frames, 0), *last = json_array_get(frames, 2);
+	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+		assert_non_null(json_object_get(first, names[i]));
+	assert_int_equal(json_object_size(first), sizeof names / sizeof names[0]);
+	assert_true(json_is_null(json_object_get(first, "budget_bytes")) && json_is_null(json_object_get(first, "skill")));
+	assert_true(json_is_null(json_object_get(last, "q")) && json_is_null(json_object_get(last, "plan_ms")));
+	assert_true(json_real_value(json_object_get(first, "recall")) == 0.75);
+	assert_true(json_real_value(json_object_get(summary, "mean_q")) == 0.4);
+	assert_true(json_is_null(json_object_get(summary, "mean_skill")));
+	assert_int_equal(json_integer_value(json_object_get(summary, "total_bytes")), 30);
+	assert_string_equal(json_string_value(json_object_get(root, "renderer")), "software");
+	assert_true(json_is_null(json_object_get(root, "reference")) && json_is_true(json_object_get(root, "complete")));
+	json_decref(root);
+	view_report_free(&report);
+}
+
+static void report_of_nothing_is_valid(void **state)
+{
+	(void)state;
+	struct view_report report = { 0 };
+	json_t *root = written(&report);
+	assert_int_equal(json_array_size(json_object_get(root, "frames")), 0);
+	assert_true(json_is_null(json_object_get(json_object_get(root, "summary"), "mean_vertices")));
+	json_decref(root);
+	struct eco_error error = { 0 };
+	assert_int_equal(view_report_write(&report, "build/tmp/report/none/such", &error), ECO_IO);
+	assert_non_null(strstr(error.text, "build/tmp/report/none/such/report.json"));
+}
+
+static void predicted_q_is_computed_as_q_is(void **state)
+{
+	(void)state;
+	struct lod_score score;
+	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
+	memset(cover, 1, 60);
+	memset(reference + 20, 1, 60);
+	lod_score(&score, &(struct lod_score_input){ 10, 10, cover, reference, NULL, NULL });
+	assert_true(fabs(view_predicted_q(&(struct eco_prediction){ 40, 20, 20 }) - score.q) < 1e-12);
+	assert_true(view_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
+	assert_true(view_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
+}
+
+static void query_keeps_every_digit(void **state)
+{
+	(void)state;
+	char text[VIEW_QUERY_BYTES];
+	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
+	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,1&fov_y_deg=45&width=800&height=600"
+		"&vertices=1000");
+	struct eco_request most = { .view = { { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },
+		.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED - 1 };
+	for (int i = 0; i < 3; i++)
+		most.view.target[i] = most.view.up[i] = most.view.eye[0];
+	most.view.fov_y_deg = most.view.eye[0];
+	most.view.width = most.view.height = UINT32_MAX;
+	assert_true(view_fetch_query(&most, text, sizeof text) < sizeof text);
+	assert_non_null(strstr(text, "&bytes=18446744073709551614"));
+	assert_true(view_fetch_query(&most, text, 50) >= 50);
+}
+
+static void plan_time_is_found_in_its_header(void **state)
+{
+	(void)state;
+	static const struct { const char *text; double ms; } rows[] = {
+		{ " plan;dur=12.5", 12.5 }, { "cache;dur=1, plan;dur=3\r\n", 3 }, { "plan;dur=0", 0 }, { "airplan;dur=4", NAN },
+		{ "plan;dur=", NAN }, { "plan;dur=-1", NAN }, { "plan;dur=nan", NAN }, { "", NAN }, { "total;dur=5", NAN },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		double ms = view_fetch_plan_ms(rows[i].text, strlen(rows[i].text));
+		assert_true(isnan(rows[i].ms) ? isnan(ms) : ms == rows[i].ms);
+	}
+	assert_true(isnan(view_fetch_plan_ms("plan;dur=7", 9)));
+}
+
+static void options_are_read_whole_or_refused(void **state)
+{
+	(void)state;
+	char *argv[] = { "x", "--size", "8x6", "--vertices=12", "--json", "--sizes", "--vertices" };
+	const char *value;
+	uint64_t n;
+	uint32_t w, h;
+	double s;
+	int at = 1;
+	assert_false(view_option(7, argv, &at, "--vertices", &value));
+	assert_true(view_option(7, argv, &at, "--size", &value) && at == 3);
+	assert_string_equal(value, "8x6");
+	assert_true(view_option(7, argv, &at, "--vertices", &value) && at == 4);
+	assert_string_equal(value, "12");
+	assert_true(view_flag(argv, &at, "--json") && at == 5);
+	assert_false(view_option(7, argv, &at, "--size", &value));
+	at = 6;
+	assert_true(view_option(7, argv, &at, "--vertices", &value) && value == NULL);
+	static const char *const bad_sizes[] = { "", "8", "8x", "x6", "8x6x", "0x6", "8x0", "-8x6", "99999x6", "8 x6", NULL };
+	for (size_t i = 0; i < sizeof bad_sizes / sizeof bad_sizes[0]; i++)
+		assert_int_equal(view_parse_size("--size", bad_sizes[i], &w, &h, NULL), ECO_BAD_USAGE);
+	assert_int_equal(view_parse_size("--size", "16384x1", &w, &h, NULL), ECO_OK);
+	assert_true(w == 16384 && h == 1);
+	static const char *const bad_counts[] = { "", "-1", "+1", "1.5", "1e6", " 1", "0x10", "18446744073709551616", "101", NULL };
+	for (size_t i = 0; i < sizeof bad_counts / sizeof bad_counts[0]; i++)
+		assert_int_equal(view_parse_count("--vertices", bad_counts[i], 0, 100, &n, NULL), ECO_BAD_USAGE);
+	assert_int_equal(view_parse_count("--vertices", "9223372036854775807", 0, ECO_VERTICES_MAX, &n, NULL), ECO_OK);
+	assert_true(n == ECO_VERTICES_MAX);
+	static const char *const bad_seconds[] = { "", "0", "-1", "nan", "inf", "1s", NULL };
+	for (size_t i = 0; i < sizeof bad_seconds / sizeof bad_seconds[0]; i++)
+		assert_int_equal(view_parse_seconds("--seconds", bad_seconds[i], &s, NULL), ECO_BAD_USAGE);
+	assert_int_equal(view_parse_seconds("--seconds", "0.5", &s, NULL), ECO_OK);
+}
+
+static void quantiles_are_values_that_occurred(void **state)
+{
+	(void)state;
+	float ms[100];
+	for (int i = 0; i < 100; i++)
+		ms[i] = (float)(i + 1);
+	struct view_times times = { ms, 100, 100 }, one = { ms, 1, 1 }, none = { 0 };
+	assert_true(view_times_quantile(&times, 0.5) == 50 && view_times_quantile(&times, 0.99) == 99);
+	assert_true(view_times_quantile(&times, 1) == 100 && view_times_quantile(&times, 0) == 1);
+	assert_true(view_times_quantile(&one, 0.5) == 1 && isnan(view_times_quantile(&none, 0.5)));
+}
+
+static void comparison_has_a_colour_for_each_case(void **state)
+{
+	(void)state;
+	const uint8_t cover[4] = { 0, 255, 0, 255 }, reference[4] = { 0, 0, 255, 255 };
+	uint8_t rgb[12];
+	view_picture_compare(cover, reference, 4, rgb);
+	for (int i = 0; i < 4; i++)
+		for (int j = 0; j < i; j++)
+			assert_memory_not_equal(rgb + 3 * i, rgb + 3 * j, 3);
+	assert_true(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(line_shows_dashes_for_what_is_not_known), cmocka_unit_test(report_has_every_figure),
+		cmocka_unit_test(report_of_nothing_is_valid), cmocka_unit_test(predicted_q_is_computed_as_q_is),
+		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header),
+		cmocka_unit_test(options_are_read_whole_or_refused), cmocka_unit_test(quantiles_are_values_that_occurred),
+		cmocka_unit_test(comparison_has_a_colour_for_each_case),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
