@@ -1,0 +1,439 @@
+/* Summaries: pools of points of plants, sequences of points of tiles, and how many of each a parent takes. */
+#include "lod/summary.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/mix.h"
+#include "lod/view.h"
+
+#define GOLDEN 0.61803398874989484820    /* turns of it fill [0,1) evenly, however many are taken */
+
+static double unit_of(uint64_t bits) { return (double)(bits >> 11) / 9007199254740992.0; }
+
+double lod_power_below(double v)
+{
+	int exponent;
+	assert(v > 0 && isfinite(v));
+	frexp(v, &exponent);
+	return ldexp(1, exponent - 1);
+}
+
+static void shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
+{
+	char spare[64], *bytes = items;
+	assert(size <= sizeof spare);
+	for (uint32_t i = count; i > 1; i--) {
+		uint32_t k = (uint32_t)(eco_mix(seed, i) % i);
+		memcpy(spare, bytes + k * size, size);
+		memcpy(bytes + k * size, bytes + (i - 1) * size, size);
+		memcpy(bytes + (i - 1) * size, spare, size);
+	}
+}
+
+/* ---- Pools ---- */
+
+struct patch {                   /* something of a plant that points are taken from */
+	float corner[3][3];
+	uint32_t corners;            /* 1: a point, 2: a line, 3: a triangle */
+	uint32_t organ;
+	double weight;
+	uint16_t color;
+};
+
+struct patches { struct patch *items; uint32_t count, capacity; };
+
+static bool add_patch(struct patches *patches, const struct patch *patch)
+{
+	if (patches->count == patches->capacity) {
+		uint32_t wanted = patches->capacity ? 2 * patches->capacity : 4096;
+		struct patch *bigger = realloc(patches->items, wanted * sizeof *bigger);
+		if (!bigger)
+			return false;
+		patches->items = bigger;
+		patches->capacity = wanted;
+	}
+	patches->items[patches->count++] = *patch;
+	return true;
+}
+
+static double triangle_area(const struct patch *p)
+{
+	double a[3], b[3];
+	for (int i = 0; i < 3; i++) {
+		a[i] = p->corner[1][i] - p->corner[0][i];
+		b[i] = p->corner[2][i] - p->corner[0][i];
+	}
+	double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+	return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+static double weight_of(const struct eco_list *list, const struct patch *p)
+{
+	if (p->corners == 1)
+		return list->unit_area;
+	if (p->corners == 3)
+		return triangle_area(p);
+	double square = 0;
+	for (int i = 0; i < 3; i++)
+		square += ((double)p->corner[1][i] - p->corner[0][i]) * ((double)p->corner[1][i] - p->corner[0][i]);
+	return sqrt(square);
+}
+
+/* Primitives [first, end) of a draft, which lie in its elements one after the other. */
+static bool add_list(struct patches *patches, const struct lod_list_draft *draft, uint32_t organ, uint32_t palette_first,
+	uint32_t first, uint32_t end)
+{
+	const struct eco_elements *e = &draft->elements;
+	bool colored = draft->list.attributes & ECO_ATTR_COLOR;
+	uint32_t corner = 0, primitive = 0;
+	for (uint32_t i = 0; i < e->element_count; corner += e->corners[i++]) {
+		uint32_t n = e->corners[i], primitives = n < 3 ? 1 : n - 2;
+		for (uint32_t k = 0; k < primitives; k++, primitive++) {
+			struct patch patch = { .corners = n < 3 ? n : 3, .organ = organ, .color = (uint16_t)(palette_first + draft->list.palette_first) };
+			if (primitive < first || primitive >= end)
+				continue;
+			for (uint32_t c = 0; c < patch.corners; c++)
+				for (int axis = 0; axis < 3; axis++)
+					patch.corner[c][axis] = (float)(draft->list.grid_origin[axis] + draft->list.grid_step[axis]
+						* e->position[3 * (corner + (c ? c + k : 0)) + (uint32_t)axis]);
+			if (colored)
+				patch.color = (uint16_t)(patch.color + e->extra[(size_t)e->extra_count * i]);
+			patch.weight = weight_of(&draft->list, &patch);
+			if (!add_patch(patches, &patch))
+				return false;
+		}
+	}
+	return true;
+}
+
+static bool organ_has(const struct lod_plant *plant, uint32_t organ, uint8_t flag)
+{
+	for (uint32_t i = 0; i < plant->ladder_count; i++)
+		if (plant->ladders[i].organ == organ && (plant->ladders[i].flags & flag))
+			return true;
+	return false;
+}
+
+/* Each part of the plant once: far ladders only where there are no near ones, wood at its finest level. */
+static bool collect(struct patches *patches, const struct lod_plant *plant, uint32_t palette_first)
+{
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		if ((l->flags & ECO_LADDER_FAR) && organ_has(plant, l->organ, ECO_LADDER_NEAR))
+			continue;
+		uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles : l->lines;
+		if (list == ECO_NONE)
+			continue;
+		uint32_t first = list == l->triangles && l->level_count > 1 ? l->level_end[l->level_count - 2] : 0;
+		uint32_t end = list == l->triangles && l->level_count > 0 ? l->level_end[l->level_count - 1] : UINT32_MAX;
+		if (!add_list(patches, &plant->lists[list], l->organ, palette_first, first, end))
+			return false;
+	}
+	return true;
+}
+
+/* Weights become shares of the plant: an organ's patches share its area among them. */
+static double balance(struct patches *patches, const struct lod_plant *plant)
+{
+	double sum[ECO_ORGAN_COUNT] = { 0 }, total = 0;
+	for (uint32_t i = 0; i < patches->count; i++)
+		sum[patches->items[i].organ] += patches->items[i].weight;
+	for (uint32_t i = 0; i < patches->count; i++) {
+		struct patch *p = &patches->items[i];
+		p->weight = sum[p->organ] > 0 ? p->weight / sum[p->organ] * plant->organ[p->organ].area : 0;
+		total += p->weight;
+	}
+	return total;
+}
+
+static void point_on(const struct patch *p, uint64_t seed, uint32_t number, float out[3])
+{
+	double u = unit_of(eco_mix(seed + 1, number)), v = unit_of(eco_mix(seed + 2, number)), root = sqrt(u);
+	double w[3] = { 1, 0, 0 };
+	if (p->corners == 2) {
+		w[0] = 1 - v;
+		w[1] = v;
+	} else if (p->corners == 3) {
+		w[0] = 1 - root;
+		w[1] = root * (1 - v);
+		w[2] = root * v;
+	}
+	for (int i = 0; i < 3; i++)
+		out[i] = (float)(w[0] * p->corner[0][i] + w[1] * p->corner[1][i] + w[2] * p->corner[2][i]);
+}
+
+struct pooled { float at[3]; uint16_t color; };
+
+/* One point in each of `count` equal parts of the summed weights. */
+static void sample(const struct patches *patches, double total, struct pooled *out, uint32_t count)
+{
+	const uint64_t seed = 0x5EEDu;
+	double before = 0;
+	uint32_t at = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		double target = (i + unit_of(eco_mix(seed, i))) / count * total;
+		while (at + 1 < patches->count && before + patches->items[at].weight <= target)
+			before += patches->items[at++].weight;
+		point_on(&patches->items[at], seed, i, out[i].at);
+		out[i].color = patches->items[at].color;
+	}
+	shuffle(out, count, sizeof *out, seed);
+}
+
+enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
+	struct eco_error *error)
+{
+	struct patches patches = { 0 };
+	assert(count >= 1);
+	*pool = (struct lod_pool){ .position = malloc(count * sizeof *pool->position), .color = malloc(count * sizeof *pool->color) };
+	struct pooled *points = calloc(count, sizeof *points);
+	bool good = pool->position && pool->color && points && collect(&patches, plant, palette_first);
+	if (good) {
+		double total = balance(&patches, plant);
+		uint32_t wanted = total > 0 ? count : 1;
+		if (total > 0)
+			sample(&patches, total, points, count);
+		else                     /* nothing to take points from: its middle */
+			points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1], plant->anchors[0].center[2] },
+				(uint16_t)palette_first };
+		for (uint32_t i = 0; i < wanted; i++) {
+			memcpy(pool->position[i], points[i].at, sizeof points[i].at);
+			pool->color[i] = points[i].color;
+		}
+		pool->count = wanted;
+	}
+	free(points);
+	free(patches.items);
+	if (good)
+		return ECO_OK;
+	lod_pool_free(pool);
+	return eco_fail(error, ECO_NO_MEMORY, "summary of %s: no memory", plant->plant.name);
+}
+
+void lod_pool_free(struct lod_pool *pool)
+{
+	free(pool->position);
+	free(pool->color);
+	*pool = (struct lod_pool){ 0 };
+}
+
+/* ---- Summaries ---- */
+
+struct visit { uint32_t tile, count; struct eco_placement placement; };
+
+struct drawing {
+	const struct lod_summary_input *input;
+	struct lod_summary *out;
+	struct visit *stack;         uint32_t depth, capacity;
+	double *reach;               uint32_t reach_capacity;        /* summed areas of the places of a leaf */
+};
+
+uint32_t lod_summary_count(const struct eco_tile *tile)
+{
+	uint64_t wanted = tile->instance_count > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : 4 * tile->instance_count;
+	return wanted < LOD_SUMMARY_LEAST ? LOD_SUMMARY_LEAST : wanted > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : (uint32_t)wanted;
+}
+
+static bool push(struct drawing *d, const struct visit *visit)
+{
+	if (d->depth == d->capacity) {
+		uint32_t wanted = d->capacity ? 2 * d->capacity : 64;
+		struct visit *bigger = realloc(d->stack, wanted * sizeof *bigger);
+		if (!bigger)
+			return false;
+		d->stack = bigger;
+		d->capacity = wanted;
+	}
+	d->stack[d->depth++] = *visit;
+	return true;
+}
+
+/* Areas of the tile's own plants, summed: d->reach[i] ends the i-th place's share. Returns their number, ECO_NONE without memory. */
+static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
+{
+	const struct eco_scene *scene = d->input->scene;
+	uint32_t count = 0;
+	double sum = 0;
+	for (uint32_t g = 0; g < tile->group_count; g++) {
+		const struct eco_group *group = &scene->groups[tile->group_first + g];
+		uint32_t places = scene->lists[group->list].primitive_count;
+		if (count + places > d->reach_capacity) {
+			uint32_t wanted = count + places + d->reach_capacity;
+			double *bigger = realloc(d->reach, wanted * sizeof *bigger);
+			if (!bigger)
+				return ECO_NONE;
+			d->reach = bigger;
+			d->reach_capacity = wanted;
+		}
+		for (uint32_t i = 0; i < places; i++) {
+			double scale = eco_place_read(scene, group->place_first + i).scale / 65536.0;
+			d->reach[count++] = sum += scene->plants[group->plant].area * scale * scale;
+		}
+	}
+	return count;
+}
+
+static uint32_t find_place(const double *reach, uint32_t count, double target)
+{
+	uint32_t low = 0, high = count - 1;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (reach[middle] > target)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return low;
+}
+
+/* The first `count` points of a tile's own sequence. */
+static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile, uint32_t places, uint32_t count)
+{
+	const struct eco_scene *scene = d->input->scene;
+	uint64_t seed = eco_mix(d->input->seed, visit->tile);
+	double start = unit_of(seed), total = d->reach[places - 1];
+	for (uint32_t k = 0; k < count; k++) {
+		double turn = start + k * GOLDEN;
+		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total), g = tile->group_first;
+		while (place >= scene->lists[scene->groups[g].list].primitive_count)
+			place -= scene->lists[scene->groups[g++].list].primitive_count;
+		const struct eco_group *group = &scene->groups[g];
+		const struct lod_pool *pool = &d->input->pools[group->plant];
+		uint32_t pick = (uint32_t)(eco_mix(seed, k) % pool->count);
+		struct eco_place stored = eco_place_read(scene, group->place_first + place);
+		struct lod_place stands;
+		struct lod_summary_point *point = &d->out->points[d->out->count++];
+		lod_place_instance(&stands, &visit->placement, &scene->lists[group->list], &stored);
+		lod_place_point(&stands, pool->position[pick], point->at);
+		point->plant = group->plant;
+		point->key = (uint16_t)(eco_owner_leaf(visit->tile) + visit->placement.path);
+		point->color = pool->color[pick];
+	}
+}
+
+static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t child)
+{
+	const struct eco_child *c = &scene->children[child];
+	/* an eco file's coordinates in its parent's: the arithmetic of an instance, whose grid is metres */
+	struct lod_place place = { 0 };
+	const struct eco_list metres = { .grid_origin = { c->at[0], c->at[1], c->at[2] } };
+	const struct eco_place here = { .scale = 65536 };
+	lod_place_instance(&place, outer, &metres, &here);
+	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] }, .turn = (uint16_t)(outer->turn + c->turn),
+		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_child(child) };
+}
+
+static uint32_t given_until(double sum, double total, uint32_t count, double start)
+{
+	double until = floor(sum / total * count + start);
+	return until >= count ? count : (uint32_t)until;
+}
+
+/* Shares out the visit's points by area: to the tile's own plants, then child by child, rounding the running sum so that the
+ * shares add up. */
+static bool share_out(struct drawing *d, const struct visit *visit)
+{
+	const struct eco_scene *scene = d->input->scene;
+	const struct eco_tile *tile = &scene->tiles[visit->tile];
+	uint32_t places = own_places(d, tile), given = 0;
+	if (places == ECO_NONE)
+		return false;
+	double own = places ? d->reach[places - 1] : 0, total = own, sum;
+	for (uint32_t i = 0; i < tile->child_count; i++) {
+		const struct eco_child *child = &scene->children[tile->child_first + i];
+		total += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+	}
+	if (!(total > 0))
+		return true;
+	/* the sums are added in one order, so the last is exactly `total`; a start inside a step treats no child better than another */
+	double start = tile->child_count ? unit_of(eco_mix(d->input->seed + 1, visit->tile)) : 0;
+	given = given_until(own, total, visit->count, start);
+	if (given)
+		draw_points(d, visit, tile, places, given);
+	sum = own;
+	for (uint32_t i = 0; i < tile->child_count; i++) {
+		const struct eco_child *child = &scene->children[tile->child_first + i];
+		sum += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+		uint32_t until = given_until(sum, total, visit->count, start);
+		struct visit next = { .tile = child->tile, .count = until - given, .placement = visit->placement };
+		if (!next.count)
+			continue;
+		given = until;
+		if (child->placed)
+			next.placement = placed_child(&visit->placement, scene, tile->child_first + i);
+		if (!push(d, &next))
+			return false;
+	}
+	return true;
+}
+
+enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error)
+{
+	*summary = (struct lod_summary){ .points = malloc(((size_t)input->count + 1) * sizeof *summary->points) };
+	struct drawing d = { .input = input, .out = summary };
+	struct visit visit = { .tile = input->tile, .count = input->count, .placement = { .scale = 1 } };
+	bool good = summary->points && push(&d, &visit);
+	while (good && d.depth) {
+		visit = d.stack[--d.depth];
+		good = share_out(&d, &visit);
+	}
+	free(d.stack);
+	free(d.reach);
+	if (!good) {
+		free(summary->points);
+		*summary = (struct lod_summary){ 0 };
+		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
+	}
+	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, input->tile));
+	return ECO_OK;
+}
+
+/* ---- As a list ---- */
+
+static void choose_grid(struct eco_list *list, const struct lod_summary *summary)
+{
+	double low[3], high[3], extent = 0;
+	for (int i = 0; i < 3; i++) {
+		low[i] = high[i] = summary->points[0].at[i];
+		for (uint32_t k = 1; k < summary->count; k++) {
+			low[i] = fmin(low[i], summary->points[k].at[i]);
+			high[i] = fmax(high[i], summary->points[k].at[i]);
+		}
+		extent = fmax(extent, high[i] - low[i]);
+	}
+	double step = lod_power_below(fmax(extent / 4096, 1e-6));
+	for (int i = 0; i < 3; i++) {
+		list->grid_step[i] = step;
+		list->grid_origin[i] = floor(low[i] / step) * step;
+	}
+}
+
+enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements, struct eco_error *error)
+{
+	uint32_t n = summary->count;
+	assert(n > 0);
+	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
+		.owner = tile, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .palette_count = palette_count,
+		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
+	choose_grid(list, summary);
+	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n, .extra_count = 3,
+		.corners = malloc(n), .position = malloc(3 * (size_t)n * sizeof(int32_t)), .extra = malloc(3 * (size_t)n * sizeof(int32_t)) };
+	if (!elements->corners || !elements->position || !elements->extra) {
+		eco_elements_free(elements);
+		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", tile);
+	}
+	for (uint32_t k = 0; k < n; k++) {
+		const struct lod_summary_point *p = &summary->points[k];
+		elements->corners[k] = 1;
+		for (int i = 0; i < 3; i++)
+			elements->position[3 * k + (uint32_t)i] = (int32_t)floor((p->at[i] - list->grid_origin[i]) / list->grid_step[i] + 0.5);
+		elements->extra[3 * k] = p->color;
+		elements->extra[3 * k + 1] = (int32_t)p->plant;
+		elements->extra[3 * k + 2] = p->key;
+	}
+	return ECO_OK;
+}
