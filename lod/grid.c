@@ -1,0 +1,96 @@
+/* How fine a plant's grids must be. The error of rounding corners is proportional to the step, and so, to first order, are the
+ * wrong pixels along edges: one measurement predicts the bits, a second confirms them. */
+#include "lod/grid.h"
+
+#include "lod/ladder.h"
+#include "lod/probe.h"
+
+#define VIEWS 8u
+#define HIGH_PX 512.0
+#define SIDE_MAX 2048.0
+
+/* Pictures in which the plant's height, seen from the side, is HIGH_PX. */
+static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe) {
+	double height = plant->plant.height_m > 0 ? plant->plant.height_m : 2 * probe->radius, side = HIGH_PX * 2 * probe->radius / height;
+	return side < HIGH_PX ? (uint32_t)HIGH_PX : side > SIDE_MAX ? (uint32_t)SIDE_MAX : (uint32_t)side;
+}
+
+static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *error) {
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < probe->plant->ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &probe->plant->ladders[i];
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+		uint32_t count = ladder->flags & ECO_LADDER_FAR ? 0
+			: lod_ladder_cuts(&probe->scene, ladder, lod_ladder_full(&probe->scene, ladder), 1, cuts);
+		for (uint32_t k = 0; k < count && !code; k++)
+			code = lod_probe_add(probe, &cuts[k], error);
+	}
+	return code;
+}
+
+static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, struct eco_error *error) {
+	if (!lod_probe_keep_model(probe))
+		return ECO_OK;
+	enum eco_code code = add_full_detail(probe, error);
+	if (code)
+		return code;
+	struct lod_probe_result result;
+	lod_probe_compare(probe, 1, &result);
+	*loss = result.worst;
+	return ECO_OK;
+}
+
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error) {
+	struct lod_probe probe;
+	*loss = 0;
+	enum eco_code code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ 1, 1 }, error);
+	if (code)
+		return code;
+	uint32_t side = picture_side(plant, &probe);
+	lod_probe_free(&probe);
+	code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ VIEWS, side }, error);
+	if (code)
+		return code;
+	code = compare_with_model(&probe, loss, error);
+	lod_probe_free(&probe);
+	return code;
+}
+
+static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	uint32_t bits, double *loss, struct eco_error *error) {
+	struct lod_plant_options finer = *options;
+	finer.grid_bits = bits;
+	finer.progress = NULL;
+	lod_plant_free(plant);
+	enum eco_code code = lod_plant_build(plant, model, &finer, error);
+	return code ? code : lod_grid_loss(plant, model, loss, error);
+}
+
+static uint32_t predict(uint32_t bits, double loss) {
+	do {
+		bits++;
+		loss /= 2;
+	} while (loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX);
+	return bits;
+}
+
+enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error) {
+	uint32_t bits = LOD_GRID_BITS_MIN, failed = bits - 1;
+	double loss;
+	enum eco_code code = lod_grid_loss(plant, model, &loss, error);
+	while (!code && loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX) {
+		double before = loss;
+		failed = bits;
+		bits = predict(bits, loss);
+		code = rebuild(plant, model, options, bits, &loss, error);
+		if (!code && loss > 0.75 * before)
+			return rebuild(plant, model, options, failed, &loss, error);
+	}
+	while (!code && loss < LOD_GRID_LOSS / 2 && bits > failed + 1) {
+		code = rebuild(plant, model, options, --bits, &loss, error);
+		if (!code && loss > LOD_GRID_LOSS)
+			return rebuild(plant, model, options, bits + 1, &loss, error);
+	}
+	return code;
+}

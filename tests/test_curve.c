@@ -1,0 +1,355 @@
+/* Curves of crowns made here: what they must look like whatever the plant, and that cells share the whole plant's. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "lod/curve.h"
+#include "lod/ladder.h"
+#include "lod/probe.h"
+
+#define STEP 0.001
+#define CELLS 4u
+
+static uint64_t seed;
+
+static double uniform(double low, double high) {
+	seed = seed * 6364136223846793005u + 1442695040888963407u;
+	return low + (high - low) * (double)(seed >> 34) / (double)(1u << 30);
+}
+
+/* A crown of quads in a ball, with the model's triangles to match. Lists and ladders are added by the tests. */
+struct crown {
+	struct lod_plant plant;
+	struct eco_model model;
+	uint32_t leaves;
+	int32_t *corner;             /* 12 a leaf */
+	struct lod_list_draft lists[2 + 2 * CELLS];
+	struct eco_ladder ladders[2 + CELLS];
+	struct eco_anchor anchors[1 + CELLS];
+	struct eco_material material;
+};
+
+static void make_leaf(int32_t *corner, double size) {
+	double c[3], a[3], b[3], length2;
+	do {
+		length2 = 0;
+		for (int k = 0; k < 3; k++) {
+			c[k] = uniform(-1, 1);
+			length2 += c[k] * c[k];
+		}
+	} while (length2 > 1);
+	for (int k = 0; k < 3; k++) {
+		a[k] = uniform(-size, size);
+		b[k] = uniform(-size, size);
+	}
+	for (int q = 0; q < 4; q++)
+		for (int k = 0; k < 3; k++) {
+			double at = 3 + c[k] * 2 + (q == 1 || q == 2 ? a[k] : 0) + (q >= 2 ? b[k] : 0);
+			corner[3 * q + k] = (int32_t)(at / STEP);
+		}
+}
+
+static void crown_make(struct crown *crown, uint32_t leaves, double size) {
+	memset(crown, 0, sizeof *crown);
+	crown->leaves = leaves;
+	crown->corner = malloc(leaves * 12 * sizeof *crown->corner);
+	for (uint32_t i = 0; i < leaves; i++)
+		make_leaf(crown->corner + 12 * i, size);
+	struct eco_model *model = &crown->model;
+	model->vertex_count = 4 * leaves;
+	model->triangle_count = 2 * leaves;
+	model->material_count = 1;
+	model->materials = &crown->material;
+	crown->material.image = ECO_NONE;
+	model->position = malloc(12 * leaves * sizeof(float));
+	model->index = malloc(6 * leaves * sizeof(uint32_t));
+	model->material = calloc(2 * leaves, sizeof(uint32_t));
+	for (uint32_t i = 0; i < 12 * leaves; i++)
+		model->position[i] = (float)(crown->corner[i] * STEP);
+	for (uint32_t i = 0; i < 6 * leaves; i++)
+		model->index[i] = i / 6 * 4 + (uint32_t[]){ 0, 1, 2, 0, 2, 3 }[i % 6];
+	struct lod_plant *plant = &crown->plant;
+	plant->lists = crown->lists;
+	plant->ladders = crown->ladders;
+	plant->anchors = crown->anchors;
+	plant->plant.height_m = 5;
+	crown->anchors[0] = (struct eco_anchor){ { 3, 3, 3 }, 2.5f };
+}
+
+static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32_t elements, uint32_t corners) {
+	struct lod_list_draft *draft = &crown->lists[crown->plant.list_count++];
+	uint32_t primitives = kind == ECO_LIST_TRIANGLES ? elements * (corners - 2) : elements;
+	draft->list = (struct eco_list){ .kind = kind, .coder = ECO_CODER_ELEMENTS, .image = ECO_NONE, .partner = ECO_NONE,
+		.grid_step = { STEP, STEP, STEP }, .primitive_count = primitives, .element_count = elements };
+	draft->elements = (struct eco_elements){ .element_count = elements, .corner_count = elements * corners,
+		.primitive_count = primitives, .corners = malloc(elements), .position = malloc(elements * corners * 3 * sizeof(int32_t)) };
+	memset(draft->elements.corners, (int)corners, elements);
+	return draft;
+}
+
+/* Leaves [first, end), every `each`-th, as triangles. */
+static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end, uint32_t each) {
+	struct lod_list_draft *draft = add_list(crown, ECO_LIST_TRIANGLES, (end - first) / each, 4);
+	for (uint32_t i = 0; i < (end - first) / each; i++)
+		memcpy(draft->elements.position + 12 * i, crown->corner + 12 * (first + i * each), 12 * sizeof(int32_t));
+	return crown->plant.list_count - 1;
+}
+
+/* Two points on each triangle of those leaves. */
+static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each) {
+	uint32_t leaves = (end - first) / each;
+	struct lod_list_draft *draft = add_list(crown, ECO_LIST_POINTS, leaves * 4, 1);
+	double area = 0;
+	for (uint32_t i = 0; i < leaves * 4; i++) {
+		const int32_t *leaf = crown->corner + 12 * (first + i / 4 * each), *a = leaf, *b = leaf + (i / 2 & 1 ? 6 : 3);
+		const int32_t *c = b + 3;
+		double u = uniform(0, 1), v = uniform(0, 1), ab[3], ac[3];
+		if (u + v > 1)
+			u = 1 - u, v = 1 - v;
+		for (int k = 0; k < 3; k++) {
+			ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
+			draft->elements.position[3 * i + (uint32_t)k] = (int32_t)(a[k] + u * ab[k] + v * ac[k]);
+		}
+		double n[3] = { ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0] };
+		area += 0.25 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * STEP * STEP;
+	}
+	draft->list.unit_area = (float)(area / 2 / (leaves * 4));
+	return crown->plant.list_count - 1;
+}
+
+static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles) {
+	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
+	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE, .triangles = triangles,
+		.importance = 1 };
+	ladder->total = crown->lists[points != ECO_NONE ? points : triangles].list.primitive_count;
+	return ladder;
+}
+
+static void crown_free(struct crown *crown) {
+	for (uint32_t i = 0; i < crown->plant.list_count; i++) {
+		free(crown->lists[i].elements.corners);
+		free(crown->lists[i].elements.position);
+	}
+	free(crown->plant.curves);
+	free(crown->corner);
+	free(crown->model.position);
+	free(crown->model.index);
+	free(crown->model.material);
+}
+
+static void measure(struct crown *crown, uint32_t pixels) {
+	struct lod_plant_options options = { .views = 8, .pixels = pixels };
+	struct eco_error error = { 0 };
+	assert_int_equal(lod_curve_measure(&crown->plant, &crown->model, &options, &error), ECO_OK);
+}
+
+static double error_of(const struct eco_curve *sample) {
+	return (double)sample->fp + sample->fn;
+}
+
+static void check_curve(const struct lod_plant *plant, const struct eco_ladder *ladder) {
+	const struct eco_curve *curve = plant->curves + ladder->curve_first;
+	assert_in_range(ladder->curve_count, 8, LOD_CURVE_SAMPLES_MAX);
+	assert_true(ladder->curve_first + ladder->curve_count <= plant->curve_count);
+	for (uint32_t i = 0; i < ladder->curve_count; i++) {
+		assert_true(curve[i].share > 0 && curve[i].share <= 1 && (i == 0 || curve[i].share > curve[i - 1].share));
+		assert_true(curve[i].scale >= 0.25f && curve[i].scale <= 64);
+		assert_true(curve[i].fp >= 0 && curve[i].fn >= 0);
+		assert_true(i == 0 || error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6);
+	}
+	assert_true(curve[ladder->curve_count - 1].share == 1);
+	assert_true(error_of(&curve[ladder->curve_count - 1]) == 0);
+}
+
+static struct eco_curve at(const struct lod_plant *plant, const struct eco_ladder *ladder, double share) {
+	struct eco_scene scene = { .curves = plant->curves };
+	return lod_ladder_curve(&scene, ladder, share);
+}
+
+/* ---- */
+
+static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void **unused) {
+	struct crown crown;
+	(void)unused;
+	seed = 1;
+	crown_make(&crown, 1500, 0.12);
+	uint32_t triangles = add_triangles(&crown, 0, 1500, 1), points = add_points(&crown, 0, 1500, 1);
+	struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
+	measure(&crown, 128);
+	check_curve(&crown.plant, ladder);
+	assert_true(fabs(crown.plant.curves[0].share - 1.0 / 9000) < 1e-8);
+	assert_true(error_of(&crown.plant.curves[0]) > 0.5);
+	struct eco_curve all_points = at(&crown.plant, ladder, 2.0 / 3);
+	assert_true(error_of(&all_points) < 0.6 && all_points.scale > 0.7 && all_points.scale < 3);
+	crown_free(&crown);
+}
+
+static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, double scale) {
+	struct lod_probe probe;
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ 8, 192 }, NULL), ECO_OK);
+	assert_true(lod_probe_keep_model(&probe));
+	struct eco_cut cut = { .list = list, .end = end, .scale = (float)scale };
+	assert_int_equal(lod_probe_add(&probe, &cut, NULL), ECO_OK);
+	struct lod_probe_result result;
+	lod_probe_compare(&probe, 1, &result);
+	lod_probe_free(&probe);
+	return result.loss;
+}
+
+static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused) {
+	struct crown crown;
+	(void)unused;
+	seed = 2;
+	crown_make(&crown, 2000, 0.2);
+	uint32_t triangles = add_triangles(&crown, 0, 2000, 1);
+	struct eco_ladder *ladder = add_ladder(&crown, ECO_NONE, triangles);
+	measure(&crown, 192);
+	check_curve(&crown.plant, ladder);
+	uint32_t ends[] = { 80, 400, 1600 };
+	for (int i = 0; i < 3; i++) {
+		double share = ends[i] / 4000.0, scale = at(&crown.plant, ladder, share).scale;
+		double here = loss_at_scale(&crown, triangles, ends[i], scale / share);
+		assert_true(here < loss_at_scale(&crown, triangles, ends[i], scale / share * 1.5) + 0.01);
+		assert_true(here < loss_at_scale(&crown, triangles, ends[i], scale / share / 1.5) + 0.01);
+		assert_true(here < loss_at_scale(&crown, triangles, ends[i], 1 / share) + 0.01);
+	}
+	crown_free(&crown);
+}
+
+static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any(void **unused) {
+	double scale[2];
+	(void)unused;
+	for (int dense = 0; dense < 2; dense++) {
+		struct crown crown;
+		seed = 3;
+		crown_make(&crown, dense ? 3000 : 120, 0.25);
+		uint32_t triangles = add_triangles(&crown, 0, crown.leaves, 1);
+		struct eco_ladder *ladder = add_ladder(&crown, ECO_NONE, triangles);
+		measure(&crown, 128);
+		scale[dense] = at(&crown.plant, ladder, 0.5).scale;
+		crown_free(&crown);
+	}
+print_message("%g %g\n",scale[0],scale[1]);
+	assert_true(scale[1] < 0.75 && scale[1] < scale[0]);
+}
+
+static void size_on_screen_hardly_changes_a_curve(void **unused) {
+	struct eco_curve curve[3][3];
+	(void)unused;
+	for (int i = 0; i < 3; i++) {
+		struct crown crown;
+		seed = 4;
+		crown_make(&crown, 800, 0.3);
+		uint32_t triangles = add_triangles(&crown, 0, 800, 1);
+		struct eco_ladder *ladder = add_ladder(&crown, ECO_NONE, triangles);
+		measure(&crown, 128u << i);
+		for (int k = 0; k < 3; k++)
+			curve[i][k] = at(&crown.plant, ladder, (double[]){ 0.03, 0.2, 0.6 }[k]);
+		crown_free(&crown);
+	}
+	for (int i = 1; i < 3; i++)
+		for (int k = 0; k < 3; k++) {
+			assert_true(fabs(error_of(&curve[i][k]) - error_of(&curve[0][k])) < 0.04);
+			assert_true(curve[i][k].scale < 1.25 * curve[0][k].scale && curve[0][k].scale < 1.25 * curve[i][k].scale);
+		}
+}
+
+/* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is special). */
+static void cells_share_the_curve_of_the_whole(void **unused) {
+	struct crown whole, parts;
+	(void)unused;
+	seed = 5;
+	crown_make(&whole, 1600, 0.2);
+	struct eco_ladder *one = add_ladder(&whole, ECO_NONE, add_triangles(&whole, 0, 1600, 1));
+	measure(&whole, 128);
+	seed = 5;
+	crown_make(&parts, 1600, 0.2);
+	add_ladder(&parts, ECO_NONE, add_triangles(&parts, 0, 200, 1))->total = 3200;
+	for (uint32_t cell = 0; cell < CELLS; cell++) {
+		parts.anchors[1 + cell] = parts.anchors[0];
+		struct eco_ladder *ladder = add_ladder(&parts, ECO_NONE, add_triangles(&parts, 200 + cell, 1600 + cell, CELLS));
+		ladder->anchor = 1 + cell;
+		ladder->flags = ECO_LADDER_NEAR;
+		ladder->total = 800;
+		ladder->before = 100;
+	}
+	measure(&parts, 128);
+	for (uint32_t i = 0; i < parts.plant.ladder_count; i++) {
+		check_curve(&parts.plant, &parts.ladders[i]);
+		assert_int_equal(parts.ladders[i].curve_first, 0);
+	}
+	assert_int_equal(parts.plant.curve_count, whole.plant.curve_count);
+	for (uint32_t i = 0; i < whole.plant.curve_count; i++) {
+		assert_true(fabs(parts.plant.curves[i].share - whole.plant.curves[i].share) < 1e-6);
+		assert_true(fabs(error_of(&parts.plant.curves[i]) - error_of(&whole.plant.curves[i])) < 0.02);
+	}
+	(void)one;
+	crown_free(&whole);
+	crown_free(&parts);
+}
+
+static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused) {
+	struct crown crown;
+	(void)unused;
+	seed = 6;
+	crown_make(&crown, 300, 0.3);
+	struct eco_ladder *wood = add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 300, 1));
+	struct eco_ladder *far = add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 300, 3));
+	wood->organ = far->organ = ECO_ORGAN_WOOD;
+	far->flags = ECO_LADDER_FAR;
+	measure(&crown, 128);
+	check_curve(&crown.plant, wood);
+	assert_true(far->curve_count > 0 && far->curve_first == wood->curve_count);
+	for (uint32_t i = 0; i < crown.plant.curve_count; i++)
+		assert_true(crown.plant.curves[i].scale == 1);
+	const struct eco_curve *last = &crown.plant.curves[crown.plant.curve_count - 1];
+	assert_true(last->fn > 0.3 && last->fp == 0);
+	crown_free(&crown);
+}
+
+static bool stop_soon(void *ctx, double share) {
+	uint32_t *calls = ctx;
+	assert_true(share > 0 && share <= 1);
+	return ++*calls < 5;
+}
+
+static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused) {
+	struct crown crown;
+	uint32_t calls = 0;
+	(void)unused;
+	seed = 7;
+	crown_make(&crown, 200, 0.2);
+	add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 200, 1));
+	struct lod_plant_options options = { .views = 4, .pixels = 64, .progress = stop_soon, .ctx = &calls };
+	struct eco_error error = { 0 };
+	assert_int_equal(lod_curve_measure(&crown.plant, &crown.model, &options, &error), ECO_INTERRUPTED);
+	assert_int_equal(calls, 5);
+	measure(&crown, 64);
+	uint32_t count = crown.plant.curve_count;
+	struct eco_curve *first = malloc(count * sizeof *first);
+	memcpy(first, crown.plant.curves, count * sizeof *first);
+	measure(&crown, 64);
+	assert_int_equal(crown.plant.curve_count, count);
+	assert_memory_equal(first, crown.plant.curves, count * sizeof *first);
+	free(first);
+	crown_free(&crown);
+}
+
+int main(void) {
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(points_and_triangles_get_a_falling_curve_from_one_point_to_all),
+		cmocka_unit_test(the_scale_is_better_than_its_neighbours_and_cooks),
+		cmocka_unit_test(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any),
+		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
+		cmocka_unit_test(cells_share_the_curve_of_the_whole),
+		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
+		cmocka_unit_test(measuring_can_be_stopped_and_repeats_to_the_bit),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
