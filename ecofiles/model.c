@@ -9,7 +9,7 @@
 
 #define COORDINATE_MAX 1e9f
 #define FOOT_SHARE 0.02
-#define WOOD_SHARE 0.1               /* of the largest component's triangles, for the foot */
+#define WOOD_SHARE 0.1               /* of the largest component's area, for the foot */
 
 void eco_model_free(struct eco_model *model)
 {
@@ -99,15 +99,18 @@ static bool find_places(struct clean *c)
 
 /* ---- Triangles ---- */
 
-static bool zero_area(const struct eco_model *m, const uint32_t v[3])
+static double area_of(const struct eco_model *m, const uint32_t v[3])
 {
-	double a[3], b[3];
+	double a[3], b[3], x, y, z;
 
 	for (int k = 0; k < 3; k++) {
 		a[k] = (double)m->position[(size_t)v[1] * 3 + k] - m->position[(size_t)v[0] * 3 + k];
 		b[k] = (double)m->position[(size_t)v[2] * 3 + k] - m->position[(size_t)v[0] * 3 + k];
 	}
-	return a[1] * b[2] == a[2] * b[1] && a[2] * b[0] == a[0] * b[2] && a[0] * b[1] == a[1] * b[0];
+	x = a[1] * b[2] - a[2] * b[1];
+	y = a[2] * b[0] - a[0] * b[2];
+	z = a[0] * b[1] - a[1] * b[0];
+	return sqrt(x * x + y * y + z * z) / 2;
 }
 
 static void sort3(uint32_t v[3])
@@ -160,7 +163,7 @@ static enum eco_drop judge(struct clean *c, const uint32_t v[3], uint32_t materi
 		if (places[k] == ECO_NONE)
 			return ECO_DROP_NOT_FINITE;
 	}
-	if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0] || zero_area(c->model, v))
+	if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0] || !(area_of(c->model, v) > 0))
 		return ECO_DROP_DEGENERATE;
 	return is_duplicate(c, places, material, kept) ? ECO_DROP_DUPLICATE : ECO_DROP_COUNT;
 }
@@ -202,17 +205,17 @@ static uint32_t root_of(uint32_t *parent, uint32_t i)
 	return i;
 }
 
-/* Marks with true the places of wood-like components: those with at least WOOD_SHARE of the triangles of the largest one. A
- * trunk is long and connected, leaves are many and small; where all are alike (grass) all are taken. */
+/* Marks the vertices of wood-like components: those with at least WOOD_SHARE of the area of the largest one. A trunk is long, thick
+ * and connected, leaves and twigs are many and small; where all are alike (grass) all are taken. */
 static bool mark_wood(const struct clean *c, bool *wood)
 {
 	const struct eco_model *m = c->model;
-	uint32_t *parent = malloc(((size_t)m->vertex_count + 1) * sizeof *parent), *size = calloc((size_t)m->vertex_count + 1, sizeof *size);
-	uint32_t largest = 0;
+	uint32_t *parent = malloc(((size_t)m->vertex_count + 1) * sizeof *parent);
+	double *area = calloc((size_t)m->vertex_count + 1, sizeof *area), largest = 0;
 
-	if (parent == NULL || size == NULL) {
+	if (parent == NULL || area == NULL) {
 		free(parent);
-		free(size);
+		free(area);
 		return false;
 	}
 	for (uint32_t i = 0; i < m->vertex_count; i++)
@@ -223,14 +226,15 @@ static bool mark_wood(const struct clean *c, bool *wood)
 		parent[a > b ? a : b] = a > b ? b : a;
 	}
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		uint32_t count = ++size[root_of(parent, c->place[m->index[(size_t)i * 3]])];
+		uint32_t root = root_of(parent, c->place[m->index[(size_t)i * 3]]);
 
-		largest = count > largest ? count : largest;
+		area[root] += area_of(m, &m->index[(size_t)i * 3]);
+		largest = fmax(largest, area[root]);
 	}
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
-		wood[m->index[i]] = size[root_of(parent, c->place[m->index[i]])] >= WOOD_SHARE * largest;
+		wood[m->index[i]] = area[root_of(parent, c->place[m->index[i]])] >= WOOD_SHARE * largest;
 	free(parent);
-	free(size);
+	free(area);
 	return true;
 }
 
@@ -281,12 +285,49 @@ static enum eco_code stand(struct clean *c, double height_m, const char *path, s
 			return eco_fail(error, ECO_BAD_INPUT, "%s: the model is flat, so it cannot be made %g m high", path, height_m);
 		scale = height_m / top;
 	}
+	memcpy(m->foot, foot, sizeof m->foot);
+	m->scale = scale;
 	for (uint32_t i = 0; i < m->vertex_count; i++)
 		for (int k = 0; k < 3; k++)
 			m->position[(size_t)i * 3 + k] = (float)((m->position[(size_t)i * 3 + k] - foot[k]) * scale);
 	memcpy(m->foot, foot, sizeof m->foot);
 	m->scale = scale;
 	return ECO_OK;
+}
+
+/* Only materials and images in use stay. `used` has room for all of either. */
+static void compact_materials(struct eco_model *m, uint32_t *used)
+{
+	uint32_t kept = 0;
+
+	memset(used, 0xff, ((size_t)m->material_count + 1) * sizeof *used);
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		used[m->material[i]] = 0;
+	for (uint32_t i = 0; i < m->material_count; i++)
+		if (used[i] != ECO_NONE) {
+			m->materials[kept] = m->materials[i];
+			used[i] = kept++;
+		}
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		m->material[i] = used[m->material[i]];
+	m->material_count = kept;
+	memset(used, 0xff, ((size_t)m->image_count + 1) * sizeof *used);
+	for (uint32_t i = 0; i < m->material_count; i++)
+		if (m->materials[i].image != ECO_NONE)
+			used[m->materials[i].image] = 0;
+	kept = 0;
+	for (uint32_t i = 0; i < m->image_count; i++) {
+		if (used[i] == ECO_NONE) {
+			free(m->images[i].rgba);
+			continue;
+		}
+		m->images[kept] = m->images[i];
+		used[i] = kept++;
+	}
+	for (uint32_t i = 0; i < m->material_count; i++)
+		if (m->materials[i].image != ECO_NONE)
+			m->materials[i].image = used[m->materials[i].image];
+	m->image_count = kept;
 }
 
 /* Only vertices that a triangle uses stay. */
@@ -315,17 +356,22 @@ enum eco_code eco_model_clean(struct eco_model *model, double height_m, const ch
 {
 	struct clean c = { .model = model };
 	enum eco_code code = ECO_OK;
+	size_t tables = (size_t)(model->material_count > model->image_count ? model->material_count : model->image_count) + 1;
+	uint32_t *used = malloc(tables * sizeof *used);
 	uint64_t accounted = 0;
 
 	c.place = malloc(((size_t)model->vertex_count + 1) * sizeof *c.place);
-	if (c.place == NULL || !find_places(&c) || !drop_triangles(&c))
+	if (used == NULL || c.place == NULL || !find_places(&c) || !drop_triangles(&c))
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	else if (model->triangle_count == 0)
 		code = eco_fail(error, ECO_BAD_INPUT, "%s: none of its %u triangles can be drawn", path, model->triangles_in);
 	else
 		code = stand(&c, height_m, path, error);
-	if (code == ECO_OK)
+	if (code == ECO_OK) {
 		compact(&c);
+		compact_materials(model, used);
+	}
+	free(used);
 	free(c.table);
 	free(c.place);
 	if (code != ECO_OK)
