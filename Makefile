@@ -127,3 +127,31 @@ forest: deps
 
 clean:
 	rm -rf build
+
+# ---- Checks: tests/run.sh counts, and ends with `N passed, N failed` ----
+
+deps:
+	@tests/packages.sh $(PACKAGES)
+
+# -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
+test: deps
+	@mkdir -p $(B)
+	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(FUZZERS) || built=$$?; \
+		echo $$built >$(B)/built
+	@tests/run.sh $(B) $$(cat $(B)/built) $(TESTS) $(FUZZERS)
+
+layers: $(LIB_ECO) $(LIB_DRACO) $(LIB_LOD) $(LIB_SERVER) $(LIB_VIEW) $(B)/obj/ecofiles/image_module.o
+	@tests/layers.sh $(B)
+
+headers:
+	@tests/headers.sh $(CC) $(CFLAGS_ALL)
+
+# make fuzz SECONDS=600: each target that long; needs clang's runtime
+SECONDS ?= 60
+fuzz:
+	@tests/packages.sh $(PACKAGES) clang libclang-rt-14-dev
+	@$(MAKE) --no-print-directory config=fuzz fuzzers
+	@tests/fuzz/run.sh build/fuzz/fuzz $(SECONDS) $(patsubst tests/fuzz/%.c,build/fuzz/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
+
+.PHONY: fuzzers
+fuzzers: $(FUZZERS)

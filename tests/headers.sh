@@ -1,0 +1,15 @@
+#!/bin/sh
+# headers.sh COMPILER FLAGS...: every header compiles alone, as C, without a warning.
+set -u
+faults=0 looked=0
+for header in ecofiles/*.h lod/*.h server/*.h client-min/*.h tests/*.h; do
+	[ -e "$header" ] || continue
+	looked=$((looked + 1))
+	# static functions in a header of tests are for whoever includes it
+	printf '#include "%s"\n' "$header" | "$@" -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only -x c - || {
+		faults=$((faults + 1))
+		echo "$header does not compile alone"
+	}
+done
+echo "headers: $looked headers, $faults faulty"
+[ $faults -eq 0 ]

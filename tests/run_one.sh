@@ -1,0 +1,39 @@
+# Part of run.sh: runs $2 (a test binary, a fuzz target's replay or a script), writes its counts to $RESULTS and says what failed.
+program=$2
+name=$(basename "$program")
+log=$RESULTS/$name.log
+
+case $name in
+fuzz_*) corpus=tests/fuzz/corpus/${name#fuzz_}; set -- "$program" "$corpus" ;;
+*) set -- "$program" ;;
+esac
+started=$(date +%s)
+timeout -k 5 "$LIMIT_S" "$@" >"$log" 2>&1 </dev/null
+status=$?
+
+# cmocka's TAP counts; anything else is one test
+passed=$(grep -c '^ok ' "$log")
+skipped=$(grep -c '^not ok .*# SKIP' "$log")
+failed=$(($(grep -c '^not ok ' "$log") - skipped))
+case $name in *.sh|fuzz_*) passed=0 failed=0 skipped=0 ;; esac
+if [ $((passed + failed + skipped)) -eq 0 ]; then
+	if [ $status -eq 0 ]; then passed=1; else failed=1; fi
+elif [ $status -ne 0 ] && { [ "$failed" -eq 0 ] || [ $status -ge 124 ]; }; then
+	failed=$((failed + 1))
+fi
+echo "$passed $failed $skipped" >"$RESULTS/$name.count"
+
+if [ "$failed" -gt 0 ]; then
+	case $status in
+	124|137) how="stopped after $LIMIT_S s" ;;
+	127) how="not there or not executable" ;;
+	*) how="status $status" ;;
+	esac
+	# one write, so that what runs beside does not come between
+	text=$(echo "FAILED: $name, $failed of $((passed + failed)) ($how); all of it in $log"
+		grep -v -e '^ok ' -e '# SKIP' -e '^1\.\.' -e '^# ok' "$log" | tail -n 60 | sed 's/^/    /')
+	printf '%s\n' "$text"
+else
+	took=$(($(date +%s) - started))
+	echo "ok: $name, $passed$([ "$skipped" -gt 0 ] && echo ", $skipped skipped")$([ $took -ge 5 ] && echo ", $took s")"
+fi
