@@ -14,6 +14,7 @@
 #include "lod/raster.h"
 
 #define THREADS_MAX 64u
+#define HAZE_M 3000.0f
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 
 struct mesh {                            /* geometry of one cut */
@@ -267,6 +268,20 @@ static void scene_free(struct scene *scene)
 	free(scene->ground_rgb);
 }
 
+/* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky where nothing is. */
+static void tell_apart(const struct lod_raster *raster, struct view_picture *picture)
+{
+	static const float air[3] = { 186, 204, 222 };
+	size_t pixels = (size_t)picture->width * picture->height;
+	for (size_t i = 0; i < pixels; i++) {
+		float clear = raster->depth[i] > 0 ? expf(-1 / (HAZE_M * raster->depth[i])) : 0;
+		uint32_t hash = (uint32_t)(picture->owner[i] * 0x9E3779B97F4A7C15u >> 56);
+		float tone = clear * (picture->owner[i] ? 0.8f + 0.35f * (float)hash / 255 : 1);
+		for (int k = 0; k < 3; k++)
+			picture->rgb[3 * i + (size_t)k] = (uint8_t)fminf(255, raster->rgb[3 * i + (size_t)k] * tone + air[k] * (1 - clear));
+	}
+}
+
 static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture, struct eco_error *error)
 {
 	struct lod_raster_options options = { picture->width, picture->height, true, true };
@@ -288,10 +303,7 @@ static enum eco_code run(struct worker *workers, uint32_t count, struct view_pic
 	size_t pixels = (size_t)picture->width * picture->height;
 	memcpy(picture->cover, workers[0].raster.cover, pixels);
 	memcpy(picture->owner, workers[0].raster.owner, pixels * sizeof *picture->owner);
-	memcpy(picture->rgb, workers[0].raster.rgb, pixels * 3);
-	for (size_t i = 0; i < pixels; i++)
-		if (!(workers[0].raster.depth[i] > 0))
-			memcpy(picture->rgb + 3 * i, (const uint8_t[3]){ 168, 193, 218 }, 3);
+	tell_apart(&workers[0].raster, picture);
 	return ECO_OK;
 }
 
