@@ -178,7 +178,7 @@ static enum eco_code prepare_document(struct eco_model_file *file, const uint8_t
 	return code;
 }
 
-static bool head_has(const char *path, const char *word, bool *found)
+static bool head_has(const char *path, const char *word)
 {
 	char head[513] = "";
 	FILE *file = fopen(path, "rb");
@@ -187,21 +187,19 @@ static bool head_has(const char *path, const char *word, bool *found)
 		return false;
 	head[fread(head, 1, sizeof head - 1, file)] = 0;
 	fclose(file);
-	*found = strstr(head, word) != NULL;
-	return true;
+	return strstr(head, word) != NULL;
 }
 
-/* Blender writes scene-linear colours to MTL files; other programs write what the screen shall show. The library of materials
- * usually has the model's name; it may have been written by somebody else than the model. */
-static bool written_by_blender(const char *path, const char *dot)
+/* Blender writes scene-linear colours to MTL files; other programs write what the screen shall show, or pass on what they read.
+ * The library of materials usually has the model's name. */
+static bool from_blender(const char *path, const char *dot)
 {
 	char library[4096];
-	bool found = false;
 
-	if (dot != NULL && snprintf(library, sizeof library, "%.*s.mtl", (int)(dot - path), path) < (int)sizeof library
-		&& head_has(library, "Blender", &found))
-		return found;
-	return head_has(path, "Blender", &found) && found;
+	if (head_has(path, "Blender"))
+		return true;
+	return dot != NULL && snprintf(library, sizeof library, "%.*s.mtl", (int)(dot - path), path) < (int)sizeof library
+		&& head_has(library, "Blender");
 }
 
 enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_error *error)
@@ -212,7 +210,7 @@ enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_err
 	enum eco_code code;
 
 	file->gltf = dot != NULL && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
-	file->linear_colors = file->gltf || written_by_blender(file->path, dot);
+	file->linear_colors = file->gltf || from_blender(file->path, dot);
 	if (!file->gltf)
 		return ECO_OK;
 	code = read_file(file->path, &bytes, &size, error);

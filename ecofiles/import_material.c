@@ -348,6 +348,8 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);
+	if (strcmp(to->name, "DefaultMaterial") == 0)        /* assimp's, for what has none */
+		memset(to->rgb, 153, 3);
 	/* in MTL files a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE && !r->file->gltf)
 		memset(to->rgb, 255, 3);

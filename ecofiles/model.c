@@ -9,7 +9,9 @@
 
 #define COORDINATE_MAX 1e9f
 #define FOOT_SHARE 0.02
-#define WOOD_SHARE 0.1               /* of the largest component's area, for the foot */
+#define WOOD_SHARE 0.1               /* of the largest component's area */
+#define GIRTH_SHARE 0.5              /* of the thickest long component's circumference */
+#define LONG 4.0
 
 void eco_model_free(struct eco_model *model)
 {
@@ -205,19 +207,57 @@ static uint32_t root_of(uint32_t *parent, uint32_t i)
 	return i;
 }
 
-/* Marks the vertices of wood-like components: those with at least WOOD_SHARE of the area of the largest one. A trunk is long, thick
- * and connected, leaves and twigs are many and small; where all are alike (grass) all are taken. */
-static bool mark_wood(const struct clean *c, bool *wood)
+struct part { double area, low[3], high[3]; };   /* a connected component */
+
+static void part_add(struct part *part, const struct eco_model *m, const uint32_t v[3])
+{
+	for (int i = 0; i < 9; i++) {
+		double p = m->position[(size_t)v[i / 3] * 3 + i % 3];
+		int k = i % 3;
+
+		bool first = part->area == 0 && i < 3;
+
+		part->low[k] = first ? p : fmin(part->low[k], p);
+		part->high[k] = first ? p : fmax(part->high[k], p);
+	}
+	part->area += area_of(m, v);
+}
+
+static double length_of(const struct part *part)
+{
+	double square = 0;
+
+	for (int k = 0; k < 3; k++)
+		square += (part->high[k] - part->low[k]) * (part->high[k] - part->low[k]);
+	return sqrt(square);
+}
+
+/* Circumference of a tube of that area and length. */
+static double girth(const struct part *part)
+{
+	double length = length_of(part);
+
+	return length > 0 ? part->area / length : 0;
+}
+
+static bool is_long(const struct part *part)
+{
+	return 3.14159265 * length_of(part) >= LONG * girth(part);
+}
+
+/* Whether a component is wood-like beside the others, `thickest` the girth of the thickest long one. A trunk is large, long and thick;
+ * leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick. Where all are alike (grass),
+ * or nothing is long (bushes), all large ones are taken. */
+static bool is_wood(const struct part *part, double largest, double thickest)
+{
+	return part->area >= WOOD_SHARE * largest && girth(part) >= GIRTH_SHARE * thickest;
+}
+
+static void find_wood(const struct clean *c, uint32_t *parent, struct part *parts, bool *wood)
 {
 	const struct eco_model *m = c->model;
-	uint32_t *parent = malloc(((size_t)m->vertex_count + 1) * sizeof *parent);
-	double *area = calloc((size_t)m->vertex_count + 1, sizeof *area), largest = 0;
+	double largest = 0, thickest = 0;
 
-	if (parent == NULL || area == NULL) {
-		free(parent);
-		free(area);
-		return false;
-	}
 	for (uint32_t i = 0; i < m->vertex_count; i++)
 		parent[i] = i;
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
@@ -225,17 +265,28 @@ static bool mark_wood(const struct clean *c, bool *wood)
 
 		parent[a > b ? a : b] = a > b ? b : a;
 	}
-	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		uint32_t root = root_of(parent, c->place[m->index[(size_t)i * 3]]);
-
-		area[root] += area_of(m, &m->index[(size_t)i * 3]);
-		largest = fmax(largest, area[root]);
-	}
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		part_add(&parts[root_of(parent, c->place[m->index[(size_t)i * 3]])], m, &m->index[(size_t)i * 3]);
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		largest = fmax(largest, parts[i].area);
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		if (parts[i].area >= WOOD_SHARE * largest && is_long(&parts[i]))
+			thickest = fmax(thickest, girth(&parts[i]));
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
-		wood[m->index[i]] = area[root_of(parent, c->place[m->index[i]])] >= WOOD_SHARE * largest;
+		wood[m->index[i]] = is_wood(&parts[root_of(parent, c->place[m->index[i]])], largest, thickest);
+}
+
+static bool mark_wood(const struct clean *c, bool *wood)
+{
+	uint32_t *parent = malloc(((size_t)c->model->vertex_count + 1) * sizeof *parent);
+	struct part *parts = calloc((size_t)c->model->vertex_count + 1, sizeof *parts);
+	bool good = parent != NULL && parts != NULL;
+
+	if (good)
+		find_wood(c, parent, parts, wood);
 	free(parent);
-	free(area);
-	return true;
+	free(parts);
+	return good;
 }
 
 /* Centre of the box around the lowest FOOT_SHARE of the height of what is marked. */
