@@ -11,6 +11,7 @@
 #include "client-min/view_shade.h"
 
 #define INSTANCE_TEXELS 5
+#define QUADS 16384u                     /* a draw call: 16-bit indices */
 #define HAZE_M 5200.0f
 
 struct view_gl {
@@ -18,6 +19,7 @@ struct view_gl {
 	struct view_egl egl;
 	struct view_gpu gpu;
 	struct view_shader shaders[VIEW_PROGRAM_COUNT];
+	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
 	unsigned framebuffer, color, owner, depth, vertex_array, shade;
 	struct view_gpu_stream instances, members;
 };
@@ -69,6 +71,21 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	return ECO_OK;
 }
 
+static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
+{
+	static const uint16_t corner[6] = { 0, 1, 2, 0, 2, 3 };
+	uint16_t *indices = malloc(QUADS * sizeof corner);
+	if (!indices)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
+	for (uint32_t i = 0; i < QUADS * 6; i++)
+		indices[i] = (uint16_t)(i / 6 * 4 + corner[i % 6]);
+	glGenBuffers(1, &gl->quads);
+	glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->quads);
+	glBufferData(GL_ELEMENT_ARRAY_BUFFER, QUADS * sizeof corner, indices, GL_STATIC_DRAW);
+	free(indices);
+	return ECO_OK;
+}
+
 enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *options, struct eco_error *error)
 {
 	*out = NULL;
@@ -81,6 +98,8 @@ enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *o
 	if (!code) {
 		view_gpu_init(&gl->gpu);
 		code = make_target(gl, error);
+		if (!code)
+			code = make_quads(gl, error);
 	}
 	if (code)
 		view_gl_close(gl);
@@ -95,13 +114,13 @@ void view_gl_close(struct view_gl *gl)
 		return;
 	if (gl->egl.display) {
 		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade, gl->instances.texture, gl->members.texture };
-		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer };
+		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer, gl->quads };
 		view_egl_use(&gl->egl);
 		view_gpu_free(&gl->gpu);
 		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
 			glDeleteProgram(gl->shaders[i].program);
 		glDeleteTextures(6, textures);
-		glDeleteBuffers(2, buffers);
+		glDeleteBuffers(3, buffers);
 		glDeleteVertexArrays(1, &gl->vertex_array);
 		glDeleteFramebuffers(1, &gl->framebuffer);
 		view_egl_close(&gl->egl);
@@ -316,6 +335,15 @@ static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 	return code;
 }
 
+/* Lines and points: four vertices a primitive, in parts as long as the index buffer. */
+static void draw_quads(uint32_t first, uint32_t end, uint32_t members)
+{
+	for (uint32_t at = first; at < end; at += QUADS) {
+		uint32_t count = end - at < QUADS ? end - at : QUADS;
+		glDrawElementsInstancedBaseVertex(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL, (GLsizei)members, (GLint)(at * 4));
+	}
+}
+
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
 {
 	const struct view_selection *selection = f->job->selection;
@@ -342,10 +370,12 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 		glUniform1ui(s->uniform[VIEW_U_PATH], view_record_path(selection->instances[selection->members[first_member]].path));
 	if (f->job->tint == VIEW_TINT_KIND)
 		set_tint(s, selection->roles[index]);
-	uint32_t corners = list->list.kind == ECO_LIST_TRIANGLES ? 3 : 6;
-	if ((uint64_t)cut->end * corners > INT32_MAX)
-		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for one draw call: use --reference=cpu", list->id);
-	glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * corners), (GLsizei)((cut->end - cut->first) * corners), (GLsizei)members);
+	if ((uint64_t)cut->end * 4 > INT32_MAX)
+		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use --reference=cpu", list->id);
+	if (list->list.kind == ECO_LIST_TRIANGLES)
+		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3), (GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
+	else
+		draw_quads(cut->first, cut->end, members);
 	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
 	return ECO_OK;
 }
