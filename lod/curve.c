@@ -108,8 +108,8 @@ static enum eco_code add_member(const struct organ_curve *curve, const struct ec
 	probe->scene.curve_count = 1;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	uint32_t count = lod_ladder_cuts(&probe->scene, &measured, vertices, density, cuts);
-	probe->scene.curves = NULL;
-	probe->scene.curve_count = 0;
+	probe->scene.curves = probe->plant->curves;
+	probe->scene.curve_count = probe->plant->curve_count;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < count && !code; i++)
 		code = lod_probe_add(probe, &cuts[i], error);

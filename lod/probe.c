@@ -102,7 +102,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	for (uint32_t i = 0; i < plant->image_count; i++)
 		probe->cut[i] = has_holes(&model->images[plant->images[i]]);
 	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count, .ladders = plant->ladders,
-		.ladder_count = plant->ladder_count };
+		.ladder_count = plant->ladder_count, .curves = plant->curves, .curve_count = plant->curve_count };
 	bounds(probe, model);
 	place_eyes(probe);
 	return ECO_OK;

@@ -24,7 +24,7 @@ struct lod_probe_options { uint32_t views, pixels; };    /* pictures of pixels x
 struct lod_probe {
 	const struct lod_plant *plant;
 	const struct eco_model *model;
-	struct eco_scene scene;          /* the plant's lists and ladders as a scene; `curves` is the user's to set */
+	struct eco_scene scene;          /* the plant's lists, ladders and curves as a scene */
 	struct eco_list *lists;
 	bool *cut;                       /* per image of the plant: some of it is transparent */
 	uint32_t views;

@@ -30,8 +30,8 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 	const struct lod_raster *raster = paint->raster;
 	lod_f4_store(raster->depth + i, z);
 	memset(raster->cover + i, paint->cover, 4);
-	for (size_t k = i; raster->owner && k < i + 4; k++)
-		raster->owner[k] = paint->owner;
+	if (raster->owner)
+		memcpy(raster->owner + i, (const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);
 	for (size_t k = 3 * i; raster->rgb && k < 3 * i + 12; k++)
 		raster->rgb[k] = paint->rgb ? paint->rgb[(k - 3 * i) % 3] : 0;
 }
