@@ -37,7 +37,7 @@ for check in layers headers; do
 		note $check 1 0
 	else
 		note $check 0 1
-		cat "$results/$check.log"
+		tail -n 60 "$results/$check.log"
 	fi
 done
 
