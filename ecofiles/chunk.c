@@ -139,6 +139,8 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 		.extra_count = (uint8_t)eco_list_extra_count(list),
 		.uv = (list->attributes & ECO_ATTR_UV) != 0,
 		.wide = stream->wide,
+		.split = coder == ECO_CODER_ROWS,
+		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0,
 		.predictors = stream->predictors,
 	};
 }

@@ -11,7 +11,7 @@
  * What a stream holds:
  *   ELEMENTS  one row an element of that many corners; columns, `wide` and `predictors` as in chunk_rows.h
  *   PAIRED    one row for the points of one partner element of that many corners (3..6): 2 (corners-2) points
- *   KD, ROWS  one stream, corners = 1; wide (KD: 0) and predictors (0) as above
+ *   KD, ROWS  one stream, corners = 1; wide (KD: 0) and predictors (0) as above; ROWS: split columns
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, before it corners = 1: one row
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
  *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the

@@ -41,6 +41,8 @@ static int32_t predict(unsigned predictor, const int32_t *position, unsigned cor
 {
 	int64_t sum = 0;
 
+	if (predictor == 0)
+		return 0;
 	for (unsigned back = 1; back <= 4 && back < corner; back++)
 		sum += (int64_t)predictors[predictor][back - 1]
 			* ((int64_t)position[3 * (corner - back) + axis] - position[axis]);
@@ -72,7 +74,11 @@ enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *
 	assert(shape->groups == 1 || shape->groups == shape->corners);
 	memset(rows, 0, sizeof *rows);
 	rows->shape = *shape;
-	for (unsigned k = 0; k < shape->corners; k++)
+	assert(!shape->split || shape->corners == 1);
+	for (unsigned axis = 0; shape->split && axis < 3; axis++)
+		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1,
+			.difference = axis < 2 || shape->ground_columns == 0 };
+	for (unsigned k = 0; !shape->split && k < shape->corners; k++)
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 3, .difference = k == 0 };
 	for (unsigned k = 0; shape->uv && k < shape->corners; k++)
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 2 };
@@ -104,7 +110,9 @@ void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_ele
 	const struct eco_draco_column *column = rows->columns;
 
 	assert(row < s->rows);
-	for (unsigned k = 0; k < s->corners; k++, column++)
+	for (unsigned axis = 0; s->split && axis < 3; axis++, column++)
+		column->values[row] = element->position[axis];
+	for (unsigned k = 0; !s->split && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 3; axis++)
 			column->values[3 * (size_t)row + axis] = k == 0 ? element->position[axis]
 				: minus(element->position[3 * k + axis], element->position[axis]);
@@ -125,7 +133,11 @@ bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_ro
 	bool good = true;
 
 	assert(row < s->rows);
-	for (unsigned k = 0; k < s->corners; k++, column++) {
+	for (unsigned axis = 0; s->split && axis < 3; axis++, column++) {
+		element->position[axis] = column->values[row];
+		good &= in_bounds(element->position[axis]);
+	}
+	for (unsigned k = 0; !s->split && k < s->corners; k++, column++) {
 		unsigned predictor = predictor_of(s->predictors, k);
 
 		for (unsigned axis = 0; axis < 3; axis++) {
@@ -161,22 +173,21 @@ static unsigned bit_length(uint32_t v)
 	return v == 0 ? 0 : 32u - (unsigned)__builtin_clz(v);
 }
 
-/* Bits that the residuals of corner k take under a predictor, roughly; UINT64_MAX where one gets too large to be worth it. */
+/* Bits that the residuals of corner k take under a predictor, roughly, from a sample of the rows. */
 static uint64_t predictor_cost(const struct eco_rows *rows, unsigned corner, unsigned predictor)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
+	uint32_t step = rows->shape.rows / 2048 + 1;
 	uint64_t bits = 0;
 
-	for (uint32_t row = 0; row < rows->shape.rows; row++)
+	for (uint32_t row = 0; row < rows->shape.rows; row += step)
 		for (unsigned axis = 0; axis < 3; axis++) {
-			int64_t v;
+			int32_t v;
 
 			for (unsigned k = 1; k <= corner; k++)
 				position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
-			v = (int64_t)position[3 * corner + axis] - predict(predictor, position, corner, axis);
-			if (v > 2 * (int64_t)ECO_ROWS_VALUE_MAX || v < -2 * (int64_t)ECO_ROWS_VALUE_MAX)
-				return UINT64_MAX;
-			bits += bit_length((uint32_t)(v < 0 ? -v : v));
+			v = minus(position[3 * corner + axis], predict(predictor, position, corner, axis));
+			bits += bit_length(v < 0 ? 0u - (uint32_t)v : (uint32_t)v);
 		}
 	return bits;
 }
@@ -219,6 +230,31 @@ static void take_predictions(struct eco_rows *rows)
 				*v = minus(*v, predict(predictor, position, corner, axis));
 			}
 	}
+}
+
+/* What is known of a ground sample's height from the samples before it. */
+static int32_t ground_height(const struct eco_rows *rows, uint32_t row)
+{
+	const int32_t *x = rows->columns[0].values, *z = rows->columns[2].values;
+	uint32_t columns = rows->shape.ground_columns;
+
+	if (row == 0)
+		return 0;
+	if (x[row] <= x[row - 1])
+		return row >= columns ? z[row - columns] : z[row - 1];
+	return row > columns ? plus(z[row - 1], minus(z[row - columns], z[row - columns - 1])) : z[row - 1];
+}
+
+static void take_ground(struct eco_rows *rows)
+{
+	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
+		rows->columns[2].values[row] = minus(rows->columns[2].values[row], ground_height(rows, row));
+}
+
+static void give_ground(struct eco_rows *rows)
+{
+	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
+		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
 }
 
 static bool needs_wide(const struct eco_rows *rows)
@@ -272,6 +308,7 @@ enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *si
 
 	rows->shape.predictors = choose_predictors(rows);
 	take_predictions(rows);
+	take_ground(rows);
 	rows->shape.wide = needs_wide(rows);
 	if (!rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count, rows->shape.rows, bytes, size, error);
@@ -291,18 +328,12 @@ enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *si
 	return code;
 }
 
-enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+static enum eco_code decode_wide(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
-	enum eco_code code;
+	enum eco_code code = wide_columns(rows, wide, &storage, error);
 
-	for (unsigned k = 2; k < 6; k++)
-		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
-			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown", predictor_of(rows->shape.predictors, k), k);
-	if (!rows->shape.wide)
-		return eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count, rows->shape.rows, error);
-	code = wide_columns(rows, wide, &storage, error);
 	if (code == ECO_OK)
 		code = eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count, rows->shape.rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
@@ -310,5 +341,22 @@ enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_
 			rows->columns[i].values[k] = (int32_t)(((uint32_t)wide[i].values[k] << 16)
 				+ (uint32_t)wide[rows->column_count + i].values[k]);
 	free(storage);
+	return code;
+}
+
+enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+{
+	enum eco_code code;
+
+	for (unsigned k = 2; k < 6; k++)
+		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
+			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
+				predictor_of(rows->shape.predictors, k), k);
+	if (rows->shape.wide)
+		code = decode_wide(rows, bytes, size, error);
+	else
+		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count, rows->shape.rows, error);
+	if (code == ECO_OK)
+		give_ground(rows);
 	return code;
 }

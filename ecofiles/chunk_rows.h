@@ -7,11 +7,15 @@
  *   eco_rows_free(&rows);
  *
  * Columns of a row with m corners:
- *   position 0 (3 values)                        Draco codes the difference to the row before (kd: the value)
+ *   position 0 (3 values; split: 1, 1, 1)         Draco codes the difference to the row before (kd: the value)
  *   position k = 1..m-1 (3)                      what is left of corner k, relative to corner 0, after a linear prediction from the
  *                                                corners before it; which prediction is stored per stream and corner
  *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV
  *   extra (1 each); of further points of a group: the difference to the point before
+ *
+ * Split positions suit rows whose order is given: along a row of ground samples x advances by one step and y not at all, and z is
+ * stored as what is left of it after the prediction left + up - upper left (left in the first row, up at the start of a row, where
+ * x does not advance).
  *
  * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and value & 65535. */
 #ifndef ECO_CHUNK_ROWS_H
@@ -22,7 +26,7 @@
 
 #define ECO_ROWS_CORNERS_MAX 8          /* 2 points for each of a fan's 4 triangles */
 #define ECO_ROWS_EXTRA_MAX 6
-#define ECO_ROWS_COLUMNS_MAX (2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
+#define ECO_ROWS_COLUMNS_MAX (2 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 
 struct eco_rows_shape {
@@ -33,6 +37,8 @@ struct eco_rows_shape {
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
+	bool split;                  /* one corner only */
+	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */
 };
 

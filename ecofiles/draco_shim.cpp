@@ -244,12 +244,27 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 	});
 }
 
+// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level; Draco compares it with that of
+// the header only after decoding so many points.
+static bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
+{
+	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
+	uint32_t field[2] = { 0, 0 };
+
+	if (size < at + 8 || bytes[16] != column_count)
+		return false;
+	for (int i = 0; i < 8; i++)
+		field[i / 4] |= static_cast<uint32_t>(bytes[at + i]) << (8 * (i % 4));
+	return field[0] <= 30 && field[1] == rows;
+}
+
 enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
 	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error)
 {
 	const Expected expected = { columns, column_count, rows };
 
-	if (!eco_draco_rows_start(bytes, size, order, rows))
+	if (!eco_draco_rows_start(bytes, size, order, rows) || column_count > kColumnsMax
+	    || (order == ECO_DRACO_KD && !kd_start(bytes, size, column_count, rows)))
 		return refuse(error, ECO_DAMAGED, "not a stream of that many rows", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
 		if (order == ECO_DRACO_KD)
