@@ -41,5 +41,8 @@ void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *ma
 
 void lod_arena_free(struct lod_arena *arena)
 {
+	if (arena->inner)
+		lod_arena_free(arena->inner);
+	arena->inner = NULL;
 	lod_arena_release(arena, NULL);
 }

@@ -16,6 +16,7 @@
 struct lod_arena_piece;
 struct lod_arena {
 	struct lod_arena_piece *last;
+	struct lod_arena *inner;     /* another arena that is freed with this one, or NULL */
 	jmp_buf failed;              /* set by the owner before the first take */
 };
 

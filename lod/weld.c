@@ -237,23 +237,11 @@ static void mark_collapsed(struct lod_mesh *mesh, struct lod_arena *arena)
 
 /* ---- Neighbours and components ---- */
 
-static void list_around(struct lod_mesh *mesh, struct lod_arena *arena)
-{
-	size_t corners = 3 * (size_t)mesh->triangle_count;
-	mesh->around_first = lod_arena_take(arena, (size_t)mesh->vertex_count + 2, sizeof *mesh->around_first);
-	mesh->around = lod_arena_take(arena, corners, sizeof *mesh->around);
-	for (size_t i = 0; i < corners; i++)
-		mesh->around_first[mesh->index[i] + 2]++;
-	for (uint32_t v = 2; v <= mesh->vertex_count + 1; v++)
-		mesh->around_first[v] += mesh->around_first[v - 1];
-	for (size_t i = 0; i < corners; i++)
-		mesh->around[mesh->around_first[mesh->index[i] + 1]++] = (uint32_t)i;
-}
-
-static void find_neighbours(struct lod_mesh *mesh, struct lod_arena *arena)
+void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena)
 {
 	uint32_t n = 3 * mesh->triangle_count;
-	mesh->across = lod_arena_take(arena, n, sizeof *mesh->across);
+	if (mesh->across == NULL)
+		mesh->across = lod_arena_take(arena, n, sizeof *mesh->across);
 	memset(mesh->across, 0xff, n * sizeof *mesh->across);
 	struct lod_arena_piece *mark = arena->last;
 	struct lod_keyed *edges = lod_arena_take(arena, n, sizeof *edges);
@@ -288,6 +276,39 @@ static void join(uint32_t *parent, uint32_t s, uint32_t t)
 	parent[s < t ? t : s] = s < t ? s : t;
 }
 
+/* Vertex v's triangles are around[first[v] .. first[v+1]). */
+static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, struct lod_arena *arena)
+{
+	size_t corners = 3 * (size_t)mesh->triangle_count;
+	uint32_t *around = lod_arena_take(arena, corners, sizeof *around);
+	*first = lod_arena_take(arena, (size_t)mesh->vertex_count + 2, sizeof **first);
+	for (size_t i = 0; i < corners; i++)
+		(*first)[mesh->index[i] + 2]++;
+	for (uint32_t v = 2; v <= mesh->vertex_count + 1; v++)
+		(*first)[v] += (*first)[v - 1];
+	for (size_t i = 0; i < corners; i++)
+		around[(*first)[mesh->index[i] + 1]++] = (uint32_t)(i / 3);
+	return around;
+}
+
+/* Joins triangles of one material that meet in a vertex. */
+static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t material_count, struct lod_arena *arena)
+{
+	uint32_t *first, *around = list_around(mesh, &first, arena);
+	uint32_t *seen = lod_arena_take(arena, (size_t)material_count + 1, sizeof *seen);        /* at vertex + 1, by material */
+	uint32_t *mate = lod_arena_take(arena, (size_t)material_count + 1, sizeof *mate);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		parent[t] = t;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		for (uint32_t i = first[v]; i < first[v + 1]; i++) {
+			uint32_t t = around[i], m = mesh->material[t] == ECO_NONE ? material_count : mesh->material[t];
+			if (seen[m] == v + 1)
+				join(parent, mate[m], t);
+			seen[m] = v + 1;
+			mate[m] = t;
+		}
+}
+
 static void find_components(struct lod_mesh *mesh, uint32_t material_count, struct lod_arena *arena)
 {
 	uint32_t n = mesh->triangle_count;
@@ -296,18 +317,7 @@ static void find_components(struct lod_mesh *mesh, uint32_t material_count, stru
 	mesh->member_first = lod_arena_take(arena, (size_t)n + 2, sizeof *mesh->member_first);
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *parent = lod_arena_take(arena, n, sizeof *parent);
-	uint32_t *seen = lod_arena_take(arena, material_count + 1, sizeof *seen);        /* at vertex + 1, by material */
-	uint32_t *first = lod_arena_take(arena, material_count + 1, sizeof *first);
-	for (uint32_t t = 0; t < n; t++)
-		parent[t] = t;
-	for (uint32_t v = 0; v < mesh->vertex_count; v++)
-		for (uint32_t i = mesh->around_first[v]; i < mesh->around_first[v + 1]; i++) {
-			uint32_t t = mesh->around[i] / 3, m = mesh->material[t] == ECO_NONE ? material_count : mesh->material[t];
-			if (seen[m] == v + 1)
-				join(parent, first[m], t);
-			seen[m] = v + 1;
-			first[m] = t;
-		}
+	join_all(mesh, parent, material_count, arena);
 	for (uint32_t t = 0; t < n; t++) {
 		uint32_t root = root_of(parent, t);
 		mesh->component[t] = root == t ? mesh->component_count++ : mesh->component[root];
@@ -322,7 +332,7 @@ static void find_components(struct lod_mesh *mesh, uint32_t material_count, stru
 
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena)
 {
-	assert(bits >= 1 && bits <= LOD_GRID_BITS_MAX);
+	assert(bits >= 1 && bits <= LOD_WELD_BITS_MAX);
 	*mesh = (struct lod_mesh){ 0 };
 	double extent = take_triangles(mesh, model, arena);
 	if (!(extent > 0)) {         /* nothing, or all in one point */
@@ -336,7 +346,6 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 	weld_vertices(mesh, model, extent, arena);
 	drop_triangles(mesh, model, arena);
 	mark_collapsed(mesh, arena);
-	list_around(mesh, arena);
-	find_neighbours(mesh, arena);
+	lod_weld_neighbours(mesh, arena);
 	find_components(mesh, model->material_count, arena);
 }

@@ -12,7 +12,7 @@
 #include "ecofiles/model.h"
 #include "lod/arena.h"
 
-#define LOD_GRID_BITS_MAX 20u
+#define LOD_WELD_BITS_MAX 20u
 
 struct lod_mesh {
 	double origin[3], step;      /* metres = origin + grid * step, for every list of the plant */
@@ -27,8 +27,6 @@ struct lod_mesh {
 	bool *collapsed;             /* per triangle: no area left on the grid; it takes part in decisions, but is not stored */
 	uint32_t *across;            /* per triangle edge (k to k+1): 3 * neighbour + its edge, or ECO_NONE: border or more than two
 	                              * triangles; the neighbour may be of another component */
-	uint32_t *around_first;      /* vertex v's corners (3 * triangle + k) are around[around_first[v] .. around_first[v+1]) */
-	uint32_t *around;
 	uint32_t component_count;
 	uint32_t *component;         /* per triangle */
 	uint32_t *member_first;      /* component c's triangles are member[member_first[c] .. member_first[c+1]) */
@@ -36,10 +34,13 @@ struct lod_mesh {
 	uint32_t dropped[ECO_DROP_COUNT];    /* of the model's triangles, here */
 };
 
-/* Arrays come from `arena`. `bits` is the grid's (1 to LOD_GRID_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
+/* Arrays come from `arena`. `bits` is the grid's (1 to LOD_WELD_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
  * largest extent are one. Afterwards triangle_count + sum of dropped - dropped[ECO_DROP_QUANTIZED] = model->triangle_count, and
  * dropped[ECO_DROP_QUANTIZED] of the triangles are collapsed. A mesh without triangles is a valid result. */
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
+
+/* Fills `across` again after triangles have changed. */
+void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena);
 
 /* The neighbour across edge k of triangle t within its component: 3 * triangle + edge, or ECO_NONE. */
 static inline uint32_t lod_mesh_across(const struct lod_mesh *mesh, uint32_t t, uint32_t k)

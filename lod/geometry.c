@@ -1,0 +1,86 @@
+/* From the integers of a list to what is drawn. The rasteriser that measures curves and the client that draws share this, so that
+ * what was measured is what is seen. */
+#include <assert.h>
+#include <math.h>
+
+#include "lod/plant.h"
+
+struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out; double edge; };
+
+static double metres(const struct eco_list *list, int axis, int32_t value)
+{
+	return list->grid_origin[axis] + value * list->grid_step[axis];
+}
+
+/* Corner of an element, moved away from the element's centre (the mean of its corners) by the scale of edges. */
+static void put_corner(const struct target *t, float *to, const int32_t *corner, const double center[3])
+{
+	for (int a = 0; a < 3; a++) {
+		double p = metres(t->list, a, corner[a]);
+		to[a] = (float)(t->edge == 1 ? p : center[a] + t->edge * (p - center[a]));
+	}
+}
+
+static void find_center(const struct target *t, const int32_t *position, uint32_t corners, double center[3])
+{
+	for (int a = 0; a < 3; a++) {
+		int64_t sum = 0;
+		for (uint32_t i = 0; i < corners; i++)
+			sum += position[3 * i + a];
+		center[a] = t->list->grid_origin[a] + (double)sum / corners * t->list->grid_step[a];
+	}
+}
+
+static void put_triangle(const struct target *t, uint32_t written, const int32_t *position, const int32_t *uv, uint32_t triangle,
+	const double center[3])
+{
+	const uint32_t corner[3] = { 0, triangle + 1, triangle + 2 };
+	for (uint32_t k = 0; k < 3; k++) {
+		put_corner(t, t->out->position + 9 * (size_t)written + 3 * k, position + 3 * corner[k], center);
+		for (uint32_t a = 0; a < 2 && t->out->uv; a++)
+			t->out->uv[6 * (size_t)written + 2 * k + a] = uv ? (float)uv[2 * corner[k] + a] / ECO_UV_ONE : 0;
+	}
+}
+
+static void put_line(const struct target *t, uint32_t written, const int32_t *position, const int32_t *extra, const double center[3])
+{
+	for (uint32_t k = 0; k < 2; k++)
+		put_corner(t, t->out->position + 6 * (size_t)written + 3 * k, position + 3 * k, center);
+	if (t->out->width == NULL)
+		return;
+	uint32_t at = t->list->attributes & ECO_ATTR_COLOR ? 1 : 0;
+	double width = t->list->attributes & ECO_ATTR_WIDTH && extra ? extra[at] * t->list->grid_step[0] : 0;
+	t->out->width[written] = (float)(width * t->edge);
+}
+
+uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
+	float scale, struct lod_geometry *out)
+{
+	struct target t = { list, elements, out, scale == 1 ? 1 : sqrt((double)scale) };
+	uint32_t primitive = 0, written = 0;
+	size_t corner = 0;
+	assert(first <= end && end <= elements->primitive_count);
+	for (uint32_t e = 0; e < elements->element_count && primitive < end; e++) {
+		uint32_t corners = elements->corners[e], count = corners < 3 ? 1 : corners - 2;
+		const int32_t *position = elements->position + 3 * corner, *uv = elements->uv ? elements->uv + 2 * corner : NULL;
+		const int32_t *extra = elements->extra ? elements->extra + (size_t)elements->extra_count * e : NULL;
+		double center[3] = { 0, 0, 0 };
+		if (primitive + count > first && corners > 1 && t.edge != 1)
+			find_center(&t, position, corners, center);
+		for (uint32_t i = 0; i < count; i++, primitive++) {
+			if (primitive < first || primitive >= end)
+				continue;
+			if (corners == 1)
+				put_corner(&(struct target){ list, elements, out, 1 }, out->position + 3 * (size_t)written, position, center);
+			else if (corners == 2)
+				put_line(&t, written, position, extra, center);
+			else
+				put_triangle(&t, written, position, uv, i, center);
+			if (out->color)
+				out->color[written] = list->attributes & ECO_ATTR_COLOR && extra ? extra[0] : -1;
+			written++;
+		}
+		corner += corners;
+	}
+	return written;
+}

@@ -1,0 +1,25 @@
+/* Which element of a plant is worth most: Neubert 2011, section 3, the combined order.
+ *
+ * Elements are balls of a density field (equation 5, with the clamp that the print leaves out) of radius 5 % of the plant's height.
+ * Orientation: an element facing along the field's gradient at the nearest point of the iso-surface survives longer. Density: thin
+ * dense regions out first, until density is even; there stochastic order takes over. Both in [0,1], combined as P = o^2 + d,
+ * normalised, with a little noise. */
+#ifndef LOD_ORDER_H
+#define LOD_ORDER_H
+
+#include <stdint.h>
+
+#include "lod/arena.h"
+#include "lod/vector.h"
+
+struct lod_order_input {
+	uint32_t count;
+	const struct lod_v3 *center, *normal;    /* metres; any length, zero normals face nowhere */
+	double height;               /* of the plant, metres */
+	uint32_t seed;
+};
+
+/* Fills survival[0..count) with values in [0, 1.05): higher is kept longer. Linear in elements. */
+void lod_order_survival(double *survival, const struct lod_order_input *input, struct lod_arena *arena);
+
+#endif

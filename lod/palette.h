@@ -1,0 +1,24 @@
+/* Up to 64 colours for a whole plant: exactly its colours where they are few, else by median cut. Integers only. */
+#ifndef LOD_PALETTE_H
+#define LOD_PALETTE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "lod/arena.h"
+
+#define LOD_PALETTE_MAX 64u
+
+struct lod_palette {
+	uint32_t count;
+	uint8_t rgb[LOD_PALETTE_MAX][3];
+	uint16_t bin[32768];         /* by the upper five bits of red, green, blue: the entry that stands for it */
+	bool exact;
+};
+
+/* weights[i] says how often colour i is used (0 counts as 1). */
+void lod_palette_make(struct lod_palette *palette, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
+	struct lod_arena *arena);
+uint32_t lod_palette_index(const struct lod_palette *palette, const uint8_t rgb[3]);
+
+#endif
