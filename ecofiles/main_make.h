@@ -1,0 +1,88 @@
+/* From a scene source to a pack.
+ *
+ *   sources     eco_sources_load: the scene file and what it nests, each once
+ *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
+ *   ground      eco_ground_import, brought to the pack's grid
+ *   places      instances and inventories, put on the ground, scaled to their heights             main_make_places.c
+ *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c
+ *   commit      tables, META, rename                                                              main_make_meta.c
+ *
+ * Everything up to the commit is deterministic and independent of the number of threads. */
+#ifndef ECO_MAIN_MAKE_H
+#define ECO_MAIN_MAKE_H
+
+#include "ecofiles/ground.h"
+#include "ecofiles/pack.h"
+#include "ecofiles/scene.h"
+#include "lod/plant.h"
+#include "lod/tile.h"
+
+struct make_options {
+	const char *scene, *pack;
+	uint32_t jobs;               /* threads; 0: as many as there are processors */
+};
+
+/* Builds options->pack. On failure the target is untouched. */
+enum eco_code make_pack(const struct make_options *options, struct eco_error *error);
+
+/* ---- Inside ---- */
+
+struct make_png { uint8_t *bytes; size_t size; };
+
+struct make_plant {              /* a model as it will be in the pack */
+	const struct eco_source_plant *source;   /* the first that asked for it */
+	char *path;                  /* of the model, canonical */
+	char name[64];
+	uint32_t palette_first;      /* in the scene's palette */
+	struct lod_plant built;
+	struct make_png *images;     /* one per built.images */
+	bool cutout;
+	double reach, low, high;     /* body: within reach of the axis, z from low to high */
+	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
+};
+
+struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };
+
+struct make_eco {                /* an eco file with its places, tiled */
+	struct make_place *places;   uint32_t place_count, place_capacity;
+	struct lod_tile_item *items; uint32_t item_count;        /* places, then nested eco files */
+	struct lod_tiles tiles;
+	uint32_t tile_first;
+	double smallest_m;           /* height of the smallest plant in it, nested ones too; INFINITY if there are none */
+	uint64_t instances;          /* nested ones too */
+	uint64_t rows;
+	struct eco_skipped skipped[ECO_SKIP_COUNT];
+};
+
+struct make_array { void *items; uint64_t count, capacity; };
+
+struct make {
+	const struct make_options *options;
+	struct eco_error *error;
+	struct eco_sources sources;
+	struct make_plant *plants;   uint32_t plant_count;
+	uint32_t **plant_of;         /* [source][plant of the source] */
+	struct eco_ground ground;    bool has_ground;
+	struct make_eco *ecos;       /* per source */
+	struct eco_pack_writer *writer;
+	/* the scene's tables as they grow */
+	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
+	struct eco_plant *table;     /* per plant */
+	struct eco_scene scene;
+};
+
+/* Room for one more record; NULL without memory (and m->error says so). */
+void *make_append(struct make *m, struct make_array *array, size_t size);
+
+/* Adds to the pack and to m->lists. */
+enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
+	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
+
+enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
+void make_plants_free(struct make *m);
+enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
+void make_places_free(struct make *m);
+enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
+enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);
+
+#endif

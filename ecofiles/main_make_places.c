@@ -1,0 +1,180 @@
+/* Where plants stand: instances of the scene files and rows of inventories, put on the ground and scaled to their heights. */
+#include "ecofiles/main_make.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/main_progress.h"
+#include "ecofiles/turn.h"
+
+#define SCALE_LEAST (1.0 / 4096)
+#define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
+#define PLACES_MAX 500000000u
+
+static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
+{
+	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights must be within 1/4096 and 4000 times "
+			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
+			(double)m->plants[place->plant].built.plant.height_m);
+	if (eco->place_count == eco->place_capacity) {
+		uint64_t wanted = eco->place_capacity ? 2ull * eco->place_capacity : 256;
+		struct make_place *bigger = wanted <= PLACES_MAX ? realloc(eco->places, wanted * sizeof *bigger) : NULL;
+		if (!bigger)
+			return eco_fail(m->error, wanted > PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
+				"no room for %llu plants in one eco file; nest eco files instead", (unsigned long long)wanted);
+		eco->places = bigger;
+		eco->place_capacity = (uint32_t)wanted;
+	}
+	eco->places[eco->place_count++] = *place;
+	return ECO_OK;
+}
+
+static double on_ground(const struct make *m, uint32_t source, const double at[3])
+{
+	double z = 0;
+	if (source == 0 && m->has_ground)
+		eco_ground_height(&m->ground, at[0], at[1], &z);
+	return at[2] + z;
+}
+
+/* NaN: no height is asked for. */
+static double scale_for(const struct make *m, uint32_t plant, double scale, double height_m)
+{
+	return isnan(height_m) ? scale : scale * height_m / m->plants[plant].built.plant.height_m;
+}
+
+static enum eco_code place_instances(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	for (uint32_t i = 0; i < s->instance_count; i++) {
+		const struct eco_source_instance *instance = &s->instances[i];
+		uint32_t plant = m->plant_of[source][instance->plant];
+		struct make_place place = { .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
+			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant, .turn = eco_turn_from_deg(instance->yaw_deg) };
+		enum eco_code code = add_place(m, &m->ecos[source], &place);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
+{
+	struct eco_position row;
+	for (uint64_t i = 0;; i++) {
+		enum eco_code code = eco_positions_next(reader, &row, m->error);
+		if (code || row.plant == ECO_NONE)
+			return code;
+		uint32_t plant = m->plant_of[source][row.plant];
+		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
+			.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+		code = add_place(m, &m->ecos[source], &place);
+		if (code)
+			return code;
+		if (i % 4096 == 0 && !main_progress("reading positions", path, 0))
+			return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	}
+}
+
+static enum eco_code place_rows(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	struct eco_frame frame = { .crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	for (uint32_t i = 0; i < s->positions_count; i++) {
+		struct eco_positions *reader = NULL;
+		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
+		if (code)
+			return code;
+		code = read_rows(m, source, reader, s->positions[i].path);
+		uint64_t rows = 0;
+		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
+		eco->rows += rows;
+		for (int k = 0; k < ECO_SKIP_COUNT; k++) {
+			if (skipped[k].count && !eco->skipped[k].count)
+				eco->skipped[k] = skipped[k];
+			else
+				eco->skipped[k].count += skipped[k].count;
+			if (skipped[k].count && !code)
+				main_note("%s: %llu rows %s: %s (first in line %llu: \"%s\")", s->positions[i].path,
+					(unsigned long long)skipped[k].count, k == ECO_SKIP_NO_HEIGHT ? "keep the plant's own height" : "left out",
+					eco_skip_names[k], (unsigned long long)skipped[k].first_line, skipped[k].first_text);
+		}
+		eco_positions_close(reader);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+/* Things to be tiled: the places, then nested eco files with the bounds of theirs (which are tiled before). */
+static enum eco_code gather_items(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	uint64_t count = (uint64_t)eco->place_count + s->child_count;
+	eco->items = count < ECO_NONE ? calloc(count + 1, sizeof *eco->items) : NULL;
+	if (!eco->items)
+		return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
+	eco->item_count = (uint32_t)count;
+	eco->smallest_m = INFINITY;
+	eco->instances = eco->place_count;
+	for (uint32_t i = 0; i < eco->place_count; i++) {
+		const struct make_place *p = &eco->places[i];
+		const struct make_plant *plant = &m->plants[p->plant];
+		struct lod_tile_item *item = &eco->items[i];
+		*item = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
+			.plant = p->plant, .index = i };
+		memcpy(item->at, p->at, sizeof item->at);
+		eco->smallest_m = fmin(eco->smallest_m, p->scale * plant->built.plant.height_m);
+	}
+	for (uint32_t i = 0; i < s->child_count; i++) {
+		const struct eco_source_child *child = &s->children[i];
+		const struct make_eco *nested = &m->ecos[child->source];
+		const struct lod_tile_node *root = &nested->tiles.nodes[0];
+		double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+		struct lod_tile_item *item = &eco->items[eco->place_count + i];
+		*item = (struct lod_tile_item){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) },
+			.reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2], .above = child->scale * root->high[2],
+			.plant = ECO_NONE, .index = i };
+		eco->smallest_m = fmin(eco->smallest_m, child->scale * nested->smallest_m);
+		if (__builtin_add_overflow(eco->instances, nested->instances, &eco->instances))
+			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
+	}
+	return ECO_OK;
+}
+
+enum eco_code make_places(struct make *m)
+{
+	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
+	if (!m->ecos)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u eco files", m->sources.count);
+	/* nested files come after those that nest them, and are needed first */
+	for (uint32_t s = m->sources.count; s-- > 0;) {
+		enum eco_code code = place_instances(m, s);
+		if (!code)
+			code = place_rows(m, s);
+		if (!code)
+			code = gather_items(m, s);
+		if (!code)
+			code = lod_tiles_build(&m->ecos[s].tiles, m->ecos[s].items, m->ecos[s].item_count, m->sources.items[s].tile_instances, m->error);
+		if (code)
+			return code;
+	}
+	if (m->ecos[0].instances == 0)
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",
+			m->sources.items[0].path);
+	return ECO_OK;
+}
+
+void make_places_free(struct make *m)
+{
+	for (uint32_t s = 0; m->ecos && s < m->sources.count; s++) {
+		free(m->ecos[s].places);
+		free(m->ecos[s].items);
+		lod_tiles_free(&m->ecos[s].tiles);
+	}
+	free(m->ecos);
+}

@@ -1,0 +1,395 @@
+/* Models become plants, several at a time. A model that eco files name with the same path, height and importances is one plant. */
+#include "ecofiles/main_make.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/image.h"
+#include "ecofiles/main_progress.h"
+
+#define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
+
+/* ---- Which plants there are ---- */
+
+static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source, const char *path)
+{
+	return strcmp(plant->path, path) == 0 && plant->source->height_m == source->height_m
+		&& memcmp(plant->source->importance, source->importance, sizeof source->importance) == 0;
+}
+
+/* Names are for people; those of different plants should differ. */
+static void name_plant(struct make *m, struct make_plant *plant)
+{
+	const struct eco_source_plant *s = plant->source;
+	char name[64];
+	if (s->variant_count > 1)
+		snprintf(name, sizeof name, "%.58s-%u", s->name, s->variant + 1);
+	else
+		snprintf(name, sizeof name, "%s", s->name);
+	for (uint32_t i = 0; i < m->plant_count; i++) {
+		if (&m->plants[i] != plant && strcmp(m->plants[i].name, name) == 0) {
+			snprintf(plant->name, sizeof plant->name, "%.54s#%u", name, (unsigned)(plant - m->plants));
+			return;
+		}
+	}
+	memcpy(plant->name, name, sizeof name);
+}
+
+static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, uint32_t *found)
+{
+	char *path = realpath(source->model, NULL);
+	if (!path)
+		path = strdup(source->model);
+	if (!path)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	for (*found = 0; *found < m->plant_count; ++*found) {
+		if (same_plant(&m->plants[*found], source, path)) {
+			free(path);
+			return ECO_OK;
+		}
+	}
+	struct make_plant *plant = &m->plants[m->plant_count++];
+	*plant = (struct make_plant){ .source = source, .path = path };
+	name_plant(m, plant);
+	return ECO_OK;
+}
+
+static enum eco_code find_plants(struct make *m)
+{
+	size_t most = 0;
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		most += m->sources.items[s].plant_count;
+	m->plants = calloc(most + 1, sizeof *m->plants);
+	m->plant_of = calloc(m->sources.count, sizeof *m->plant_of);
+	if (!m->plants || !m->plant_of)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %zu plants", most);
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		const struct eco_source *source = &m->sources.items[s];
+		m->plant_of[s] = calloc(source->plant_count + 1u, sizeof **m->plant_of);
+		if (!m->plant_of[s])
+			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants", source->plant_count);
+		for (uint32_t i = 0; i < source->plant_count; i++) {
+			enum eco_code code = find_plant(m, &source->plants[i], &m->plant_of[s][i]);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+/* ---- Building, in threads ---- */
+
+struct work {
+	struct make *m;
+	pthread_mutex_t lock;
+	uint32_t next, done;
+	double *share;               /* per plant */
+	uint32_t failed;             /* lowest plant that failed; its error is the one that is told */
+	struct eco_error error;
+	bool stop;
+};
+
+struct job { struct work *work; uint32_t plant; double from, to; };
+
+/* Parts of a plant's time, as a rule. */
+#define IMPORTED 0.08
+#define BUILT 0.35
+
+static bool tell(void *ctx, double share)
+{
+	struct job *job = ctx;
+	struct work *work = job->work;
+	char detail[128];
+	double sum = 0;
+	pthread_mutex_lock(&work->lock);
+	work->share[job->plant] = job->from + (job->to - job->from) * share;
+	for (uint32_t i = 0; i < work->m->plant_count; i++)
+		sum += work->share[i];
+	snprintf(detail, sizeof detail, "%s (%u of %u)", work->m->plants[job->plant].name, work->done + 1, work->m->plant_count);
+	bool go = !work->stop;
+	pthread_mutex_unlock(&work->lock);
+	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
+}
+
+static enum eco_code keep_images(struct make_plant *plant, const struct eco_model *model, struct eco_error *error)
+{
+	plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
+	if (!plant->images)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->path);
+	for (uint32_t i = 0; i < plant->built.image_count; i++) {
+		uint32_t id = plant->built.images[i];
+		const struct eco_image *image = &model->images[id];
+		enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
+			&plant->images[i].bytes, &plant->images[i].size, error);
+		if (code)
+			return code;
+		for (uint32_t k = 0; k < model->material_count; k++)
+			plant->cutout = plant->cutout || (model->materials[k].image == id && model->materials[k].cutout);
+	}
+	return ECO_OK;
+}
+
+/* How far the plant's body reaches from its axis and up, from what is stored of it. */
+static void measure_body(struct make_plant *plant)
+{
+	double square = 0, low = 0, high = 0, wide = 0;
+	for (uint32_t i = 0; i < plant->built.list_count; i++) {
+		const struct eco_list *list = &plant->built.lists[i].list;
+		const struct eco_elements *e = &plant->built.lists[i].elements;
+		for (uint32_t c = 0; c < e->corner_count; c++) {
+			double p[3];
+			for (int axis = 0; axis < 3; axis++)
+				p[axis] = list->grid_origin[axis] + list->grid_step[axis] * e->position[3 * (size_t)c + (size_t)axis];
+			square = fmax(square, p[0] * p[0] + p[1] * p[1]);
+			low = fmin(low, p[2]);
+			high = fmax(high, p[2]);
+		}
+		wide = fmax(wide, fmax(list->grid_step[0], list->grid_step[2]));
+	}
+	plant->reach = sqrt(square) + wide;
+	plant->low = low - wide;
+	plant->high = high + wide;
+}
+
+static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->path, text); }
+
+static enum eco_code build_plant(struct job *job, struct eco_error *error)
+{
+	struct make_plant *plant = &job->work->m->plants[job->plant];
+	struct eco_model model = { 0 };
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .ctx = job };
+	memcpy(options.importance, plant->source->importance, sizeof options.importance);
+	job->from = 0;
+	job->to = IMPORTED;
+	if (!tell(job, 0))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	enum eco_code code = eco_model_import(&model,
+		&(struct eco_model_options){ .path = plant->source->model, .height_m = plant->source->height_m,
+			.warn = warn, .ctx = plant }, error);
+	if (code)
+		return code;
+	plant->triangles_in = model.triangles_in;
+	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
+	job->from = IMPORTED;
+	job->to = BUILT;
+	code = lod_plant_build(&plant->built, &model, &options, error);
+	job->from = BUILT;
+	job->to = 1;
+	if (!code)
+		code = lod_plant_measure(&plant->built, &model, &options, error);
+	if (!code)
+		code = keep_images(plant, &model, error);
+	if (!code)
+		measure_body(plant);
+	eco_model_free(&model);
+	return code;
+}
+
+static void *work_on(void *ctx)
+{
+	struct work *work = ctx;
+	for (;;) {
+		struct eco_error error = { 0 };
+		pthread_mutex_lock(&work->lock);
+		struct job job = { .work = work, .plant = work->next };
+		bool more = !work->stop && work->next < work->m->plant_count;
+		work->next += more;
+		pthread_mutex_unlock(&work->lock);
+		if (!more)
+			return NULL;
+		enum eco_code code = build_plant(&job, &error);
+		pthread_mutex_lock(&work->lock);
+		work->done++;
+		work->share[job.plant] = 1;
+		if (code) {
+			work->stop = true;
+			if (job.plant < work->failed) {
+				work->failed = job.plant;
+				work->error = error;
+			}
+		}
+		pthread_mutex_unlock(&work->lock);
+	}
+}
+
+static enum eco_code build_plants(struct make *m)
+{
+	long processors = sysconf(_SC_NPROCESSORS_ONLN);
+	uint32_t jobs = m->options->jobs ? m->options->jobs : processors > 0 ? (uint32_t)processors : 1, started = 0;
+	struct work work = { .m = m, .lock = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
+	pthread_t threads[64];
+	if (!work.share)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	jobs = jobs > 64 ? 64 : jobs > m->plant_count ? m->plant_count : jobs;
+	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
+		started++;
+	work_on(&work);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(threads[i], NULL);
+	free(work.share);
+	/* an interruption that made others stop must not hide what went wrong, nor the other way round */
+	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
+}
+
+/* ---- Packing ---- */
+
+struct packing { struct make *m; uint32_t id; uint32_t *lists, *images; };
+
+static enum eco_code pack_images(struct packing *p)
+{
+	struct make_plant *plant = &p->m->plants[p->id];
+	for (uint32_t i = 0; i < plant->built.image_count; i++) {
+		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id, .plant = ECO_NONE, .image = ECO_NONE,
+			.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes, plant->images[i].size, &p->images[i],
+			p->m->error);
+		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
+		if (!stored)
+			return code ? code : ECO_NO_MEMORY;
+		*stored = *eco_pack_list(p->m->writer, p->images[i]);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code pack_list(struct packing *p, uint32_t i)
+{
+	struct make_plant *plant = &p->m->plants[p->id];
+	const struct lod_list_draft *draft = &plant->built.lists[i];
+	struct eco_list list = draft->list;
+	list.owner = p->id;
+	list.plant = ECO_NONE;
+	list.palette_first += list.palette_count ? plant->palette_first : 0;
+	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
+	const struct eco_elements *partner = NULL;
+	if (list.partner != ECO_NONE) {
+		partner = &plant->built.lists[list.partner].elements;
+		list.partner = p->lists[list.partner];
+	}
+	return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, partner, &p->lists[i]);
+}
+
+/* Partners before those that stand for them. */
+static enum eco_code pack_lists(struct packing *p)
+{
+	const struct lod_plant *built = &p->m->plants[p->id].built;
+	for (int paired = 0; paired < 2; paired++) {
+		for (uint32_t i = 0; i < built->list_count; i++) {
+			if ((built->lists[i].list.partner != ECO_NONE) != (paired == 1))
+				continue;
+			enum eco_code code = pack_list(p, i);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
+
+static enum eco_code pack_tables(struct packing *p)
+{
+	struct make *m = p->m;
+	const struct lod_plant *built = &m->plants[p->id].built;
+	struct eco_plant *plant = &m->table[p->id];
+	*plant = built->plant;
+	plant->anchor_first = (uint32_t)m->anchors.count;
+	plant->ladder_first = (uint32_t)m->ladders.count;
+	plant->ladder_count = built->ladder_count;
+	uint32_t curve_first = (uint32_t)m->curves.count;
+	for (uint32_t i = 0; i < built->plant.anchor_count; i++) {
+		struct eco_anchor *anchor = make_append(m, &m->anchors, sizeof *anchor);
+		if (!anchor)
+			return ECO_NO_MEMORY;
+		*anchor = built->anchors[i];
+	}
+	for (uint32_t i = 0; i < built->curve_count; i++) {
+		struct eco_curve *curve = make_append(m, &m->curves, sizeof *curve);
+		if (!curve)
+			return ECO_NO_MEMORY;
+		*curve = built->curves[i];
+	}
+	for (uint32_t i = 0; i < built->ladder_count; i++) {
+		struct eco_ladder *ladder = make_append(m, &m->ladders, sizeof *ladder);
+		if (!ladder)
+			return ECO_NO_MEMORY;
+		*ladder = built->ladders[i];
+		ladder->plant = p->id;
+		ladder->anchor += plant->anchor_first;
+		ladder->points = moved(p->lists, ladder->points);
+		ladder->lines = moved(p->lists, ladder->lines);
+		ladder->triangles = moved(p->lists, ladder->triangles);
+		ladder->curve_first += curve_first;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code pack_plant(struct make *m, uint32_t id)
+{
+	struct make_plant *plant = &m->plants[id];
+	const struct lod_plant *built = &plant->built;
+	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists), calloc(built->image_count + 1u, sizeof *p.images) };
+	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory", plant->name);
+	plant->palette_first = (uint32_t)m->palette.count;
+	for (uint32_t i = 0; i < built->palette_count && !code; i++) {
+		uint8_t (*color)[3] = make_append(m, &m->palette, sizeof *color);
+		if (!color)
+			code = ECO_NO_MEMORY;
+		else
+			memcpy(*color, built->palette[i], sizeof *color);
+	}
+	if (!code && m->palette.count > COLORS_MAX)
+		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; use fewer models, or split the scene",
+			plant->name, COLORS_MAX);
+	if (!code)
+		code = pack_images(&p);
+	if (!code)
+		code = pack_lists(&p);
+	if (!code)
+		code = pack_tables(&p);
+	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
+	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
+	m->scene.needs |= built->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
+	free(p.lists);
+	free(p.images);
+	return code;
+}
+
+enum eco_code make_plants(struct make *m)
+{
+	enum eco_code code = find_plants(m);
+	if (!code)
+		code = build_plants(m);
+	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
+	if (!code && !m->table)
+		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	for (uint32_t i = 0; i < m->plant_count && !code; i++) {
+		if (!main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count))
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		else
+			code = pack_plant(m, i);
+	}
+	m->scene.plants = m->table;
+	m->scene.plant_count = m->plant_count;
+	return code;
+}
+
+void make_plants_free(struct make *m)
+{
+	for (uint32_t i = 0; i < m->plant_count; i++) {
+		struct make_plant *plant = &m->plants[i];
+		for (uint32_t k = 0; plant->images && k < plant->built.image_count; k++)
+			free(plant->images[k].bytes);
+		free(plant->images);
+		free(plant->path);
+		lod_plant_free(&plant->built);
+	}
+	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
+		free(m->plant_of[s]);
+	free(m->plant_of);
+	free(m->plants);
+	free(m->table);
+}

@@ -1,0 +1,284 @@
+/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of ids; then summaries. */
+#include "ecofiles/main_make.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/bytes.h"
+#include "ecofiles/main_progress.h"
+#include "ecofiles/turn.h"
+#include "lod/summary.h"
+
+#define POOL_POINTS 2048u
+#define SUMMARY_CHUNK 256u       /* a far tile asks for few points: its first chunk must be small */
+
+/* ---- Instance lists ---- */
+
+/* A grid as fine as 1/8192 of the smallest plant's height; its origin is one of its points in the scene's own grid of that step, so a
+ * plant at [0, 0, 0] stands there exactly. */
+static void instance_grid(const struct make *m, const struct make_eco *eco, const uint32_t *items, uint32_t count, struct eco_list *list)
+{
+	double low[3], high[3], height = INFINITY, extent = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		const struct make_place *p = &eco->places[eco->items[items[k]].index];
+		height = fmin(height, p->scale * m->plants[p->plant].built.plant.height_m);
+		for (int i = 0; i < 3; i++) {
+			low[i] = k ? fmin(low[i], p->at[i]) : p->at[i];
+			high[i] = k ? fmax(high[i], p->at[i]) : p->at[i];
+			extent = fmax(extent, high[i] - low[i]);
+		}
+	}
+	double step = lod_power_below(fmax(height / 8192, 1e-9));
+	while (extent / step > 1 << 27)          /* what a chunk can say */
+		step *= 2;
+	for (int i = 0; i < 3; i++) {
+		list->grid_step[i] = step;
+		list->grid_origin[i] = floor(low[i] / step) * step + 0.0;
+	}
+}
+
+static void write_place(struct eco_writer *w, const int32_t position[3], const int32_t extra[2])
+{
+	for (int i = 0; i < 3; i++)
+		eco_write_u32(w, (uint32_t)position[i]);
+	eco_write_u16(w, (uint16_t)extra[0]);
+	eco_write_u16(w, 0);
+	eco_write_u32(w, (uint32_t)extra[1]);
+}
+
+static bool append_bytes(struct make *m, const struct eco_writer *w)
+{
+	struct make_array *places = &m->places;
+	if (w->failed)
+		return false;
+	if (places->count + w->size > places->capacity) {
+		uint64_t wanted = 2 * (places->count + w->size);
+		void *bigger = realloc(places->items, wanted);
+		if (!bigger)
+			return false;
+		places->items = bigger;
+		places->capacity = wanted;
+	}
+	memcpy((uint8_t *)places->items + places->count, w->bytes, w->size);
+	places->count += w->size;
+	return true;
+}
+
+/* Items [0, count) of one plant in one leaf: their list, its twin in the places, and the group. */
+static enum eco_code add_group(struct make *m, const struct make_eco *eco, uint32_t tile, const uint32_t *items, uint32_t count)
+{
+	uint32_t plant = eco->items[items[0]].plant, list_id, end_count = 0, ends[512];
+	struct eco_list list = { .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE, .owner = tile, .plant = plant,
+		.image = ECO_NONE, .partner = ECO_NONE };
+	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count, .extra_count = 2,
+		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count), .extra = malloc(2 * sizeof(int32_t) * count) };
+	struct eco_writer twin = { 0 };
+	instance_grid(m, eco, items, count, &list);
+	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
+	for (uint32_t k = 0; k < count && !code; k++) {
+		const struct make_place *p = &eco->places[eco->items[items[k]].index];
+		e.corners[k] = 1;
+		for (size_t i = 0; i < 3; i++)
+			e.position[3 * (size_t)k + i] = (int32_t)floor((p->at[i] - list.grid_origin[i]) / list.grid_step[i] + 0.5);
+		e.extra[2 * (size_t)k] = p->turn;
+		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
+		write_place(&twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
+	}
+	for (uint32_t end = 0; end < count && end_count < 512;)
+		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX : count;
+	struct eco_group *group = code ? NULL : make_append(m, &m->groups, sizeof *group);
+	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
+	if (!group || !append_bytes(m, &twin))
+		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u instances", count);
+	if (!code)
+		code = make_add_list(m, &list, &e, ends, end_count, NULL, &list_id);
+	if (!code)
+		*group = (struct eco_group){ tile, plant, list_id, place_first };
+	eco_writer_free(&twin);
+	eco_elements_free(&e);
+	return code;
+}
+
+/* ---- Tables ---- */
+
+static enum eco_code add_child(struct make *m, const struct eco_child *child)
+{
+	struct eco_child *added = make_append(m, &m->children, sizeof *added);
+	if (!added)
+		return ECO_NO_MEMORY;
+	*added = *child;
+	return ECO_OK;
+}
+
+static enum eco_code add_nested(struct make *m, uint32_t source, const struct lod_tile_item *item)
+{
+	const struct eco_source_child *child = &m->sources.items[source].children[item->index];
+	m->scene.needs |= ECO_NEED_PLACEMENTS;
+	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
+		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg), .scale = (float)child->scale });
+}
+
+/* A leaf's items lie plant by plant, nested eco files (ECO_NONE) last. */
+static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
+{
+	const struct make_eco *eco = &m->ecos[source];
+	const uint32_t *order = eco->tiles.order + node->item_first;
+	for (uint32_t first = 0, end; first < node->item_count; first = end) {
+		const struct lod_tile_item *item = &eco->items[order[first]];
+		enum eco_code code;
+		for (end = first + 1; item->plant != ECO_NONE && end < node->item_count && eco->items[order[end]].plant == item->plant;)
+			end++;
+		code = item->plant == ECO_NONE ? add_nested(m, source, item) : add_group(m, eco, id, order + first, end - first);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
+{
+	const struct make_eco *eco = &m->ecos[source];
+	const struct lod_tile_node *node = &eco->tiles.nodes[index];
+	uint32_t id = eco->tile_first + index;
+	struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
+	enum eco_code code = ECO_OK;
+	if (!tile)
+		return ECO_NO_MEMORY;
+	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->groups.count, .child_first = (uint32_t)m->children.count };
+	memcpy(tile->low, node->low, sizeof tile->low);
+	memcpy(tile->high, node->high, sizeof tile->high);
+	for (uint32_t i = 0; i < node->child_count && !code; i++)
+		code = add_child(m, &(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
+	if (!code && node->child_count == 0)
+		code = add_leaf(m, source, node, id);
+	tile = (struct eco_tile *)m->tiles.items + id;
+	tile->group_count = (uint32_t)m->groups.count - tile->group_first;
+	tile->child_count = (uint32_t)m->children.count - tile->child_first;
+	return code;
+}
+
+static enum eco_code add_tiles(struct make *m)
+{
+	uint64_t total = 0, done = 0;
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		m->ecos[s].tile_first = (uint32_t)total;
+		total += m->ecos[s].tiles.node_count;
+	}
+	if (total >= ECO_NONE / 4)
+		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files", (unsigned long long)total);
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++, done++) {
+			enum eco_code code = add_tile(m, s, i);
+			if (!code && !main_progress("packing instances", NULL, (double)done / (double)total))
+				code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+static void refer(struct make *m)
+{
+	struct eco_scene *s = &m->scene;
+	s->anchors = m->anchors.items;
+	s->anchor_count = (uint32_t)m->anchors.count;
+	s->ladders = m->ladders.items;
+	s->ladder_count = (uint32_t)m->ladders.count;
+	s->curves = m->curves.items;
+	s->curve_count = (uint32_t)m->curves.count;
+	s->tiles = m->tiles.items;
+	s->tile_count = (uint32_t)m->tiles.count;
+	s->groups = m->groups.items;
+	s->group_count = (uint32_t)m->groups.count;
+	s->children = m->children.items;
+	s->child_count = (uint32_t)m->children.count;
+	s->lists = m->lists.items;
+	s->list_count = (uint32_t)m->lists.count;
+	s->palette = m->palette.items;
+	s->palette_count = (uint32_t)m->palette.count;
+	s->places = m->places.items;
+	s->place_count = m->places.count / ECO_PLACE_BYTES;
+}
+
+/* From the leaves up: children have greater ids. */
+static void add_up(struct make *m)
+{
+	const struct eco_scene *s = &m->scene;
+	struct eco_tile *tiles = m->tiles.items;
+	for (uint32_t id = s->tile_count; id-- > 0;) {
+		struct eco_tile *t = &tiles[id];
+		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
+			const struct eco_group *group = &s->groups[g];
+			uint32_t count = s->lists[group->list].primitive_count;
+			t->instance_count += count;
+			for (uint32_t i = 0; i < count; i++) {
+				double scale = eco_place_read(s, group->place_first + i).scale / 65536.0;
+				t->area += s->plants[group->plant].area * scale * scale;
+			}
+		}
+		for (uint32_t c = t->child_first; c < t->child_first + t->child_count; c++) {
+			const struct eco_child *child = &s->children[c];
+			t->instance_count += tiles[child->tile].instance_count;
+			t->area += tiles[child->tile].area * child->scale * child->scale;
+		}
+	}
+}
+
+/* ---- Summaries ---- */
+
+static enum eco_code add_summary(struct make *m, uint32_t tile, const struct lod_pool *pools)
+{
+	struct eco_tile *tiles = m->tiles.items;
+	struct lod_summary summary;
+	struct eco_list list;
+	struct eco_elements elements;
+	uint32_t ends[64];
+	refer(m);
+	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &m->scene, .pools = pools, .tile = tile,
+		.count = lod_summary_count(&tiles[tile]), .seed = 1 }, m->error);
+	if (code || summary.count == 0) {
+		free(summary.points);
+		return code;
+	}
+	code = lod_summary_list(&summary, &m->scene, tile, m->scene.palette_count, &list, &elements, m->error);
+	free(summary.points);
+	if (code)
+		return code;
+	uint32_t end_count = eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64);
+	code = make_add_list(m, &list, &elements, ends, end_count, NULL, &tiles[tile].summary);
+	eco_elements_free(&elements);
+	m->scene.needs |= ECO_NEED_SUMMARIES;
+	return code;
+}
+
+static enum eco_code add_summaries(struct make *m)
+{
+	struct lod_pool *pools = calloc(m->plant_count + 1u, sizeof *pools);
+	enum eco_code code = pools ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
+	for (uint32_t i = 0; i < m->plant_count && !code; i++)
+		code = lod_pool_make(&pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS, m->error);
+	for (uint32_t tile = 0; tile < m->tiles.count && !code; tile++) {
+		if (!main_progress("summing up tiles", NULL, (double)tile / (double)m->tiles.count))
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		else
+			code = add_summary(m, tile, pools);
+	}
+	for (uint32_t i = 0; pools && i < m->plant_count; i++)
+		lod_pool_free(&pools[i]);
+	free(pools);
+	return code;
+}
+
+enum eco_code make_tiles(struct make *m)
+{
+	enum eco_code code = add_tiles(m);
+	if (code)
+		return code;
+	refer(m);
+	add_up(m);
+	code = m->palette.count ? add_summaries(m) : ECO_OK;
+	refer(m);
+	return code;
+}
