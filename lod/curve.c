@@ -49,7 +49,8 @@ struct organ_curve {                 /* ladders that share one curve */
 
 /* ---- 2^(step/8) ---- */
 
-static double scale_of(double step) {
+static double scale_of(double step)
+{
 	static const double eighths[9] = { 1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
 		1.5422108254079408, 1.681792830507429, 1.8340080864093424, 2 };
 	double scale = 0.25;
@@ -64,26 +65,31 @@ static double scale_of(double step) {
 
 /* ---- Drawing a share ---- */
 
-static const struct eco_ladder *member(const struct organ_curve *curve, uint32_t i) {
+static const struct eco_ladder *member(const struct organ_curve *curve, uint32_t i)
+{
 	return &curve->probe->plant->ladders[curve->members[i]];
 }
 
-static uint64_t primitives(const struct organ_curve *curve, uint32_t list) {
+static uint64_t primitives(const struct organ_curve *curve, uint32_t list)
+{
 	return list == ECO_NONE ? 0 : curve->probe->lists[list].primitive_count;
 }
 
 /* The list of a ladder's first stage. */
-static uint32_t first_list(const struct organ_curve *curve, const struct eco_ladder *ladder) {
+static uint32_t first_list(const struct organ_curve *curve, const struct eco_ladder *ladder)
+{
 	return primitives(curve, ladder->points) ? ladder->points : primitives(curve, ladder->lines) ? ladder->lines : ladder->triangles;
 }
 
 /* Share of the organ's vertices that all of the first stage is. */
-static double first_stage_share(const struct organ_curve *curve) {
+static double first_stage_share(const struct organ_curve *curve)
+{
 	return (double)curve->unit * (double)curve->first_stage / (double)curve->full;
 }
 
 /* Vertices of one ladder where the first stage shows the density `density` of its region: what the whole plant's list does not. */
-static uint64_t first_stage_vertices(const struct organ_curve *curve, const struct eco_ladder *ladder, double density) {
+static uint64_t first_stage_vertices(const struct organ_curve *curve, const struct eco_ladder *ladder, double density)
+{
 	uint64_t all = primitives(curve, first_list(curve, ladder)), region = all + ladder->before;
 	if (ladder->total > region)
 		region = ladder->total;
@@ -93,7 +99,8 @@ static uint64_t first_stage_vertices(const struct organ_curve *curve, const stru
 }
 
 static enum eco_code add_member(const struct organ_curve *curve, const struct eco_ladder *ladder, double share, double scale,
-	struct eco_error *error) {
+	struct eco_error *error)
+{
 	struct lod_probe *probe = curve->probe;
 	double first_share = first_stage_share(curve);
 	double density = share < first_share ? share / first_share : 1;
@@ -116,7 +123,8 @@ static enum eco_code add_member(const struct organ_curve *curve, const struct ec
 	return code;
 }
 
-static enum eco_code draw(const struct organ_curve *curve, double share, double scale, struct eco_error *error) {
+static enum eco_code draw(const struct organ_curve *curve, double share, double scale, struct eco_error *error)
+{
 	enum eco_code code = ECO_OK;
 	lod_probe_clear(curve->probe);
 	for (uint32_t i = 0; i < curve->member_count && !code; i++)
@@ -128,7 +136,8 @@ static enum eco_code draw(const struct organ_curve *curve, double share, double 
 
 struct search { const struct organ_curve *curve; double share; uint32_t stride; double loss[STEPS]; };
 
-static enum eco_code loss_at(struct search *search, int step, double *loss, struct eco_error *error) {
+static enum eco_code loss_at(struct search *search, int step, double *loss, struct eco_error *error)
+{
 	double *known = &search->loss[step - STEP_LOW];
 	if (*known < 0) {
 		enum eco_code code = draw(search->curve, search->share, scale_of(step), error);
@@ -143,7 +152,8 @@ static enum eco_code loss_at(struct search *search, int step, double *loss, stru
 }
 
 /* Walks from *best in strides of `stride` while that lowers the loss. */
-static enum eco_code walk(struct search *search, int stride, int *best, struct eco_error *error) {
+static enum eco_code walk(struct search *search, int stride, int *best, struct eco_error *error)
+{
 	double least, loss;
 	enum eco_code code = loss_at(search, *best, &least, error);
 	for (int way = -1; way <= 1 && !code; way += 2) {
@@ -162,7 +172,8 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 }
 
 /* Vertex of the parabola through a step and its neighbours. */
-static enum eco_code refine(struct search *search, int best, double *step, struct eco_error *error) {
+static enum eco_code refine(struct search *search, int best, double *step, struct eco_error *error)
+{
 	double low, middle, high;
 	*step = best;
 	if (best == STEP_LOW || best == STEP_HIGH)
@@ -181,7 +192,8 @@ static enum eco_code refine(struct search *search, int best, double *step, struc
 }
 
 static enum eco_code best_step(const struct organ_curve *curve, struct sample *sample, double start, bool warm,
-	struct eco_error *error) {
+	struct eco_error *error)
+{
 	struct search search = { .curve = curve, .share = sample->share, .stride = curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
@@ -194,7 +206,8 @@ static enum eco_code best_step(const struct organ_curve *curve, struct sample *s
 
 /* ---- Which shares ---- */
 
-static void add_sample(struct organ_curve *curve, double share, bool scale_is_free) {
+static void add_sample(struct organ_curve *curve, double share, bool scale_is_free)
+{
 	struct sample *last = curve->sample_count ? &curve->samples[curve->sample_count - 1] : NULL;
 	scale_is_free &= share < 1;
 	if (!(share > 0 && share <= 1) || curve->sample_count == LOD_CURVE_SAMPLES_MAX || (last && !((float)share > (float)last->share)))
@@ -203,7 +216,8 @@ static void add_sample(struct organ_curve *curve, double share, bool scale_is_fr
 }
 
 /* Numbers of primitives from one element to all, four an octave, or fewer where that were too many. */
-static void sample_first_stage(struct organ_curve *curve) {
+static void sample_first_stage(struct organ_curve *curve)
+{
 	static const double factors[] = { 1.189207115002721, 1.2599210498948732, 1.4142135623730951, 2 };
 	double all = (double)curve->first_stage;
 	size_t f = 0;
@@ -224,7 +238,8 @@ static void sample_first_stage(struct organ_curve *curve) {
 }
 
 /* Beyond the first stage: along the blend, or where a level of the largest ladder begins. */
-static void sample_later_stages(struct organ_curve *curve) {
+static void sample_later_stages(struct organ_curve *curve)
+{
 	const struct eco_scene *scene = &curve->probe->scene;
 	double from = first_stage_share(curve);
 	if (curve->unit == 1) {
@@ -242,7 +257,8 @@ static void sample_later_stages(struct organ_curve *curve) {
 	add_sample(curve, 1, false);
 }
 
-static void choose_samples(struct organ_curve *curve) {
+static void choose_samples(struct organ_curve *curve)
+{
 	curve->sample_count = 0;
 	sample_first_stage(curve);
 	sample_later_stages(curve);
@@ -251,7 +267,8 @@ static void choose_samples(struct organ_curve *curve) {
 /* ---- Smoothing ---- */
 
 /* Twice [1 2 1]/4 over the samples whose scale is free; the samples are evenly spaced in log share but for the first few. */
-static void smooth_steps(struct organ_curve *curve) {
+static void smooth_steps(struct organ_curve *curve)
+{
 	uint32_t n = 0;
 	while (n < curve->sample_count && curve->samples[n].free)
 		n++;
@@ -266,7 +283,8 @@ static void smooth_steps(struct organ_curve *curve) {
 }
 
 /* Pool adjacent violators: the non-increasing sequence of errors nearest to the measured one. fp and fn keep their ratio. */
-static void make_monotone(struct organ_curve *curve) {
+static void make_monotone(struct organ_curve *curve)
+{
 	double mean[LOD_CURVE_SAMPLES_MAX], weight[LOD_CURVE_SAMPLES_MAX];
 	uint32_t ends[LOD_CURVE_SAMPLES_MAX], pools = 0;
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
@@ -295,7 +313,8 @@ static void make_monotone(struct organ_curve *curve) {
 
 /* ---- One curve ---- */
 
-static enum eco_code keep_reference(struct organ_curve *curve, bool *any, struct eco_error *error) {
+static enum eco_code keep_reference(struct organ_curve *curve, bool *any, struct eco_error *error)
+{
 	const struct lod_plant *plant = curve->probe->plant;
 	enum eco_code code = ECO_OK;
 	if (!curve->far_only) {
@@ -318,14 +337,16 @@ static enum eco_code keep_reference(struct organ_curve *curve, bool *any, struct
 /* Progress of the whole: `done` of `all` samples. */
 struct progress { const struct lod_plant_options *options; uint32_t done, all; };
 
-static enum eco_code advance(struct progress *progress, struct eco_error *error) {
+static enum eco_code advance(struct progress *progress, struct eco_error *error)
+{
 	progress->done++;
 	if (progress->options->progress && !progress->options->progress(progress->options->ctx, (double)progress->done / progress->all))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted while measuring curves");
 	return ECO_OK;
 }
 
-static enum eco_code measure_steps(struct organ_curve *curve, struct progress *progress, struct eco_error *error) {
+static enum eco_code measure_steps(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
+{
 	double step = 0;
 	bool warm = false;
 	enum eco_code code = ECO_OK;
@@ -342,7 +363,8 @@ static enum eco_code measure_steps(struct organ_curve *curve, struct progress *p
 	return code;
 }
 
-static enum eco_code measure_errors(struct organ_curve *curve, struct progress *progress, struct eco_error *error) {
+static enum eco_code measure_errors(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
+{
 	double step = 0, drawn_first = first_stage_share(curve);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < curve->sample_count && !code; i++) {
@@ -363,7 +385,8 @@ static enum eco_code measure_errors(struct organ_curve *curve, struct progress *
 	return code;
 }
 
-static enum eco_code measure_curve(struct organ_curve *curve, struct progress *progress, struct eco_error *error) {
+static enum eco_code measure_curve(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
+{
 	bool any;
 	enum eco_code code = keep_reference(curve, &any, error);
 	if (!code && !any)
@@ -379,17 +402,20 @@ static enum eco_code measure_curve(struct organ_curve *curve, struct progress *p
 
 /* ---- Which ladders share a curve ---- */
 
-static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder *ladder) {
+static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder *ladder)
+{
 	uint32_t list = ladder->triangles != ECO_NONE ? ladder->triangles : ladder->lines != ECO_NONE ? ladder->lines : ladder->points;
 	return list == ECO_NONE ? ECO_NONE : plant->lists[list].list.image;
 }
 
-static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b) {
+static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
+{
 	return a->organ == b->organ && !(a->flags & ECO_LADDER_FAR) && !(b->flags & ECO_LADDER_FAR)
 		&& image_of(plant, a) == image_of(plant, b);
 }
 
-static void sum_up(struct organ_curve *curve) {
+static void sum_up(struct organ_curve *curve)
+{
 	curve->first_stage = curve->full = 0;
 	curve->unit = 3;
 	for (uint32_t i = 0; i < curve->member_count; i++) {
@@ -411,7 +437,8 @@ static void sum_up(struct organ_curve *curve) {
 }
 
 /* Ladders from `first` on that share its curve and have none yet; `done` marks them. */
-static void gather(struct organ_curve *curve, struct lod_probe *probe, uint32_t first, bool *done, uint32_t *members) {
+static void gather(struct organ_curve *curve, struct lod_probe *probe, uint32_t first, bool *done, uint32_t *members)
+{
 	const struct lod_plant *plant = probe->plant;
 	*curve = (struct organ_curve){ .probe = probe, .members = members };
 	for (uint32_t i = first; i < plant->ladder_count; i++) {
@@ -427,7 +454,8 @@ static void gather(struct organ_curve *curve, struct lod_probe *probe, uint32_t 
 		choose_samples(curve);
 }
 
-static enum eco_code append(struct lod_plant *plant, const struct organ_curve *curve, struct eco_error *error) {
+static enum eco_code append(struct lod_plant *plant, const struct organ_curve *curve, struct eco_error *error)
+{
 	struct eco_curve *grown = realloc(plant->curves, (plant->curve_count + curve->sample_count + 1) * sizeof *grown);
 	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
@@ -445,7 +473,8 @@ static enum eco_code append(struct lod_plant *plant, const struct organ_curve *c
 }
 
 static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
-	uint32_t *members, struct eco_error *error) {
+	uint32_t *members, struct eco_error *error)
+{
 	enum eco_code code = ECO_OK;
 	for (int pass = 0; pass < 2 && !code; pass++) {       /* first only counts, for progress */
 		memset(done, 0, plant->ladder_count * sizeof *done);
@@ -467,7 +496,8 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 }
 
 enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error) {
+	struct eco_error *error)
+{
 	struct lod_probe probe;
 	struct lod_probe_options size = { options->views ? options->views : 12, options->pixels ? options->pixels : 256 };
 	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
@@ -490,7 +520,8 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 }
 
 enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error) {
+	struct eco_error *error)
+{
 	enum eco_code code = options->grid_bits ? ECO_OK : lod_grid_choose(plant, model, options, error);
 	return code ? code : lod_curve_measure(plant, model, options, error);
 }

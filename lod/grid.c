@@ -10,12 +10,14 @@
 #define SIDE_MAX 2048.0
 
 /* Pictures in which the plant's height, seen from the side, is HIGH_PX. */
-static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe) {
+static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe)
+{
 	double height = plant->plant.height_m > 0 ? plant->plant.height_m : 2 * probe->radius, side = HIGH_PX * 2 * probe->radius / height;
 	return side < HIGH_PX ? (uint32_t)HIGH_PX : side > SIDE_MAX ? (uint32_t)SIDE_MAX : (uint32_t)side;
 }
 
-static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *error) {
+static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *error)
+{
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < probe->plant->ladder_count && !code; i++) {
 		const struct eco_ladder *ladder = &probe->plant->ladders[i];
@@ -28,7 +30,8 @@ static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *
 	return code;
 }
 
-static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, struct eco_error *error) {
+static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, struct eco_error *error)
+{
 	if (!lod_probe_keep_model(probe))
 		return ECO_OK;
 	enum eco_code code = add_full_detail(probe, error);
@@ -40,7 +43,8 @@ static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, s
 	return ECO_OK;
 }
 
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error) {
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error)
+{
 	struct lod_probe probe;
 	*loss = 0;
 	enum eco_code code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ 1, 1 }, error);
@@ -57,7 +61,8 @@ enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_mode
 }
 
 static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	uint32_t bits, double *loss, struct eco_error *error) {
+	uint32_t bits, double *loss, struct eco_error *error)
+{
 	struct lod_plant_options finer = *options;
 	finer.grid_bits = bits;
 	finer.progress = NULL;
@@ -66,7 +71,8 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	return code ? code : lod_grid_loss(plant, model, loss, error);
 }
 
-static uint32_t predict(uint32_t bits, double loss) {
+static uint32_t predict(uint32_t bits, double loss)
+{
 	do {
 		bits++;
 		loss /= 2;
@@ -75,7 +81,8 @@ static uint32_t predict(uint32_t bits, double loss) {
 }
 
 enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error) {
+	struct eco_error *error)
+{
 	uint32_t bits = LOD_GRID_BITS_MIN, failed = bits - 1;
 	double loss;
 	enum eco_code code = lod_grid_loss(plant, model, &loss, error);

@@ -19,19 +19,22 @@ static inline lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from,
 static inline void lod_f4_store(float *to, lod_f4 v) { memcpy(to, &v, sizeof v); }
 static inline void lod_i4_store(int32_t *to, lod_i4 v) { memcpy(to, &v, sizeof v); }
 
-static inline lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no) {
+static inline lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no)
+{
 	return (lod_f4)(((lod_i4)yes & mask) | ((lod_i4)no & ~mask));
 }
 
 /* a < b ? a : b and a > b ? a : b: the second operand where either is NaN. */
-static inline lod_f4 lod_f4_min(lod_f4 a, lod_f4 b) {
+static inline lod_f4 lod_f4_min(lod_f4 a, lod_f4 b)
+{
 #ifdef __SSE2__
 	return (lod_f4)_mm_min_ps((__m128)a, (__m128)b);
 #else
 	return lod_f4_select(a < b, a, b);
 #endif
 }
-static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b) {
+static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b)
+{
 #ifdef __SSE2__
 	return (lod_f4)_mm_max_ps((__m128)a, (__m128)b);
 #else
@@ -42,7 +45,8 @@ static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b) {
 static inline lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
 
 /* One bit a lane: its sign. */
-static inline unsigned lod_i4_bits(lod_i4 mask) {
+static inline unsigned lod_i4_bits(lod_i4 mask)
+{
 #ifdef __SSE2__
 	return (unsigned)_mm_movemask_ps((__m128)mask);
 #else
@@ -52,14 +56,16 @@ static inline unsigned lod_i4_bits(lod_i4 mask) {
 
 /* `middle` + the nearest integer, ties to even, for |a| < 2^22 (else something): adding 1.5 * 2^23 leaves the integer in the low
  * bits of the float. */
-static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle) {
+static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
+{
 	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f)) + ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
 }
 
 static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
 
 /* Rows become columns. */
-static inline void lod_f4_transpose(lod_f4 r[4]) {
+static inline void lod_f4_transpose(lod_f4 r[4])
+{
 	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
 	lod_f4 cd_low = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5), cd_high = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
 	r[0] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);

@@ -19,7 +19,8 @@ struct lod_drawing {                 /* one cut, as triangles, lines or points; 
 /* ---- Set-up ---- */
 
 /* Centre of the bounding box, and the greatest distance of a vertex from it. */
-static void bounds(struct lod_probe *probe, const struct eco_model *model) {
+static void bounds(struct lod_probe *probe, const struct eco_model *model)
+{
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, far2 = 0;
 	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
 		const float *p = model->position + 3 * (size_t)model->index[i];
@@ -40,7 +41,8 @@ static void bounds(struct lod_probe *probe, const struct eco_model *model) {
 }
 
 /* Heights from -0.2 to 0.95 of the unit sphere, each view a golden angle on from the last: a rotation, so no libm. */
-static void place_eyes(struct lod_probe *probe) {
+static void place_eyes(struct lod_probe *probe)
+{
 	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
 	double away = DISTANCE_RADII * probe->radius, x = 1, y = 0;
 	double half = FRAME * probe->radius / sqrt(away * away - probe->radius * probe->radius);
@@ -63,7 +65,8 @@ static void place_eyes(struct lod_probe *probe) {
 	}
 }
 
-static bool has_holes(const struct eco_image *image) {
+static bool has_holes(const struct eco_image *image)
+{
 	size_t pixels = (size_t)image->width * image->height;
 	for (size_t i = 0; i < pixels; i++)
 		if (image->rgba[4 * i + 3] < 128)
@@ -71,7 +74,8 @@ static bool has_holes(const struct eco_image *image) {
 	return false;
 }
 
-static bool allocate(struct lod_probe *probe) {
+static bool allocate(struct lod_probe *probe)
+{
 	const struct lod_plant *plant = probe->plant;
 	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
 	probe->eyes = calloc(probe->views, sizeof *probe->eyes);
@@ -83,7 +87,8 @@ static bool allocate(struct lod_probe *probe) {
 }
 
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
-	const struct lod_probe_options *options, struct eco_error *error) {
+	const struct lod_probe_options *options, struct eco_error *error)
+{
 	memset(probe, 0, sizeof *probe);
 	probe->plant = plant;
 	probe->model = model;
@@ -108,7 +113,8 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	return ECO_OK;
 }
 
-void lod_probe_free(struct lod_probe *probe) {
+void lod_probe_free(struct lod_probe *probe)
+{
 	lod_raster_free(&probe->raster);
 	free(probe->eyes);
 	free(probe->reference);
@@ -122,12 +128,14 @@ void lod_probe_free(struct lod_probe *probe) {
 
 /* ---- What to draw ---- */
 
-void lod_probe_clear(struct lod_probe *probe) {
+void lod_probe_clear(struct lod_probe *probe)
+{
 	probe->drawing_count = 0;
 	probe->float_count = 0;
 }
 
-static bool reserve(struct lod_probe *probe, size_t floats) {
+static bool reserve(struct lod_probe *probe, size_t floats)
+{
 	if (probe->drawing_count == probe->drawing_capacity) {
 		uint32_t capacity = probe->drawing_capacity ? 2 * probe->drawing_capacity : 64;
 		struct lod_drawing *drawings = realloc(probe->drawings, capacity * sizeof *drawings);
@@ -147,7 +155,8 @@ static bool reserve(struct lod_probe *probe, size_t floats) {
 	return true;
 }
 
-enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error) {
+enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error)
+{
 	const struct lod_list_draft *draft = &probe->plant->lists[cut->list];
 	const struct eco_list *list = &draft->list;
 	size_t count = cut->end - cut->first, corners = eco_list_vertices(list);
@@ -170,7 +179,8 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 
 /* ---- Drawing ---- */
 
-static void draw_all(struct lod_probe *probe) {
+static void draw_all(struct lod_probe *probe)
+{
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
 		struct lod_raster_batch batch = { .count = drawing->count, .position = probe->floats + drawing->position,
@@ -188,13 +198,15 @@ static void draw_all(struct lod_probe *probe) {
 #define SOUP 512u
 
 static void flush(struct lod_probe *probe, const struct eco_material *material, uint32_t count, const float *position,
-	const float *uv) {
+	const float *uv)
+{
 	const struct eco_image *image = material->cutout && material->image != ECO_NONE ? &probe->model->images[material->image] : NULL;
 	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image : NULL, .owner = 1 };
 	lod_raster_triangles(&probe->raster, &batch);
 }
 
-static void draw_model(struct lod_probe *probe) {
+static void draw_model(struct lod_probe *probe)
+{
 	const struct eco_model *model = probe->model;
 	float position[SOUP * 9], uv[SOUP * 6];
 	uint32_t count = 0;
@@ -214,13 +226,15 @@ static void draw_model(struct lod_probe *probe) {
 	}
 }
 
-static void start_view(struct lod_probe *probe, uint32_t view) {
+static void start_view(struct lod_probe *probe, uint32_t view)
+{
 	lod_raster_clear(&probe->raster);
 	lod_raster_camera(&probe->raster, &probe->eyes[view], probe->near_m);
 	lod_raster_object(&probe->raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 }
 
-static bool keep(struct lod_probe *probe, void (*draw)(struct lod_probe *probe)) {
+static bool keep(struct lod_probe *probe, void (*draw)(struct lod_probe *probe))
+{
 	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
 	bool any = false;
 	for (uint32_t view = 0; view < probe->views; view++) {
@@ -236,15 +250,18 @@ static bool keep(struct lod_probe *probe, void (*draw)(struct lod_probe *probe))
 	return any;
 }
 
-bool lod_probe_keep(struct lod_probe *probe) {
+bool lod_probe_keep(struct lod_probe *probe)
+{
 	return keep(probe, draw_all);
 }
 
-bool lod_probe_keep_model(struct lod_probe *probe) {
+bool lod_probe_keep_model(struct lod_probe *probe)
+{
 	return keep(probe, draw_model);
 }
 
-void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_probe_result *result) {
+void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_probe_result *result)
+{
 	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
 	uint32_t used = 0;
 	*result = (struct lod_probe_result){ 0 };

@@ -15,7 +15,8 @@
 
 #define BLOCK (1u << LOD_BLOCK_SHIFT)
 
-static bool allocate(struct lod_raster *raster, const struct lod_raster_options *options) {
+static bool allocate(struct lod_raster *raster, const struct lod_raster_options *options)
+{
 	size_t pixels = (size_t)options->width * options->height;
 	struct lod_raster_state *state = raster->state = calloc(1, sizeof *state);
 	if (!state)
@@ -33,7 +34,8 @@ static bool allocate(struct lod_raster *raster, const struct lod_raster_options 
 		&& state->stale;
 }
 
-enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error) {
+enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error)
+{
 	memset(raster, 0, sizeof *raster);
 	if (!options->width || !options->height || options->width > ECO_IMAGE_MAX || options->height > ECO_IMAGE_MAX)
 		return eco_fail(error, ECO_BAD_INPUT, "a picture of %u x %u pixels: sides must be 1 to %u", options->width,
@@ -49,7 +51,8 @@ enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster
 	return ECO_OK;
 }
 
-void lod_raster_free(struct lod_raster *raster) {
+void lod_raster_free(struct lod_raster *raster)
+{
 	if (raster->state) {
 		free(raster->state->block);
 		free(raster->state->stale);
@@ -62,7 +65,8 @@ void lod_raster_free(struct lod_raster *raster) {
 	memset(raster, 0, sizeof *raster);
 }
 
-void lod_raster_clear(struct lod_raster *raster) {
+void lod_raster_clear(struct lod_raster *raster)
+{
 	size_t pixels = (size_t)raster->width * raster->height;
 	size_t blocks = (size_t)raster->state->blocks_x * raster->state->blocks_y;
 	memset(raster->depth, 0, pixels * sizeof *raster->depth);
@@ -78,13 +82,15 @@ void lod_raster_clear(struct lod_raster *raster) {
 /* ---- Camera and object ---- */
 
 /* 1/256 pixels from the picture's middle per unit on the image plane at distance 1; y down. */
-static void plane_scale(const struct lod_raster *raster, double scale[3]) {
+static void plane_scale(const struct lod_raster *raster, double scale[3])
+{
 	scale[0] = raster->width * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
 	scale[1] = -(raster->height * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
 	scale[2] = 1;
 }
 
-void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m) {
+void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m)
+{
 	assert(near_m > 0);
 	struct lod_raster_state *state = raster->state;
 	state->eye = *eye;
@@ -100,7 +106,8 @@ void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, dou
 	lod_raster_object(raster, &place);
 }
 
-void lod_raster_object(struct lod_raster *raster, const struct lod_place *place) {
+void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
+{
 	struct lod_raster_state *state = raster->state;
 	const struct lod_eye *eye = &state->eye;
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
@@ -122,7 +129,8 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 /* ---- Coarse depth ---- */
 
 /* The least depth in a block. Depths only grow, so an older value stays a lower bound. */
-static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by) {
+static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by)
+{
 	struct lod_raster_state *state = raster->state;
 	uint32_t x0 = bx << LOD_BLOCK_SHIFT, y0 = by << LOD_BLOCK_SHIFT;
 	uint32_t x1 = x0 + BLOCK < raster->width ? x0 + BLOCK : raster->width;
@@ -146,14 +154,16 @@ static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by) 
 
 /* Where a sphere's silhouette meets the plane of the forward axis and another one, as slopes on the image plane: the tangents from
  * the eye. `z` > r. */
-static void sphere_slopes(double x, double z, double r, double slope[2]) {
+static void sphere_slopes(double x, double z, double r, double slope[2])
+{
 	double t = sqrt(x * x + z * z - r * r);
 	slope[0] = (x * t - r * z) / (z * t + r * x);
 	slope[1] = (x * t + r * z) / (z * t - r * x);
 }
 
 /* Pixels of [0, size) that [low, high] (pixels) may touch with a pixel to spare; false if none. */
-static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2]) {
+static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2])
+{
 	low -= 1.5, high += 1.5;
 	if (!(high >= 0 && low < size))
 		return false;
@@ -162,7 +172,8 @@ static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2
 	return true;
 }
 
-static bool blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest) {
+static bool blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest)
+{
 	struct lod_raster_state *state = raster->state;
 	for (uint32_t by = y[0] >> LOD_BLOCK_SHIFT; by <= y[1] >> LOD_BLOCK_SHIFT; by++) {
 		for (uint32_t bx = x[0] >> LOD_BLOCK_SHIFT; bx <= x[1] >> LOD_BLOCK_SHIFT; bx++) {
@@ -176,7 +187,8 @@ static bool blocks_hide(struct lod_raster *raster, const uint32_t x[2], const ui
 	return true;
 }
 
-bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius) {
+bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius)
+{
 	const struct lod_eye *eye = &raster->state->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
 	double x = 0, y = 0, z = 0;
@@ -203,12 +215,14 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 
 /* ---- Merging ---- */
 
-void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from) {
+void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
+{
 	assert(into->width == from->width && into->height == from->height);
 	assert(!into->owner == !from->owner && !into->rgb == !from->rgb);
 	size_t pixels = (size_t)into->width * into->height;
 	for (size_t i = 0; i < pixels; i++) {
-		if (!(from->depth[i] > into->depth[i]))
+		if (!(into->owner ? lod_sample_wins(from->depth[i], from->owner[i], into->depth[i], into->owner[i])
+			: lod_sample_wins(from->depth[i], from->cover[i], into->depth[i], into->cover[i])))
 			continue;
 		into->depth[i] = from->depth[i];
 		into->cover[i] = from->cover[i];

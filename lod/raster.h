@@ -7,8 +7,9 @@
  *   lod_raster_triangles / _lines / _points          filled by GL's rules
  *
  * Agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles clipped at the near
- * plane, both sides drawn, depth tested per pixel (nearer wins; equal depth keeps the first). All coverage decisions after the
- * snapping are integer. Not thread-safe per object; different objects are independent.
+ * plane, both sides drawn, depth tested per pixel (nearer wins; of equal depths the smaller owner, or ground where owners are not
+ * kept, and of one owner the first). All coverage decisions after the snapping are integer; depth, cover and owner of a picture do
+ * not depend on the order of drawing. Not thread-safe per object; different objects are independent.
  *
  * What a client that draws the same by other means must compute (v(p) = metres along right, up, forward from the eye, of an object
  * point; W x H pixels; depth is w = forward; whatever has w < near_m is clipped, for points: not drawn):
@@ -65,9 +66,9 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
  * its scale: half a line's width, and 0.71 sqrt(area) around points. Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
-/* Draws one finished picture over another of the same size and options. Nearer wins, equal depth keeps `into`: so if a sequence of
- * draws is cut into runs, each run drawn into a raster of its own and those merged in order, the picture is that of the whole
- * sequence, wherever the cuts are and whatever each thread skipped by lod_raster_hides. */
+/* Draws one finished picture into another of the same size and options, by the same rule as drawing. So threads may share out a
+ * scene in any way, each with a raster of its own and skipping what that hides: merged, they give the picture of one. (Colours too,
+ * unless one owner has samples of different colours at equal depth: those keep `into`.) */
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
 
 /* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.

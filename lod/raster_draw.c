@@ -25,7 +25,8 @@ struct screen {                      /* the four-wide constants of a batch */
 
 struct lanes { unsigned small, large, clip; };       /* which of four triangles goes where; a bit each, none twice */
 
-static void screen_make(struct screen *screen, const struct lod_raster *raster, const float (*matrix)[4]) {
+static void screen_make(struct screen *screen, const struct lod_raster *raster, const float (*matrix)[4])
+{
 	for (int i = 0; i < 12; i++)
 		screen->matrix[i / 4][i % 4] = lod_f4_all(matrix[i / 4][i % 4]);
 	screen->near_w = lod_f4_all(raster->state->near_w);
@@ -35,17 +36,20 @@ static void screen_make(struct screen *screen, const struct lod_raster *raster, 
 	screen->height = lod_i4_all((int32_t)raster->height);
 }
 
-static inline lod_f4 row_dot(const lod_f4 row[4], const lod_f4 p[3]) {
+static inline lod_f4 row_dot(const lod_f4 row[4], const lod_f4 p[3])
+{
 	return row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
 }
 
 /* The same for one, operation for operation. */
-static void transform(const float (*matrix)[4], const float p[3], float out[3]) {
+static void transform(const float (*matrix)[4], const float p[3], float out[3])
+{
 	for (int i = 0; i < 3; i++)
 		out[i] = matrix[i][0] * p[0] + matrix[i][1] * p[1] + matrix[i][2] * p[2] + matrix[i][3];
 }
 
-static inline void load_four(const float *p, lod_f4 c[9]) {
+static inline void load_four(const float *p, lod_f4 c[9])
+{
 	for (int i = 0; i < 4; i++) {
 		c[i] = lod_f4_load(p + 9 * i);
 		c[4 + i] = lod_f4_load(p + 9 * i + 4);
@@ -59,12 +63,14 @@ static inline lod_f4 f4_min3(const lod_f4 a[3]) { return lod_f4_min(lod_f4_min(a
 static inline lod_f4 f4_max3(const lod_f4 a[3]) { return lod_f4_max(lod_f4_max(a[0], a[1]), a[2]); }
 
 /* The pixels whose centres lie in [low, high] (from the middle). Rounding is monotone: snapping the least gives the least. */
-static inline void centres(lod_f4 low, lod_f4 high, lod_i4 middle, lod_i4 *first, lod_i4 *last) {
+static inline void centres(lod_f4 low, lod_f4 high, lod_i4 middle, lod_i4 *first, lod_i4 *last)
+{
 	*first = lod_i4_add(lod_f4_round(low, middle), LOD_SUBPIXEL / 2 - 1) >> 8;
 	*last = lod_i4_add(lod_f4_round(high, middle), -LOD_SUBPIXEL / 2) >> 8;
 }
 
-static inline struct lanes project_four(const struct screen *screen, const lod_f4 c[9], struct lod_four *four) {
+static inline struct lanes project_four(const struct screen *screen, const lod_f4 c[9], struct lod_four *four)
+{
 	const lod_f4 guard = lod_f4_all(LOD_GUARD);
 	lod_f4 x[3], y[3];
 	lod_i4 inside = lod_i4_all(-1), before = lod_i4_all(0);
@@ -100,7 +106,8 @@ struct vertex { double x, y, w, u, v; };
 #define PLANES 5
 #define POLYGON_MAX (3 + PLANES)
 
-static double plane_distance(const struct vertex *p, int plane, double near_w) {
+static double plane_distance(const struct vertex *p, int plane, double near_w)
+{
 	switch (plane) {
 	case 0: return p->w - near_w;
 	case 1: return LOD_GUARD * p->w - p->x;
@@ -110,13 +117,15 @@ static double plane_distance(const struct vertex *p, int plane, double near_w) {
 	}
 }
 
-static struct vertex cross_at(const struct vertex *in, const struct vertex *out, double in_distance, double out_distance) {
+static struct vertex cross_at(const struct vertex *in, const struct vertex *out, double in_distance, double out_distance)
+{
 	double t = in_distance / (in_distance - out_distance);
 	return (struct vertex){ in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w),
 		in->u + t * (out->u - in->u), in->v + t * (out->v - in->v) };
 }
 
-static int clip_polygon(struct vertex *polygon, int count, int plane, double near_w) {
+static int clip_polygon(struct vertex *polygon, int count, int plane, double near_w)
+{
 	struct vertex out[POLYGON_MAX];
 	int kept = 0;
 	for (int i = 0; i < count; i++) {
@@ -134,17 +143,20 @@ static int clip_polygon(struct vertex *polygon, int count, int plane, double nea
 	return kept;
 }
 
-static int32_t snap(float at, int32_t middle) {
+static int32_t snap(float at, int32_t middle)
+{
 	return lod_f4_round(lod_f4_all(at), lod_i4_all(middle))[0];
 }
 
-static struct lod_corner corner_of(const struct lod_raster *raster, const struct vertex *p) {
+static struct lod_corner corner_of(const struct lod_raster *raster, const struct vertex *p)
+{
 	float z = 1.0f / (float)p->w;
 	return (struct lod_corner){ snap((float)p->x * z, (int32_t)raster->width * (LOD_SUBPIXEL / 2)),
 		snap((float)p->y * z, (int32_t)raster->height * (LOD_SUBPIXEL / 2)), z, (float)p->u, (float)p->v };
 }
 
-static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint, const struct soup *soup, uint32_t triangle) {
+static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint, const struct soup *soup, uint32_t triangle)
+{
 	struct vertex polygon[POLYGON_MAX];
 	const struct lod_raster *raster = paint->raster;
 	for (uint32_t i = 0; i < 3; i++) {
@@ -168,7 +180,8 @@ static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint
 /* ---- Triangles ---- */
 
 static void draw_lane(const struct lod_paint *paint, const struct soup *soup, const struct lod_four *four, unsigned lane,
-	uint32_t triangle) {
+	uint32_t triangle)
+{
 	struct lod_corner corners[3];
 	for (int i = 0; i < 3; i++) {
 		const float *uv = paint->cutout ? soup->uv + 6 * (size_t)triangle + 2 * i : NULL;
@@ -177,9 +190,10 @@ static void draw_lane(const struct lod_paint *paint, const struct soup *soup, co
 	lod_fill_triangle(paint, corners);
 }
 
-/* In order, as equal depths keep the first. */
+/* One by one: those that are not all small and plain. */
 static void draw_each(struct lod_paint *paint, const struct soup *soup, const struct lod_four *four, struct lanes lanes,
-	uint32_t first) {
+	uint32_t first)
+{
 	for (unsigned all = lanes.small | lanes.large | lanes.clip; all; all &= all - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(all);
 		uint32_t triangle = first + lane;
@@ -194,7 +208,8 @@ static void draw_each(struct lod_paint *paint, const struct soup *soup, const st
 	}
 }
 
-static void draw_soup(struct lod_paint *paint, const struct soup *soup) {
+static void draw_soup(struct lod_paint *paint, const struct soup *soup)
+{
 	struct screen screen;
 	screen_make(&screen, paint->raster, soup->matrix);
 	bool plain = !paint->cutout && !soup->rgb;
@@ -219,11 +234,13 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup) {
 	}
 }
 
-static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch) {
+static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
+{
 	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0 };
 }
 
-void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch) {
+void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)
+{
 	struct lod_paint paint = paint_make(raster, batch);
 	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .rgb = batch->rgb, .count = batch->count,
 		.per_primitive = 1 };
@@ -239,7 +256,8 @@ void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_bat
 #define LINES_AT_ONCE 32u
 
 /* The quad of a line in view space as two triangles; false if it has none (no length, seen end on, or not finite). */
-static bool line_quad(const struct lod_raster_state *state, const float *ends, float width, float soup[18]) {
+static bool line_quad(const struct lod_raster_state *state, const float *ends, float width, float soup[18])
+{
 	float a[3], b[3];
 	transform(state->view, ends, a);
 	transform(state->view, ends + 3, b);
@@ -266,7 +284,8 @@ static bool line_quad(const struct lod_raster_state *state, const float *ends, f
 	return true;
 }
 
-void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch) {
+void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch)
+{
 	struct lod_paint paint = paint_make(raster, batch);
 	float quads[LINES_AT_ONCE * 18];
 	uint8_t rgb[LINES_AT_ONCE * 3];
@@ -287,7 +306,8 @@ void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *
 
 /* ---- Points ---- */
 
-static inline void load_points(const float *p, lod_f4 c[3]) {
+static inline void load_points(const float *p, lod_f4 c[3])
+{
 	lod_f4 a = lod_f4_load(p), b = lod_f4_load(p + 4), d = lod_f4_load(p + 8);    /* x y z x  y z x y  z x y z */
 	lod_f4 xy_high = __builtin_shufflevector(b, d, 2, 3, 5, 6), yz_low = __builtin_shufflevector(a, b, 1, 2, 4, 5);
 	c[0] = __builtin_shufflevector(a, xy_high, 0, 3, 4, 6);
@@ -295,19 +315,22 @@ static inline void load_points(const float *p, lod_f4 c[3]) {
 	c[2] = __builtin_shufflevector(yz_low, d, 1, 3, 4, 7);
 }
 
-static inline lod_f4 guarded(lod_f4 at) {
+static inline lod_f4 guarded(lod_f4 at)
+{
 	return lod_f4_max(lod_f4_min(at, lod_f4_all(LOD_GUARD)), lod_f4_all(-LOD_GUARD));
 }
 
 struct four_boxes { lod_i4 x0, y0, x1, y1; lod_f4 z; unsigned draw; };
 
 /* Half-open boxes: a box that begins where another ends shares no pixel with it. */
-static inline lod_i4 box_holds_centre(lod_i4 low, lod_i4 high, lod_i4 size) {
+static inline lod_i4 box_holds_centre(lod_i4 low, lod_i4 high, lod_i4 size)
+{
 	lod_i4 first = (low + (LOD_SUBPIXEL / 2 - 1)) >> 8, end = (high + (LOD_SUBPIXEL / 2 - 1)) >> 8;
 	return (first < end) & (first < size) & (end > 0);
 }
 
-static inline void project_points(const struct screen *screen, const lod_f4 c[3], lod_f4 half_w, struct four_boxes *out) {
+static inline void project_points(const struct screen *screen, const lod_f4 c[3], lod_f4 half_w, struct four_boxes *out)
+{
 	lod_f4 w = row_dot(screen->matrix[2], c);
 	out->z = lod_f4_all(1.0f) / w;
 	lod_f4 x = row_dot(screen->matrix[0], c) * out->z, y = row_dot(screen->matrix[1], c) * out->z, half = half_w * out->z;
@@ -320,7 +343,8 @@ static inline void project_points(const struct screen *screen, const lod_f4 c[3]
 		& box_holds_centre(out->y0, out->y1, screen->height));
 }
 
-void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch) {
+void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch)
+{
 	struct lod_paint paint = paint_make(raster, batch);
 	const struct lod_raster_state *state = raster->state;
 	if (!(batch->area > 0))

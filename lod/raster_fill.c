@@ -26,7 +26,8 @@ struct texture {                     /* perspective-correct uv: corner values ti
 };
 
 /* Four pixels at once, all of them nearer. */
-static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z) {
+static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
+{
 	const struct lod_raster *raster = paint->raster;
 	lod_f4_store(raster->depth + i, z);
 	memset(raster->cover + i, paint->cover, 4);
@@ -38,7 +39,8 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 
 /* Pixels [first, end) of row y; `left` is the column where the slope's row value `base` holds. */
 static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base, float step,
-	const struct slope *slope) {
+	const struct slope *slope)
+{
 	size_t row = (size_t)y * paint->raster->width;
 	const float *depth = paint->raster->depth + row;
 	bool any = false;
@@ -48,15 +50,16 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 		float k = (float)(x - left);
 		lod_f4 z = lod_f4_all(base) + (lod_f4){ k, k + 1, k + 2, k + 3 } * lod_f4_all(step);
 		z = lod_f4_min(lod_f4_max(z, low), high);
-		unsigned nearer = lod_i4_bits(z > lod_f4_load(depth + x));
-		any |= nearer != 0;
-		if (nearer == 15) {
+		lod_f4 there = lod_f4_load(depth + x);
+		unsigned may_win = lod_i4_bits(z >= there);
+		if (may_win == 15 && lod_i4_bits(z > there) == 15) {
 			paint_four(paint, row + x, z);
+			any = true;
 			continue;
 		}
-		for (; nearer; nearer &= nearer - 1) {
-			unsigned lane = (unsigned)__builtin_ctz(nearer);
-			lod_paint_pixel(paint, row + x + lane, z[lane]);
+		for (; may_win; may_win &= may_win - 1) {
+			unsigned lane = (unsigned)__builtin_ctz(may_win);
+			any |= lod_paint_pixel(paint, row + x + lane, z[lane]);
 		}
 	}
 	for (; x < end; x++)
@@ -66,7 +69,8 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 }
 
 /* Texel that a wrapped coordinate falls on. Coordinates that are no number or absurdly large read texel 0. */
-static uint32_t wrap_texel(double at, uint32_t size) {
+static uint32_t wrap_texel(double at, uint32_t size)
+{
 	double scaled = at * size;
 	if (!(scaled > -9e15 && scaled < 9e15))
 		return 0;
@@ -77,7 +81,8 @@ static uint32_t wrap_texel(double at, uint32_t size) {
 	return (uint32_t)(texel < 0 ? texel + size : texel);
 }
 
-static bool texture_opaque(const struct texture *texture, const int64_t edge[3]) {
+static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
+{
 	double u = 0, v = 0, z = 0;
 	for (int i = 0; i < 3; i++) {
 		double weight = (double)(edge[i] + texture->bias[i]);
@@ -90,12 +95,13 @@ static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
 }
 
 static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base,
-	float step, const struct slope *slope, const struct texture *texture, const int64_t row_edge[3], const struct edge edges[3]) {
+	float step, const struct slope *slope, const struct texture *texture, const int64_t row_edge[3], const struct edge edges[3])
+{
 	size_t row = (size_t)y * paint->raster->width;
 	bool any = false;
 	for (uint32_t x = first; x < end; x++) {
 		float z = lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high);
-		if (!(z > paint->raster->depth[row + x]))
+		if (!(z >= paint->raster->depth[row + x]))
 			continue;
 		int64_t at[3];
 		for (int i = 0; i < 3; i++)
@@ -108,7 +114,8 @@ static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_
 }
 
 /* Narrows columns [*first, *end) to those where at + column * step >= 0. */
-static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, int64_t *end) {
+static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, int64_t *end)
+{
 	if (at < 0) {
 		int64_t enter = step > 0 ? (-at + step - 1) / step : INT64_MAX;
 		if (enter > *first)
@@ -120,7 +127,8 @@ static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, 
 	}
 }
 
-static inline void find_span(const int64_t at[3], const struct edge edges[3], int64_t width, int64_t *first, int64_t *end) {
+static inline void find_span(const int64_t at[3], const struct edge edges[3], int64_t width, int64_t *first, int64_t *end)
+{
 	*first = 0, *end = width;
 	if (width > NARROW) {
 		for (int i = 0; i < 3; i++)
@@ -137,14 +145,16 @@ static inline void find_span(const int64_t at[3], const struct edge edges[3], in
 }
 
 /* The edge function of a -> b at (x, y), less one where a centre on the edge does not belong to the triangle. */
-static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x, int64_t y) {
+static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x, int64_t y)
+{
 	int64_t dx = (int64_t)b->x - a->x, dy = (int64_t)b->y - a->y;
 	bool owned = dy < 0 || (dy == 0 && dx > 0);      /* left or top, y down */
 	return (struct edge){ dx * (y - a->y) - dy * (x - a->x) - !owned, -dy * LOD_SUBPIXEL, dx * LOD_SUBPIXEL };
 }
 
 static inline struct slope slope_make(const struct lod_corner *a, const struct lod_corner *b, const struct lod_corner *c, int64_t area,
-	int64_t x, int64_t y) {
+	int64_t x, int64_t y)
+{
 	double ab = (double)b->z - a->z, ac = (double)c->z - a->z, part = 1.0 / (double)area;
 	double per_x = (ab * (double)(c->y - a->y) - ac * (double)(b->y - a->y)) * part;
 	double per_y = (ac * (double)(b->x - a->x) - ab * (double)(c->x - a->x)) * part;
@@ -158,7 +168,8 @@ static inline struct slope slope_make(const struct lod_corner *a, const struct l
 }
 
 /* Weight i belongs to corner i, so it is the edge opposite to it. */
-static void texture_make(struct texture *texture, const struct eco_image *image, const struct lod_corner *const corner[3]) {
+static void texture_make(struct texture *texture, const struct eco_image *image, const struct lod_corner *const corner[3])
+{
 	texture->image = image;
 	for (int i = 0; i < 3; i++) {
 		const struct lod_corner *from = corner[(i + 1) % 3], *to = corner[(i + 2) % 3];
@@ -175,7 +186,8 @@ static inline int32_t max3(int32_t a, int32_t b, int32_t c) { int32_t m = a > b 
 
 struct box { int32_t left, top, right, bottom; };        /* pixels, inclusive */
 
-static inline bool box_clamp(struct box *box, const struct lod_raster *raster) {
+static inline bool box_clamp(struct box *box, const struct lod_raster *raster)
+{
 	if (box->left < 0) box->left = 0;
 	if (box->top < 0) box->top = 0;
 	if (box->right >= (int32_t)raster->width) box->right = (int32_t)raster->width - 1;
@@ -183,7 +195,8 @@ static inline bool box_clamp(struct box *box, const struct lod_raster *raster) {
 	return box->left <= box->right && box->top <= box->bottom;
 }
 
-void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3]) {
+void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
+{
 	const struct lod_corner *a = &corners[0], *b = &corners[1], *c = &corners[2];
 	int64_t area = (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);
 	if (area == 0)
@@ -221,7 +234,8 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 	}
 }
 
-void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z) {
+void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z)
+{
 	struct box box = { lod_pixel_from(x0), lod_pixel_from(y0), lod_pixel_from(x1) - 1, lod_pixel_from(y1) - 1 };
 	if (!box_clamp(&box, paint->raster))
 		return;

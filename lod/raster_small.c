@@ -16,7 +16,8 @@ struct setup {                       /* a lane a triangle; as float arrays so th
 static inline lod_f4 to_float(lod_i4 v) { return __builtin_convertvector(v, lod_f4); }
 
 /* The edge function of a -> b at the origin, less one where a centre on the edge does not belong to the triangle. */
-static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay, lod_f4 bx, lod_f4 by) {
+static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay, lod_f4 bx, lod_f4 by)
+{
 	const lod_f4 zero = lod_f4_all(0), one = lod_f4_all(1), subpixel = lod_f4_all(LOD_SUBPIXEL);
 	lod_f4 dx = bx - ax, dy = by - ay;
 	lod_i4 owned = (dy < zero) | ((dy == zero) & (dx > zero));
@@ -27,7 +28,8 @@ static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay,
 	return at;
 }
 
-static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3], lod_f4 area) {
+static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3], lod_f4 area)
+{
 	const lod_f4 subpixel = lod_f4_all(LOD_SUBPIXEL);
 	lod_f4 part = lod_f4_all(1) / area, ab = z[1] - z[0], ac = z[2] - z[0];
 	lod_f4 per_x = (ab * (y[2] - y[0]) - ac * (y[1] - y[0])) * part;
@@ -40,7 +42,8 @@ static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_
 }
 
 /* Fills *setup, relative to the first pixel centre of each box; returns the lanes that may cover something. */
-static inline unsigned setup_four(struct setup *setup, const struct lod_four *four) {
+static inline unsigned setup_four(struct setup *setup, const struct lod_four *four)
+{
 	lod_u4 centre_x = (lod_u4)four->first_x * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
 	lod_u4 centre_y = (lod_u4)four->first_y * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
 	lod_f4 x[3], y[3], z[3] = { four->z[0], four->z[1], four->z[2] };
@@ -63,7 +66,8 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 }
 
 static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z, float step, float low,
-	float high) {
+	float high)
+{
 	size_t row = (size_t)y * paint->raster->width + x;
 	unsigned painted = 0;
 	for (; bits; bits &= bits - 1) {
@@ -77,7 +81,8 @@ static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint
 
 /* Four columns of one lane's box, from pixel `column` of it. */
 static inline void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane, uint32_t x, uint32_t y,
-	uint32_t column, uint32_t height) {
+	uint32_t column, uint32_t height)
+{
 	lod_f4 edge[3], down[3];
 	for (int i = 0; i < 3; i++) {
 		float step = setup->step_x[i][lane];
@@ -95,7 +100,8 @@ static inline void fill_strip(const struct lod_paint *paint, const struct setup 
 	}
 }
 
-void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes) {
+void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes)
+{
 	struct setup setup;
 	for (lanes &= setup_four(&setup, four); lanes; lanes &= lanes - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(lanes);

@@ -52,14 +52,25 @@ void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t
 static inline int32_t lod_pixel_from(int32_t at) { return (at + LOD_SUBPIXEL / 2 - 1) >> 8; }
 static inline int32_t lod_pixel_to(int32_t at) { return (at - LOD_SUBPIXEL / 2) >> 8; }
 
-static inline float lod_depth_clamp(float z, float low, float high) {
+static inline float lod_depth_clamp(float z, float low, float high)
+{
 	return z < low ? low : z > high ? high : z;
 }
 
-/* Paints pixel i if z is nearer than what is there. */
-static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, float z) {
+/* The nearer sample wins, and of equal ones the smaller owner: an order, so that a picture is the same whatever is drawn first. */
+static inline bool lod_sample_wins(float z, uint64_t owner, float z_there, uint64_t owner_there)
+{
+	return z > z_there || (z == z_there && z > 0 && owner < owner_there);
+}
+
+/* Paints pixel i if it wins over what is there. */
+static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, float z)
+{
 	const struct lod_raster *raster = paint->raster;
-	if (!(z > raster->depth[i]))
+	if (!(z >= raster->depth[i]))
+		return false;
+	if (!(raster->owner ? lod_sample_wins(z, paint->owner, raster->depth[i], raster->owner[i])
+		: lod_sample_wins(z, paint->cover, raster->depth[i], raster->cover[i])))
 		return false;
 	raster->depth[i] = z;
 	if (raster->owner)
@@ -73,7 +84,8 @@ static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, floa
 }
 
 /* Pixels [first, end) of row y have come nearer. */
-static inline void lod_mark_stale(const struct lod_paint *paint, uint32_t y, uint32_t first, uint32_t end) {
+static inline void lod_mark_stale(const struct lod_paint *paint, uint32_t y, uint32_t first, uint32_t end)
+{
 	struct lod_raster_state *state = paint->raster->state;
 	uint8_t *row = state->stale + (size_t)(y >> LOD_BLOCK_SHIFT) * state->blocks_x;
 	for (uint32_t b = first >> LOD_BLOCK_SHIFT; b <= (end - 1) >> LOD_BLOCK_SHIFT; b++)

@@ -5,15 +5,18 @@
 #include "ecofiles/plan.h"
 #include "lod/raster.h"
 
-static double ratio(uint64_t part, uint64_t whole) {
+static double ratio(uint64_t part, uint64_t whole)
+{
 	return whole ? (double)part / (double)whole : 1;
 }
 
-static double quality(double precision, double recall) {
+static double quality(double precision, double recall)
+{
 	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
 }
 
-static void count_row(struct lod_score *score, const uint8_t *cover, const uint8_t *reference, uint32_t width) {
+static void count_row(struct lod_score *score, const uint8_t *cover, const uint8_t *reference, uint32_t width)
+{
 	uint32_t both = 0, covered = 0, wanted = 0;
 	for (uint32_t x = 0; x < width; x++) {
 		uint32_t a = cover[x] != 0, b = reference[x] != 0;
@@ -26,7 +29,8 @@ static void count_row(struct lod_score *score, const uint8_t *cover, const uint8
 	score->fn += wanted - both;
 }
 
-static uint64_t count_owned(const struct lod_score_input *input, size_t first, uint32_t width) {
+static uint64_t count_owned(const struct lod_score_input *input, size_t first, uint32_t width)
+{
 	uint64_t owned = 0;
 	for (size_t i = first; i < first + width; i++) {
 		if (input->cover[i] && input->reference[i])
@@ -35,13 +39,15 @@ static uint64_t count_owned(const struct lod_score_input *input, size_t first, u
 	return owned;
 }
 
-static double skill_of(const struct lod_score *score) {
+static double skill_of(const struct lod_score *score)
+{
 	uint64_t wanted = score->tp + score->fn;
 	double q_on = !score->pixels ? 1 : quality(ratio(wanted, score->pixels), 1);
 	return q_on < 1 ? (score->q - q_on) / (1 - q_on) : NAN;
 }
 
-void lod_score(struct lod_score *score, const struct lod_score_input *input) {
+void lod_score(struct lod_score *score, const struct lod_score_input *input)
+{
 	*score = (struct lod_score){ .pixels = (uint64_t)input->width * input->height };
 	bool owners = input->owner && input->reference_owner;
 	for (uint32_t y = 0; y < input->height; y++) {

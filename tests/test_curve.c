@@ -19,7 +19,8 @@
 
 static uint64_t seed;
 
-static double uniform(double low, double high) {
+static double uniform(double low, double high)
+{
 	seed = seed * 6364136223846793005u + 1442695040888963407u;
 	return low + (high - low) * (double)(seed >> 34) / (double)(1u << 30);
 }
@@ -36,7 +37,8 @@ struct crown {
 	struct eco_material material;
 };
 
-static void make_leaf(int32_t *corner, double size) {
+static void make_leaf(int32_t *corner, double size)
+{
 	double c[3], a[3], b[3], length2;
 	do {
 		length2 = 0;
@@ -56,7 +58,8 @@ static void make_leaf(int32_t *corner, double size) {
 		}
 }
 
-static void crown_make(struct crown *crown, uint32_t leaves, double size) {
+static void crown_make(struct crown *crown, uint32_t leaves, double size)
+{
 	memset(crown, 0, sizeof *crown);
 	crown->leaves = leaves;
 	crown->corner = malloc(leaves * 12 * sizeof *crown->corner);
@@ -83,7 +86,8 @@ static void crown_make(struct crown *crown, uint32_t leaves, double size) {
 	crown->anchors[0] = (struct eco_anchor){ { 3, 3, 3 }, 2.5f };
 }
 
-static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32_t elements, uint32_t corners) {
+static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32_t elements, uint32_t corners)
+{
 	struct lod_list_draft *draft = &crown->lists[crown->plant.list_count++];
 	uint32_t primitives = kind == ECO_LIST_TRIANGLES ? elements * (corners - 2) : elements;
 	draft->list = (struct eco_list){ .kind = kind, .coder = ECO_CODER_ELEMENTS, .image = ECO_NONE, .partner = ECO_NONE,
@@ -95,7 +99,8 @@ static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32
 }
 
 /* Leaves [first, end), every `each`-th, as triangles. */
-static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end, uint32_t each) {
+static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end, uint32_t each)
+{
 	struct lod_list_draft *draft = add_list(crown, ECO_LIST_TRIANGLES, (end - first) / each, 4);
 	for (uint32_t i = 0; i < (end - first) / each; i++)
 		memcpy(draft->elements.position + 12 * i, crown->corner + 12 * (first + i * each), 12 * sizeof(int32_t));
@@ -103,7 +108,8 @@ static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end,
 }
 
 /* Two points on each triangle of those leaves. */
-static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each) {
+static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each)
+{
 	uint32_t leaves = (end - first) / each;
 	struct lod_list_draft *draft = add_list(crown, ECO_LIST_POINTS, leaves * 4, 1);
 	double area = 0;
@@ -124,7 +130,8 @@ static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, ui
 	return crown->plant.list_count - 1;
 }
 
-static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles) {
+static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles)
+{
 	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
 	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE, .triangles = triangles,
 		.importance = 1 };
@@ -132,7 +139,8 @@ static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint3
 	return ladder;
 }
 
-static void crown_free(struct crown *crown) {
+static void crown_free(struct crown *crown)
+{
 	for (uint32_t i = 0; i < crown->plant.list_count; i++) {
 		free(crown->lists[i].elements.corners);
 		free(crown->lists[i].elements.position);
@@ -144,17 +152,20 @@ static void crown_free(struct crown *crown) {
 	free(crown->model.material);
 }
 
-static void measure(struct crown *crown, uint32_t pixels) {
+static void measure(struct crown *crown, uint32_t pixels)
+{
 	struct lod_plant_options options = { .views = 8, .pixels = pixels };
 	struct eco_error error = { 0 };
 	assert_int_equal(lod_curve_measure(&crown->plant, &crown->model, &options, &error), ECO_OK);
 }
 
-static double error_of(const struct eco_curve *sample) {
+static double error_of(const struct eco_curve *sample)
+{
 	return (double)sample->fp + sample->fn;
 }
 
-static void check_curve(const struct lod_plant *plant, const struct eco_ladder *ladder) {
+static void check_curve(const struct lod_plant *plant, const struct eco_ladder *ladder)
+{
 	const struct eco_curve *curve = plant->curves + ladder->curve_first;
 	assert_in_range(ladder->curve_count, 8, LOD_CURVE_SAMPLES_MAX);
 	assert_true(ladder->curve_first + ladder->curve_count <= plant->curve_count);
@@ -168,14 +179,16 @@ static void check_curve(const struct lod_plant *plant, const struct eco_ladder *
 	assert_true(error_of(&curve[ladder->curve_count - 1]) == 0);
 }
 
-static struct eco_curve at(const struct lod_plant *plant, const struct eco_ladder *ladder, double share) {
+static struct eco_curve at(const struct lod_plant *plant, const struct eco_ladder *ladder, double share)
+{
 	struct eco_scene scene = { .curves = plant->curves };
 	return lod_ladder_curve(&scene, ladder, share);
 }
 
 /* ---- */
 
-static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void **unused) {
+static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void **unused)
+{
 	struct crown crown;
 	(void)unused;
 	seed = 1;
@@ -191,7 +204,8 @@ static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void 
 	crown_free(&crown);
 }
 
-static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, double scale) {
+static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, double scale)
+{
 	struct lod_probe probe;
 	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ 8, 192 }, NULL), ECO_OK);
 	assert_true(lod_probe_keep_model(&probe));
@@ -203,7 +217,8 @@ static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, do
 	return result.loss;
 }
 
-static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused) {
+static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused)
+{
 	struct crown crown;
 	(void)unused;
 	seed = 2;
@@ -223,7 +238,8 @@ static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused) {
 	crown_free(&crown);
 }
 
-static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any(void **unused) {
+static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any(void **unused)
+{
 	double scale[2];
 	(void)unused;
 	for (int dense = 0; dense < 2; dense++) {
@@ -240,7 +256,8 @@ static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any
 	assert_true(scale[0] < 0.65 && scale[1] > scale[0] && scale[1] < 1);
 }
 
-static void size_on_screen_hardly_changes_a_curve(void **unused) {
+static void size_on_screen_hardly_changes_a_curve(void **unused)
+{
 	struct eco_curve curve[3][3];
 	(void)unused;
 	for (int i = 0; i < 3; i++) {
@@ -262,7 +279,8 @@ static void size_on_screen_hardly_changes_a_curve(void **unused) {
 }
 
 /* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is special). */
-static void cells_share_the_curve_of_the_whole(void **unused) {
+static void cells_share_the_curve_of_the_whole(void **unused)
+{
 	struct crown whole, parts;
 	(void)unused;
 	seed = 5;
@@ -295,7 +313,8 @@ static void cells_share_the_curve_of_the_whole(void **unused) {
 	crown_free(&parts);
 }
 
-static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused) {
+static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused)
+{
 	struct crown crown;
 	(void)unused;
 	seed = 6;
@@ -314,13 +333,15 @@ static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **
 	crown_free(&crown);
 }
 
-static bool stop_soon(void *ctx, double share) {
+static bool stop_soon(void *ctx, double share)
+{
 	uint32_t *calls = ctx;
 	assert_true(share > 0 && share <= 1);
 	return ++*calls < 5;
 }
 
-static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused) {
+static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused)
+{
 	struct crown crown;
 	uint32_t calls = 0;
 	(void)unused;
@@ -342,7 +363,8 @@ static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused) {
 	crown_free(&crown);
 }
 
-static void round_lists(struct crown *crown, int32_t to) {
+static void round_lists(struct crown *crown, int32_t to)
+{
 	for (uint32_t i = 0; i < crown->plant.list_count; i++) {
 		struct eco_elements *elements = &crown->lists[i].elements;
 		for (uint32_t k = 0; k < 3 * elements->corner_count; k++)
@@ -350,7 +372,8 @@ static void round_lists(struct crown *crown, int32_t to) {
 	}
 }
 
-static void what_a_grid_loses_is_proportional_to_its_step(void **unused) {
+static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
+{
 	static const int32_t to[] = { 1, 8, 32 };
 	double loss[3];
 	(void)unused;
@@ -367,7 +390,8 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused) {
 	assert_true(loss[1] > 0.001 && loss[2] > 2.5 * loss[1] && loss[2] < 6 * loss[1]);
 }
 
-int main(void) {
+int main(void)
+{
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(points_and_triangles_get_a_falling_curve_from_one_point_to_all),
 		cmocka_unit_test(the_scale_is_better_than_its_neighbours_and_cooks),

@@ -14,22 +14,26 @@
 
 static uint64_t seed;
 
-static uint32_t rnd(uint32_t below) {
+static uint32_t rnd(uint32_t below)
+{
 	seed = seed * 6364136223846793005u + 1442695040888963407u;
 	return (uint32_t)((seed >> 33) * (uint64_t)below >> 31);
 }
 
-static double uniform(double low, double high) {
+static double uniform(double low, double high)
+{
 	return low + (high - low) * rnd(1u << 30) / (double)(1u << 30);
 }
 
 /* An eye at the origin looking along +y, one pixel a unit at distance 1: pixel = middle + x / y, middle - z / y, exactly. */
-static struct lod_eye flat_eye(uint32_t width, uint32_t height) {
+static struct lod_eye flat_eye(uint32_t width, uint32_t height)
+{
 	return (struct lod_eye){ .right = { 1, 0, 0 }, .up = { 0, 0, 1 }, .forward = { 0, 1, 0 }, .tan_x = width / 2.0,
 		.tan_y = height / 2.0, .pixel_rad = 1 };
 }
 
-static void start(struct lod_raster *raster, uint32_t width, uint32_t height, const struct lod_eye *eye) {
+static void start(struct lod_raster *raster, uint32_t width, uint32_t height, const struct lod_eye *eye)
+{
 	struct lod_raster_options options = { width, height, true, true };
 	assert_int_equal(lod_raster_init(raster, &options, NULL), ECO_OK);
 	struct lod_eye flat = flat_eye(width, height);
@@ -37,25 +41,29 @@ static void start(struct lod_raster *raster, uint32_t width, uint32_t height, co
 }
 
 /* The object-space point that a flat eye sees at (x, y) / 256 pixels at distance w; exact for small integers and powers of two. */
-static void put(float *p, const struct lod_raster *raster, double x, double y, double w) {
+static void put(float *p, const struct lod_raster *raster, double x, double y, double w)
+{
 	p[0] = (float)((x / 256 - raster->width / 2.0) * w);
 	p[1] = (float)w;
 	p[2] = (float)((raster->height / 2.0 - y / 256) * w);
 }
 
-static void draw(struct lod_raster *raster, const float *position, uint32_t count, uint64_t owner) {
+static void draw(struct lod_raster *raster, const float *position, uint32_t count, uint64_t owner)
+{
 	struct lod_raster_batch batch = { .count = count, .position = position, .owner = owner };
 	lod_raster_triangles(raster, &batch);
 }
 
-static uint64_t covered(const struct lod_raster *raster) {
+static uint64_t covered(const struct lod_raster *raster)
+{
 	uint64_t n = 0;
 	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++)
 		n += raster->cover[i] != 0;
 	return n;
 }
 
-static bool same_picture(const struct lod_raster *a, const struct lod_raster *b) {
+static bool same_picture(const struct lod_raster *a, const struct lod_raster *b)
+{
 	size_t pixels = (size_t)a->width * a->height;
 	return !memcmp(a->depth, b->depth, pixels * sizeof *a->depth) && !memcmp(a->cover, b->cover, pixels)
 		&& !memcmp(a->owner, b->owner, pixels * sizeof *a->owner) && !memcmp(a->rgb, b->rgb, 3 * pixels);
@@ -63,13 +71,15 @@ static bool same_picture(const struct lod_raster *a, const struct lod_raster *b)
 
 /* ---- The twin ---- */
 
-static bool twin_edge(const int64_t a[2], const int64_t b[2], int64_t x, int64_t y) {
+static bool twin_edge(const int64_t a[2], const int64_t b[2], int64_t x, int64_t y)
+{
 	__int128 dx = b[0] - a[0], dy = b[1] - a[1], at = dx * (y - a[1]) - dy * (x - a[0]);
 	return at > 0 || (at == 0 && (dy < 0 || (dy == 0 && dx > 0)));
 }
 
 /* Corners in 1/256 pixel, by the formula of raster.h in the rasteriser's own floats. */
-static void twin_snap(const struct lod_raster *raster, const float *p, int64_t out[2]) {
+static void twin_snap(const struct lod_raster *raster, const float *p, int64_t out[2])
+{
 	float c[3];
 	for (int i = 0; i < 3; i++) {
 		const float *row = raster->state->clip[i];
@@ -80,7 +90,8 @@ static void twin_snap(const struct lod_raster *raster, const float *p, int64_t o
 	out[1] = (int64_t)rintf(c[1] * z) + raster->height * 128;
 }
 
-static uint64_t twin_differences(const struct lod_raster *raster, const float *position) {
+static uint64_t twin_differences(const struct lod_raster *raster, const float *position)
+{
 	int64_t c[3][2];
 	for (int i = 0; i < 3; i++)
 		twin_snap(raster, position + 3 * i, c[i]);
@@ -99,7 +110,8 @@ static uint64_t twin_differences(const struct lod_raster *raster, const float *p
 
 struct shape { double size, middle; int grid; };     /* corners within +-size pixels of a centre within +-middle, on a grid of 1/256 */
 
-static void random_triangle(float *p, const struct lod_raster *raster, const struct shape *shape) {
+static void random_triangle(float *p, const struct lod_raster *raster, const struct shape *shape)
+{
 	double x = uniform(-shape->middle, shape->middle) + raster->width / 2.0, y = uniform(-shape->middle, shape->middle)
 		+ raster->height / 2.0;
 	bool sliver = rnd(4) == 0;
@@ -112,7 +124,8 @@ static void random_triangle(float *p, const struct lod_raster *raster, const str
 	}
 }
 
-static void covers_what_the_exact_twin_covers(void **unused) {
+static void covers_what_the_exact_twin_covers(void **unused)
+{
 	static const struct shape shapes[] = {
 		{ 0.4, 20, 1 }, { 1, 20, 1 }, { 2, 20, 128 }, { 3, 22, 1 }, { 4, 20, 64 }, { 6, 20, 1 }, { 9, 20, 128 }, { 20, 30, 1 },
 		{ 40, 10, 256 }, { 300, 100, 1 }, { 7000, 500, 1 },
@@ -133,14 +146,16 @@ static void covers_what_the_exact_twin_covers(void **unused) {
 	lod_raster_free(&raster);
 }
 
-static struct lod_eye turned_eye(uint32_t width, uint32_t height) {
+static struct lod_eye turned_eye(uint32_t width, uint32_t height)
+{
 	struct eco_view view = { { 1e6 + 3, -20, 9 }, { 1e6, 0, 5 }, { 0.1, 0, 1 }, 50, width, height };
 	struct lod_eye eye;
 	lod_eye_make(&eye, &view);
 	return eye;
 }
 
-static void covers_what_the_twin_covers_in_perspective(void **unused) {
+static void covers_what_the_twin_covers_in_perspective(void **unused)
+{
 	struct lod_raster raster;
 	struct lod_eye eye = turned_eye(64, 48);
 	(void)unused;
@@ -163,7 +178,8 @@ static void covers_what_the_twin_covers_in_perspective(void **unused) {
 }
 
 /* A jittered grid of quads, each cut along either diagonal, reaching beyond the picture. */
-static void neighbours_share_each_pixel_once(void **unused) {
+static void neighbours_share_each_pixel_once(void **unused)
+{
 	enum { SIDE = 40 };
 	struct lod_raster raster;
 	(void)unused;
@@ -206,7 +222,8 @@ static void neighbours_share_each_pixel_once(void **unused) {
 }
 
 /* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest does not. */
-static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused) {
+static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
+{
 	static const float reach[] = { 3, 100, 1e5f, 1e9f, 1e14f };
 	struct lod_raster raster;
 	(void)unused;
@@ -233,7 +250,8 @@ static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
 	}
 }
 
-static void what_is_no_number_or_behind_draws_nothing(void **unused) {
+static void what_is_no_number_or_behind_draws_nothing(void **unused)
+{
 	static const float bad[][9] = {
 		{ NAN, 1, 0, 1, 1, 0, 0, 1, 1 }, { INFINITY, 1, 0, 1, 1, 0, 0, 1, 1 }, { 0, 1, 0, 1, 1, 0, 0, NAN, 1 },
 		{ 0, -1, 0, 1, -1, 0, 0, -1, 1 }, { 0, 0, 0, 0, 0, 0, 0, 0, 0 }, { 3e38f, 3e38f, 3e38f, -3e38f, 3e38f, 0, 0, 3e38f, 3e38f },
@@ -260,7 +278,8 @@ static void what_is_no_number_or_behind_draws_nothing(void **unused) {
 
 struct crowd { float *position; uint64_t *owner; uint32_t groups, each; };   /* groups of triangles, an owner each */
 
-static struct crowd crowd_make(uint32_t groups, uint32_t each, double size) {
+static struct crowd crowd_make(uint32_t groups, uint32_t each, double size)
+{
 	struct crowd crowd = { malloc(groups * each * 9 * sizeof(float)), malloc(groups * sizeof(uint64_t)), groups, each };
 	for (uint32_t g = 0; g < groups; g++) {
 		double c[3] = { uniform(-40, 40), uniform(20, 120), uniform(-30, 30) };
@@ -274,23 +293,27 @@ static struct crowd crowd_make(uint32_t groups, uint32_t each, double size) {
 	return crowd;
 }
 
-static void crowd_free(struct crowd *crowd) {
+static void crowd_free(struct crowd *crowd)
+{
 	free(crowd->position);
 	free(crowd->owner);
 }
 
-static void crowd_draw(struct lod_raster *raster, const struct crowd *crowd, uint32_t first, uint32_t end) {
+static void crowd_draw(struct lod_raster *raster, const struct crowd *crowd, uint32_t first, uint32_t end)
+{
 	for (uint32_t g = first; g < end; g++)
 		draw(raster, crowd->position + (size_t)g * crowd->each * 9, crowd->each, crowd->owner[g]);
 }
 
-static struct lod_eye wide_eye(void) {
+static struct lod_eye wide_eye(void)
+{
 	struct lod_eye eye = flat_eye(2, 2);
 	eye.tan_x = 0.8, eye.tan_y = 0.6;
 	return eye;
 }
 
-static void batches_of_any_size_paint_the_same(void **unused) {
+static void batches_of_any_size_paint_the_same(void **unused)
+{
 	struct lod_raster whole, parts;
 	struct lod_eye eye = wide_eye();
 	(void)unused;
@@ -317,61 +340,66 @@ static void batches_of_any_size_paint_the_same(void **unused) {
 	lod_raster_free(&parts);
 }
 
-static void nearer_wins_and_equal_depth_keeps_the_first(void **unused) {
-	struct lod_raster raster;
-	float near_quad[9], far_quad[9];
-	(void)unused;
-	start(&raster, 16, 16, NULL);
+static void nearer_wins_and_of_equals_the_smaller_owner(void **unused)
+{
+	static const struct { double w[2]; uint64_t owner[2], wins; } rows[] = {
+		{ { 2, 4 }, { 9, 1 }, 9 }, { { 4, 2 }, { 1, 9 }, 9 }, { { 2, 2 }, { 3, 5 }, 3 }, { { 2, 2 }, { 5, 3 }, 3 },
+		{ { 2, 2 }, { 0, 5 }, 0 }, { { 2, 2 }, { 5, 0 }, 0 }, { { 2, 4 }, { 0, 5 }, 0 }, { { 4, 2 }, { 0, 5 }, 5 },
+	};
 	static const double corner[3][2] = { { -4096, -4096 }, { 16384, -4096 }, { -4096, 16384 } };
-	for (int i = 0; i < 3; i++) {
-		put(near_quad + 3 * i, &raster, corner[i][0], corner[i][1], 2);
-		put(far_quad + 3 * i, &raster, corner[i][0], corner[i][1], 4);
+	(void)unused;
+	for (int owners = 0; owners < 2; owners++) {
+		for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
+			struct lod_raster raster;
+			struct lod_raster_options options = { 16, 16, owners, false };
+			struct lod_eye eye = flat_eye(16, 16);
+			assert_int_equal(lod_raster_init(&raster, &options, NULL), ECO_OK);
+			lod_raster_camera(&raster, &eye, 0.1);
+			for (int i = 0; i < 2; i++) {
+				float p[9];
+				for (int k = 0; k < 3; k++)
+					put(p + 3 * k, &raster, corner[k][0], corner[k][1], rows[r].w[i]);
+				draw(&raster, p, 1, rows[r].owner[i]);
+			}
+			assert_int_equal(covered(&raster), rows[r].wins ? 256 : 0);
+			assert_true(!owners || raster.owner[77] == rows[r].wins);
+			lod_raster_free(&raster);
+		}
 	}
-	draw(&raster, far_quad, 1, 1);
-	draw(&raster, near_quad, 1, 2);
-	draw(&raster, far_quad, 1, 3);
-	draw(&raster, near_quad, 1, 4);
-	assert_int_equal(raster.owner[0], 2);
-	assert_true(raster.depth[0] == 0.5f);
-	draw(&raster, near_quad, 1, 0);
-	assert_int_equal(covered(&raster), 256);
-	lod_raster_clear(&raster);
-	draw(&raster, near_quad, 1, 0);
-	draw(&raster, far_quad, 1, 5);
-	assert_int_equal(covered(&raster), 0);
-	assert_int_equal(raster.owner[40], 0);
-	lod_raster_free(&raster);
 }
 
-static void merging_runs_in_order_gives_the_whole_picture(void **unused) {
+static void order_and_split_do_not_change_a_picture(void **unused)
+{
 	struct lod_eye eye = wide_eye();
 	(void)unused;
 	seed = 5;
 	struct crowd crowd = crowd_make(300, 20, 2);
-	memcpy(crowd.position + 9 * 20 * 7, crowd.position + 9 * 20 * 200, 9 * 20 * sizeof(float));     /* equal depths, far apart */
-	struct lod_raster whole, first, second;
+	for (uint32_t twin = 0; twin < 300; twin += 7)        /* equal depths, far apart in the order */
+		memcpy(crowd.position + 9 * 20 * (size_t)twin, crowd.position + 9 * 20 * (size_t)(299 - twin), 9 * 20 * sizeof(float));
+	struct lod_raster whole, parts[3];
 	start(&whole, 160, 120, &eye);
-	start(&first, 160, 120, &eye);
-	start(&second, 160, 120, &eye);
 	crowd_draw(&whole, &crowd, 0, 300);
-	for (uint32_t cut = 0; cut <= 300; cut += 50) {
-		uint32_t later = cut + (300 - cut) / 2;
-		lod_raster_clear(&first);
-		crowd_draw(&first, &crowd, 0, cut);
-		for (int part = 0; part < 2; part++) {
-			lod_raster_clear(&second);
-			crowd_draw(&second, &crowd, part ? later : cut, part ? 300 : later);
-			lod_raster_merge(&first, &second);
+	for (int i = 0; i < 3; i++)
+		start(&parts[i], 160, 120, &eye);
+	for (int round = 0; round < 6; round++) {
+		for (int i = 0; i < 3; i++)
+			lod_raster_clear(&parts[i]);
+		for (uint32_t g = 0; g < 300; g++) {
+			uint32_t group = round & 1 ? 299 - g : g;
+			crowd_draw(&parts[round < 2 ? g % 3 : rnd(3)], &crowd, group, group + 1);
 		}
-		assert_true(same_picture(&whole, &first));
+		lod_raster_merge(&parts[1], &parts[round % 3 == 0 ? 2 : 0]);
+		lod_raster_merge(&parts[1], &parts[round % 3 == 0 ? 0 : 2]);
+		assert_true(same_picture(&whole, &parts[1]));
 	}
 	crowd_free(&crowd);
 	lod_raster_free(&whole);
-	lod_raster_free(&first);
-	lod_raster_free(&second);
+	for (int i = 0; i < 3; i++)
+		lod_raster_free(&parts[i]);
 }
 
-static void group_sphere(const struct crowd *crowd, uint32_t group, double center[3], double *radius) {
+static void group_sphere(const struct crowd *crowd, uint32_t group, double center[3], double *radius)
+{
 	const float *p = crowd->position + (size_t)group * crowd->each * 9;
 	double far2 = 0;
 	memset(center, 0, 3 * sizeof *center);
@@ -386,7 +414,8 @@ static void group_sphere(const struct crowd *crowd, uint32_t group, double cente
 	*radius = sqrt(far2);
 }
 
-static void skipping_what_is_hidden_changes_no_pixel(void **unused) {
+static void skipping_what_is_hidden_changes_no_pixel(void **unused)
+{
 	struct lod_eye eye = wide_eye();
 	(void)unused;
 	for (int round = 0; round < 6; round++) {
@@ -415,7 +444,8 @@ static void skipping_what_is_hidden_changes_no_pixel(void **unused) {
 	}
 }
 
-static void only_full_cover_hides(void **unused) {
+static void only_full_cover_hides(void **unused)
+{
 	struct lod_raster raster;
 	float wall[9];
 	(void)unused;
@@ -437,7 +467,8 @@ static void only_full_cover_hides(void **unused) {
 
 /* ---- Cut-outs, lines, points ---- */
 
-static void cutouts_are_sampled_in_perspective_and_wrap(void **unused) {
+static void cutouts_are_sampled_in_perspective_and_wrap(void **unused)
+{
 	enum { TW = 7, TH = 5 };
 	uint8_t texels[TW * TH * 4] = { 0 };
 	struct eco_image image = { TW, TH, texels };
@@ -472,7 +503,8 @@ static void cutouts_are_sampled_in_perspective_and_wrap(void **unused) {
 	lod_raster_free(&raster);
 }
 
-static void lines_are_as_wide_as_they_say(void **unused) {
+static void lines_are_as_wide_as_they_say(void **unused)
+{
 	struct lod_raster raster;
 	struct lod_eye eye = flat_eye(2, 2);
 	(void)unused;
@@ -495,7 +527,8 @@ static void lines_are_as_wide_as_they_say(void **unused) {
 	lod_raster_free(&raster);
 }
 
-static void points_cover_exactly_their_boxes(void **unused) {
+static void points_cover_exactly_their_boxes(void **unused)
+{
 	struct lod_raster raster;
 	(void)unused;
 	seed = 11;
@@ -520,7 +553,8 @@ static void points_cover_exactly_their_boxes(void **unused) {
 
 /* ---- Bits ---- */
 
-static uint64_t digest(const struct lod_raster *raster) {
+static uint64_t digest(const struct lod_raster *raster)
+{
 	uint64_t hash = 14695981039346656037u;
 	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++) {
 		uint32_t bits;
@@ -530,7 +564,8 @@ static uint64_t digest(const struct lod_raster *raster) {
 	return hash;
 }
 
-static void every_build_paints_the_same_bits(void **unused) {
+static void every_build_paints_the_same_bits(void **unused)
+{
 	struct lod_raster raster;
 	struct lod_eye eye = wide_eye();
 	(void)unused;
@@ -553,7 +588,8 @@ static void every_build_paints_the_same_bits(void **unused) {
 	lod_raster_free(&raster);
 }
 
-static void impossible_sizes_are_refused(void **unused) {
+static void impossible_sizes_are_refused(void **unused)
+{
 	static const uint32_t bad[][2] = { { 0, 1 }, { 1, 0 }, { ECO_IMAGE_MAX + 1, 1 }, { 1, UINT32_MAX } };
 	(void)unused;
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -566,7 +602,8 @@ static void impossible_sizes_are_refused(void **unused) {
 	}
 }
 
-int main(void) {
+int main(void)
+{
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(covers_what_the_exact_twin_covers),
 		cmocka_unit_test(covers_what_the_twin_covers_in_perspective),
@@ -574,8 +611,8 @@ int main(void) {
 		cmocka_unit_test(planes_through_the_near_plane_cover_up_to_the_horizon),
 		cmocka_unit_test(what_is_no_number_or_behind_draws_nothing),
 		cmocka_unit_test(batches_of_any_size_paint_the_same),
-		cmocka_unit_test(nearer_wins_and_equal_depth_keeps_the_first),
-		cmocka_unit_test(merging_runs_in_order_gives_the_whole_picture),
+		cmocka_unit_test(nearer_wins_and_of_equals_the_smaller_owner),
+		cmocka_unit_test(order_and_split_do_not_change_a_picture),
 		cmocka_unit_test(skipping_what_is_hidden_changes_no_pixel),
 		cmocka_unit_test(only_full_cover_hides),
 		cmocka_unit_test(cutouts_are_sampled_in_perspective_and_wrap),

@@ -15,14 +15,16 @@
 
 struct row { const char *cover, *reference; double precision, recall, skill; };
 
-static uint32_t mask_of(const char *text, uint8_t *mask) {
+static uint32_t mask_of(const char *text, uint8_t *mask)
+{
 	uint32_t n = (uint32_t)strlen(text);
 	for (uint32_t i = 0; i < n; i++)
 		mask[i] = text[i] == '#' ? (uint8_t)(1 + 50 * i) : 0;
 	return n;
 }
 
-static void known_masks_have_known_scores(void **unused) {
+static void known_masks_have_known_scores(void **unused)
+{
 	static const struct row rows[] = {
 		{ "##..", "##..", 1, 1, 1 },
 		{ "###.", "##..", 2.0 / 3, 1, 1.0 / 3 },          /* q 2/3, all covered 1/2 */
@@ -55,7 +57,8 @@ static void known_masks_have_known_scores(void **unused) {
 	}
 }
 
-static void rows_add_up(void **unused) {
+static void rows_add_up(void **unused)
+{
 	uint8_t cover[12] = { 1, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 255 }, reference[12] = { 1, 0, 0, 4, 1, 0, 0, 0, 0, 0, 0, 1 };
 	struct lod_score score;
 	(void)unused;
@@ -66,7 +69,8 @@ static void rows_add_up(void **unused) {
 	assert_int_equal(score.pixels, 12);
 }
 
-static void owners_must_match_where_they_are_known(void **unused) {
+static void owners_must_match_where_they_are_known(void **unused)
+{
 	uint32_t leaf = eco_owner_leaf(3), other = eco_owner_leaf(4);
 	uint64_t reference[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 1), eco_owner_instance(leaf, 2, 2),
 		eco_owner_instance(leaf, 5, 0) };
@@ -82,7 +86,8 @@ static void owners_must_match_where_they_are_known(void **unused) {
 	NEAR(score.owner_q, 1 - hypot(0.5, 0.5));
 }
 
-int main(void) {
+int main(void)
+{
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(known_masks_have_known_scores),
 		cmocka_unit_test(rows_add_up),
