@@ -5,7 +5,6 @@ set -u
 folder=$1 seconds=$2
 shift 2
 export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}" UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1}"
-export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$PWD/tests/lsan.supp:print_suppressions=0}"
 failed=0
 for target in "$@"; do
 	name=$(basename "$target") name=${name#fuzz_}
