@@ -1,5 +1,5 @@
 /* Drawing a selection in software: the reference that pictures are scored against, and what draws where there is no OpenGL. Plants
- * front to back, hidden ones skipped, by `threads` rasterisers whose pictures are merged: the same pixels whatever the number (but where two plants have the very same depth). */
+ * front to back, hidden ones skipped, by `threads` rasterisers whose pictures are merged: the same pixels whatever the number. */
 #ifndef VIEW_REFERENCE_H
 #define VIEW_REFERENCE_H
 
