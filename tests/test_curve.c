@@ -130,6 +130,24 @@ static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, ui
 	return crown->plant.list_count - 1;
 }
 
+/* A line along each `each`-th leaf. */
+static uint32_t add_lines(struct crown *crown, uint32_t each)
+{
+	struct lod_list_draft *draft = add_list(crown, ECO_LIST_LINES, crown->leaves / each, 2);
+	draft->list.attributes = ECO_ATTR_WIDTH;
+	draft->elements.extra_count = 1;
+	draft->elements.extra = malloc(draft->elements.element_count * sizeof(int32_t));
+	for (uint32_t i = 0; i < draft->elements.element_count; i++) {
+		const int32_t *leaf = crown->corner + 12 * i * each;
+		for (int k = 0; k < 3; k++) {
+			draft->elements.position[6 * i + (uint32_t)k] = (leaf[k] + leaf[9 + k]) / 2;
+			draft->elements.position[6 * i + 3 + (uint32_t)k] = (leaf[3 + k] + leaf[6 + k]) / 2;
+		}
+		draft->elements.extra[i] = 100;
+	}
+	return crown->plant.list_count - 1;
+}
+
 static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles)
 {
 	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
@@ -144,6 +162,7 @@ static void crown_free(struct crown *crown)
 	for (uint32_t i = 0; i < crown->plant.list_count; i++) {
 		free(crown->lists[i].elements.corners);
 		free(crown->lists[i].elements.position);
+		free(crown->lists[i].elements.extra);
 	}
 	free(crown->plant.curves);
 	free(crown->corner);
@@ -333,6 +352,53 @@ static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **
 	crown_free(&crown);
 }
 
+static void every_kind_of_ladder_is_measured(void **unused)
+{
+	static const uint32_t leaves[] = { 1, 2, 3, 40, 300 };
+	(void)unused;
+	for (size_t n = 0; n < sizeof leaves / sizeof leaves[0]; n++) {
+		for (int kind = 0; kind < 5; kind++) {
+			struct crown crown;
+			seed = 9;
+			crown_make(&crown, leaves[n], 0.5);
+			uint32_t triangles = kind == 1 ? ECO_NONE : add_triangles(&crown, 0, leaves[n], 1);
+			uint32_t points = kind < 2 ? add_points(&crown, 0, leaves[n], 1) : ECO_NONE;
+			struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
+			if (kind == 3 || kind == 4)
+				ladder->lines = add_lines(&crown, 1);
+			if (kind == 4) {
+				ladder->organ = ECO_ORGAN_WOOD;
+				ladder->level_count = 2;
+				ladder->level_end[0] = leaves[n] / 2;
+				ladder->level_end[1] = 2 * leaves[n];
+			}
+			measure(&crown, 64);
+			const struct eco_curve *curve = crown.plant.curves;
+			assert_in_range(crown.plant.curve_count, 1, LOD_CURVE_SAMPLES_MAX);
+			assert_true(curve[crown.plant.curve_count - 1].share == 1 && error_of(&curve[crown.plant.curve_count - 1]) == 0);
+			for (uint32_t i = 0; i < crown.plant.curve_count; i++) {
+				assert_true(curve[i].share > 0 && curve[i].scale >= 0.25f && curve[i].scale <= 64);
+				assert_true(i == 0 || (curve[i].share > curve[i - 1].share && error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6));
+			}
+			crown_free(&crown);
+		}
+	}
+}
+
+static void what_covers_nothing_has_no_curve(void **unused)
+{
+	struct crown crown;
+	(void)unused;
+	seed = 10;
+	crown_make(&crown, 3, 1e-5);
+	add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 3, 1));
+	struct eco_ladder *empty = add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 0, 1));
+	measure(&crown, 64);
+	assert_int_equal(crown.plant.curve_count, 0);
+	assert_int_equal(empty->curve_count, 0);
+	crown_free(&crown);
+}
+
 static bool stop_soon(void *ctx, double share)
 {
 	uint32_t *calls = ctx;
@@ -399,6 +465,8 @@ int main(void)
 		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
 		cmocka_unit_test(cells_share_the_curve_of_the_whole),
 		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
+		cmocka_unit_test(every_kind_of_ladder_is_measured),
+		cmocka_unit_test(what_covers_nothing_has_no_curve),
 		cmocka_unit_test(what_a_grid_loses_is_proportional_to_its_step),
 		cmocka_unit_test(measuring_can_be_stopped_and_repeats_to_the_bit),
 	};
