@@ -86,6 +86,7 @@ static enum eco_code find_plants(struct make *m)
 struct work {
 	struct make *m;
 	pthread_mutex_t lock;
+	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and a child must not find their locks taken */
 	uint32_t next, done;
 	double *share;               /* per plant */
 	uint32_t failed;             /* lowest plant that failed; its error is the one that is told */
@@ -167,9 +168,11 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	job->to = IMPORTED;
 	if (!tell(job, 0))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	pthread_mutex_lock(&job->work->libraries);
 	enum eco_code code = eco_model_import(&model,
 		&(struct eco_model_options){ .path = plant->source->model, .height_m = plant->source->height_m,
 			.warn = warn, .ctx = plant }, error);
+	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
 		return code;
 	plant->triangles_in = model.triangles_in;
@@ -181,8 +184,10 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	job->to = 1;
 	if (!code)
 		code = lod_plant_measure(&plant->built, &model, &options, error);
+	pthread_mutex_lock(&job->work->libraries);
 	if (!code)
 		code = keep_images(plant, &model, error);
+	pthread_mutex_unlock(&job->work->libraries);
 	if (!code)
 		measure_body(plant);
 	eco_model_free(&model);
@@ -220,7 +225,8 @@ static enum eco_code build_plants(struct make *m)
 {
 	long processors = sysconf(_SC_NPROCESSORS_ONLN);
 	uint32_t jobs = m->options->jobs ? m->options->jobs : processors > 0 ? (uint32_t)processors : 1, started = 0;
-	struct work work = { .m = m, .lock = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
+	struct work work = { .m = m, .lock = PTHREAD_MUTEX_INITIALIZER,
+		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
 	pthread_t threads[64];
 	if (!work.share)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
