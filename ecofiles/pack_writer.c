@@ -102,6 +102,8 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 		w->temporary = NULL;
 	if (w->path == NULL || w->folder == NULL || w->temporary == NULL) {
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	} else if (path[0] == 0) {
+		code = eco_fail(error, ECO_BAD_INPUT, "a pack needs a file name");
 	} else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
 	} else {

@@ -1,5 +1,5 @@
-/* The fuzz targets' main outside config=fuzz: runs the target once for every file named, and for every file in a folder named. What
- * a fuzzer once found stays found, with any compiler. */
+/* Stands in for libFuzzer: runs LLVMFuzzerTestOneInput on every file named on the command line and in every folder named there, so
+ * that the corpora are part of the ordinary tests. Prints how many inputs were run. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdint.h>
@@ -10,55 +10,84 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-static unsigned long replayed;
-
-static int replay_file(const char *path, size_t size)
+static int replay_file(const char *path)
 {
-	uint8_t *bytes = malloc(size ? size : 1);        /* exactly as long as the file: sanitizers see a read beyond it */
 	FILE *file = fopen(path, "rb");
-	if (!bytes || !file || fread(bytes, 1, size, file) != size) {
+	uint8_t *bytes = NULL;
+	size_t size = 0, got;
+
+	if (file == NULL) {
 		fprintf(stderr, "%s: %s\n", path, strerror(errno));
-		exit(1);
+		return -1;
 	}
+	do {
+		uint8_t *grown = realloc(bytes, size + 65536);
+
+		if (grown == NULL)
+			abort();
+		bytes = grown;
+		got = fread(bytes + size, 1, 65536, file);
+		size += got;
+	} while (got > 0);
 	fclose(file);
-	LLVMFuzzerTestOneInput(bytes, size);
+	/* An allocation of the exact size, so that a sanitizer sees a byte read too far. */
+	uint8_t *exact = malloc(size > 0 ? size : 1);
+
+	if (exact == NULL)
+		abort();
+	memcpy(exact, bytes, size);
+	LLVMFuzzerTestOneInput(exact, size);
+	free(exact);
 	free(bytes);
-	replayed++;
-	return 0;
+	return 1;
 }
 
-static int replay(const char *path)
+/* Inputs run, or -1. Hidden files are skipped; folders are not entered twice deep by links. */
+static int replay(const char *path, int depth)
 {
 	struct stat status;
-	if (stat(path, &status) != 0) {
-		fprintf(stderr, "%s: %s\n", path, strerror(errno));
-		return 1;
-	}
-	if (S_ISREG(status.st_mode))
-		return replay_file(path, (size_t)status.st_size);
 	struct dirent **entries;
-	int count = scandir(path, &entries, NULL, alphasort), failed = count < 0;
-	for (int i = 0; i < count; i++) {
-		char inner[4096];
-		snprintf(inner, sizeof inner, "%s/%s", path, entries[i]->d_name);
-		if (entries[i]->d_name[0] != '.' && !failed)
-			failed = replay(inner);
+	int count = 0, n;
+
+	if (lstat(path, &status) != 0) {
+		fprintf(stderr, "%s: %s\n", path, strerror(errno));
+		return -1;
+	}
+	if (!S_ISDIR(status.st_mode))
+		return replay_file(path);
+	n = depth > 8 ? -1 : scandir(path, &entries, NULL, alphasort);
+	if (n < 0) {
+		fprintf(stderr, "%s: cannot read the folder\n", path);
+		return -1;
+	}
+	for (int i = 0; i < n; i++) {
+		char *inner = NULL;
+		int one = 0;
+
+		if (entries[i]->d_name[0] != '.') {
+			if (asprintf(&inner, "%s/%s", path, entries[i]->d_name) < 0)
+				abort();
+			one = replay(inner, depth + 1);
+		}
+		count = count < 0 || one < 0 ? -1 : count + one;
+		free(inner);
 		free(entries[i]);
 	}
-	if (count >= 0)
-		free(entries);
-	return failed;
+	free(entries);
+	return count;
 }
 
 int main(int argc, char **argv)
 {
-	for (int i = 1; i < argc; i++)
-		if (replay(argv[i]))
+	int count = 0;
+
+	for (int i = 1; i < argc; i++) {
+		int one = replay(argv[i], 0);
+
+		if (one < 0)
 			return 1;
-	if (!replayed) {
-		fprintf(stderr, "%s: no input: name files or folders\n", argv[0]);
-		return 1;
+		count += one;
 	}
-	printf("%lu inputs replayed\n", replayed);
+	printf("%d inputs replayed\n", count);
 	return 0;
 }
