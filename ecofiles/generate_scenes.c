@@ -80,11 +80,11 @@ static enum eco_code write_models(const struct gen_layout *layout, const char *c
 	return ECO_OK;
 }
 
-static void print_head(FILE *out, const char *name)
+static void print_head(FILE *out, const char *name, uint32_t tile_instances)
 {
 	fprintf(out, "{\n  \"name\": \"%s\", \"crs\": \"" GEN_CRS "\", \"origin\": [%.0f, %.0f, %.0f],\n", name, GEN_EASTING, GEN_NORTHING,
 		GEN_ALTITUDE);
-	fputs("  \"ground\": {\"heights\": \"dem.tif\"},\n", out);
+	fprintf(out, "  \"ground\": {\"heights\": \"dem.tif\"}, \"tile\": {\"instances\": %u},\n", tile_instances);
 }
 
 static bool has_flowers(const char *name)
@@ -294,7 +294,7 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 		code = eco_fail(error, ECO_NO_MEMORY, "generating: no memory for %u plants", layout->plants);
 	stand_close(&stand);
 	if (!code) {
-		print_head(text.out, "park");
+		print_head(text.out, "park", 16);
 		print_plants(text.out, names);
 		fputs("  \"instances\": [", text.out);
 		print_instances(text.out, instances, count);
@@ -388,7 +388,7 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 
 static void print_forest(FILE *out, const char *const names[])
 {
-	print_head(out, "forest");
+	print_head(out, "forest", 128);
 	print_plants(out, names);
 	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", \"species\": \"species\",\n"
 		"     \"map\": {", out);
@@ -538,7 +538,7 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 	code = text_open(&text, error);
 	if (code)
 		return code;
-	print_head(text.out, "meadow");
+	print_head(text.out, "meadow", 32);
 	print_plants(text.out, trees);
 	fputs("  \"instances\": [", text.out);
 	print_instances(text.out, standing, count);

@@ -37,10 +37,14 @@ static enum eco_code count_up(const struct eco_scene *s, struct totals *t, struc
 				t->plant_bytes[list->owner] += s->chunks[list->chunk_first + c].size_bytes;
 		}
 	}
-	for (uint32_t i = 0; i < s->tile_count; i++)
-		t->leaves += s->tiles[i].child_count == 0;
-	for (uint32_t i = 0; i < s->child_count; i++)
-		t->placed += s->children[i].placed;
+	t->leaves = s->tile_count;
+	for (uint32_t i = 0; i < s->tile_count; i++) {
+		uint64_t placed = 0;
+		for (uint32_t c = s->tiles[i].child_first; c < s->tiles[i].child_first + s->tiles[i].child_count; c++)
+			placed += s->children[c].placed;
+		t->placed += placed;
+		t->leaves -= placed < s->tiles[i].child_count;       /* a tile that only places other eco files is a leaf of its own */
+	}
 	return ECO_OK;
 }
 
