@@ -225,7 +225,7 @@ static bool stands_out(const uint8_t rgb[3], struct lod_v3 majority)
 }
 
 /* Only small components count: a brown pot is none, and autumn leaves are the majority that they would have to stand out from. */
-#define SMALL 0.4                /* of the plant's largest extent */
+#define SMALL 0.5                /* of the plant's largest extent */
 static void find_flowers(struct lod_organs *organs, const struct lod_mesh *mesh)
 {
 	struct lod_v3 majority = { 0, 0, 0 };

@@ -1,0 +1,244 @@
+#include "lod/draft.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
+#define WOOD_CHUNK 2048u         /* triangles, about 1024 vertices: edgebreaker needs them to pay */
+#define ENDS_MAX 4096u
+
+/* ---- Room ---- */
+
+static void *grow(struct lod_draft *draft, void *items, uint32_t count, uint32_t *capacity, size_t size)
+{
+	if (count < *capacity)
+		return items;
+	uint32_t wanted = *capacity ? 2 * *capacity : 16;
+	void *bigger = realloc(items, wanted * size);
+	if (bigger == NULL)
+		longjmp(draft->arena->failed, 1);
+	*capacity = wanted;
+	return bigger;
+}
+
+struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
+{
+	struct lod_plant *plant = draft->plant;
+	plant->ladders = grow(draft, plant->ladders, plant->ladder_count, &draft->ladder_capacity, sizeof *plant->ladders);
+	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
+	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+	return ladder;
+}
+
+/* What a list will hold. */
+struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, image; };
+
+static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
+{
+	struct lod_plant *plant = draft->plant;
+	plant->lists = grow(draft, plant->lists, plant->list_count, &draft->list_capacity, sizeof *plant->lists);
+	struct lod_list_draft *list = &plant->lists[plant->list_count++];
+	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder, .attributes = shape->attributes,
+		.owner = 0, .plant = ECO_NONE, .image = shape->image, .partner = ECO_NONE,
+		.palette_count = shape->attributes & ECO_ATTR_COLOR ? draft->palette->count : 0 } };
+	for (int a = 0; a < 3; a++) {
+		list->list.grid_origin[a] = draft->mesh->origin[a];
+		list->list.grid_step[a] = draft->mesh->step;
+	}
+	struct eco_elements *e = &list->elements;
+	e->extra_count = eco_list_extra_count(&list->list);
+	e->corners = lod_arena_own(draft->arena, shape->elements, sizeof *e->corners);
+	e->position = lod_arena_own(draft->arena, 3 * (size_t)shape->corners, sizeof *e->position);
+	if (shape->attributes & ECO_ATTR_UV)
+		e->uv = lod_arena_own(draft->arena, 2 * (size_t)shape->corners, sizeof *e->uv);
+	if (e->extra_count)
+		e->extra = lod_arena_own(draft->arena, (size_t)e->extra_count * shape->elements, sizeof *e->extra);
+	return list;
+}
+
+/* Starts the next element; its corners follow. Returns where its extra values go. */
+static int32_t *begin_element(struct eco_elements *e, uint32_t corners)
+{
+	e->corners[e->element_count] = (uint8_t)corners;
+	e->primitive_count += corners < 3 ? 1 : corners - 2;
+	return e->extra ? e->extra + (size_t)e->extra_count * e->element_count++ : (e->element_count++, NULL);
+}
+
+static void put_corner(struct eco_elements *e, const int32_t *position, const int32_t *uv)
+{
+	memcpy(e->position + 3 * (size_t)e->corner_count, position, 3 * sizeof *position);
+	if (e->uv && uv)
+		memcpy(e->uv + 2 * (size_t)e->corner_count, uv, 2 * sizeof *uv);
+	e->corner_count++;
+}
+
+static uint32_t finish(struct lod_draft *draft, struct lod_list_draft *list, const uint32_t *ends, uint32_t end_count)
+{
+	list->list.element_count = list->elements.element_count;
+	list->list.primitive_count = list->elements.primitive_count;
+	list->ends = lod_arena_own(draft->arena, end_count, sizeof *ends);
+	memcpy(list->ends, ends, end_count * sizeof *ends);
+	list->end_count = end_count;
+	return (uint32_t)(list - draft->plant->lists);
+}
+
+static uint32_t finish_in_chunks(struct lod_draft *draft, struct lod_list_draft *list)
+{
+	uint32_t ends[ENDS_MAX];
+	return finish(draft, list, ends, eco_chunk_split(list->elements.element_count, SMALLEST_CHUNK, ends, ENDS_MAX));
+}
+
+/* ---- Leaves ---- */
+
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, uint32_t count, uint32_t image)
+{
+	uint32_t corners = 0;
+	if (count == 0)
+		return ECO_NONE;
+	for (uint32_t i = 0; i < count; i++)
+		corners += items[i]->corners;
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
+		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, count, corners, image });
+	for (uint32_t i = 0; i < count; i++) {
+		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, items[i]->corners);
+		lod_element_uv(items[i], draft->mesh, uv);
+		for (uint32_t k = 0; k < items[i]->corners; k++)
+			put_corner(&list->elements, draft->mesh->grid + 3 * (size_t)items[i]->vertex[k], uv + 2 * k);
+		if (extra)
+			extra[0] = (int32_t)lod_palette_index(draft->palette, draft->organs->rgb[items[i]->triangle[0]]);
+	}
+	return finish_in_chunks(draft, list);
+}
+
+/* Points [2i, 2i + 2) stand for triangle i, so the chunks of the points end where those of the triangles do. */
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area)
+{
+	if (partner == ECO_NONE)
+		return ECO_NONE;
+	uint32_t triangles = draft->plant->lists[partner].elements.primitive_count;
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_POINTS, ECO_CODER_PAIRED, ECO_ATTR_COLOR, 2 * triangles,
+		2 * triangles, ECO_NONE });
+	const struct lod_list_draft *fans = &draft->plant->lists[partner];
+	list->list.partner = partner;
+	list->list.unit_area = unit_area;
+	for (uint32_t e = 0; e < fans->elements.element_count; e++)
+		for (uint32_t i = 0; i < 2 * (fans->elements.corners[e] - 2u); i++) {
+			int32_t *extra = begin_element(&list->elements, 1);
+			put_corner(&list->elements, points[e][i].position, NULL);
+			extra[0] = (int32_t)lod_palette_index(draft->palette, points[e][i].rgb);
+		}
+	uint32_t *ends = lod_arena_take(draft->arena, fans->end_count, sizeof *ends);
+	for (uint32_t c = 0, e = 0, n = 0; c < fans->end_count; c++) {
+		for (; e < fans->ends[c]; e++)
+			n += 2 * (fans->elements.corners[e] - 2u);
+		ends[c] = n;
+	}
+	return finish(draft, list, ends, fans->end_count);
+}
+
+/* ---- Lines ---- */
+
+static void to_grid(const struct lod_mesh *mesh, struct lod_v3 p, int32_t grid[3])
+{
+	for (int a = 0; a < 3; a++)
+		grid[a] = (int32_t)floor((lod_v3_axis(p, a) - mesh->origin[a]) / mesh->step + 0.5);
+}
+
+uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count)
+{
+	double step = draft->mesh->step, owed = 0;
+	uint32_t kept = 0;
+	int32_t a[3], b[3];
+	for (uint32_t i = 0; i < count; i++) {
+		to_grid(draft->mesh, lines[i].end[0], a);
+		to_grid(draft->mesh, lines[i].end[1], b);
+		kept += memcmp(a, b, sizeof a) != 0;
+	}
+	if (kept == 0)
+		return ECO_NONE;
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH,
+		kept, 2 * kept, ECO_NONE });
+	for (uint32_t i = 0; i < count; i++) {
+		double length = lod_v3_distance(lines[i].end[0], lines[i].end[1]);
+		to_grid(draft->mesh, lines[i].end[0], a);
+		to_grid(draft->mesh, lines[i].end[1], b);
+		if (memcmp(a, b, sizeof a) == 0)
+			continue;
+		/* Twigs may be a fraction of a step wide. What rounding adds to one line's area, the next ones get less. */
+		double wanted = lines[i].width / step - owed / length, rounded = floor(wanted + 0.5);
+		rounded = rounded < 1 ? 1 : rounded;
+		owed += (rounded - lines[i].width / step) * length;
+		int32_t *extra = begin_element(&list->elements, 2);
+		put_corner(&list->elements, a, NULL);
+		put_corner(&list->elements, b, NULL);
+		extra[0] = (int32_t)lod_palette_index(draft->palette, lines[i].rgb);
+		extra[1] = (int32_t)rounded;
+	}
+	return finish_in_chunks(draft, list);
+}
+
+/* ---- Wood ---- */
+
+/* Chunks of one level that ends at element `end`: even ones, each large enough for edgebreaker. */
+static uint32_t end_level(uint32_t *ends, uint32_t count, uint32_t from, uint32_t end)
+{
+	uint32_t chunks = (end - from) / WOOD_CHUNK ? (end - from) / WOOD_CHUNK : 1;
+	for (uint32_t i = 1; i <= chunks; i++)
+		ends[count++] = from + (uint32_t)((uint64_t)(end - from) * i / chunks);
+	return count;
+}
+
+static void put_wood(struct lod_draft *draft, struct eco_elements *e, const struct lod_corner corner[3], const uint8_t rgb[3])
+{
+	int32_t *extra = begin_element(e, 3), shift[2];
+	for (int a = 0; a < 2; a++) {        /* whole turns out, as for leaves */
+		int32_t least = corner[0].uv[a];
+		for (int k = 1; k < 3; k++)
+			least = corner[k].uv[a] < least ? corner[k].uv[a] : least;
+		shift[a] = (least / ECO_UV_ONE - (least % ECO_UV_ONE < 0)) * ECO_UV_ONE;
+	}
+	for (int k = 0; k < 3; k++) {
+		int32_t uv[2] = { corner[k].uv[0] - shift[0], corner[k].uv[1] - shift[1] };
+		put_corner(e, draft->mesh->grid + 3 * (size_t)corner[k].vertex, uv);
+	}
+	if (extra)
+		extra[0] = (int32_t)lod_palette_index(draft->palette, rgb);
+}
+
+uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
+	uint32_t image, struct eco_ladder *ladder)
+{
+	const struct lod_mesh *mesh = draft->mesh;
+	uint32_t total = count, end_count = 0, at = 0;
+	if (count == 0)
+		return ECO_NONE;
+	for (uint32_t l = 0; l < levels->count; l++)
+		total += levels->triangle_count[l];
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_MESH,
+		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, total, 3 * total, image });
+	uint32_t *ends = lod_arena_take(draft->arena, total / WOOD_CHUNK + LOD_LEVELS_SIMPLE + 2, sizeof *ends);
+	for (uint32_t l = 0; l < levels->count; l++) {
+		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {
+			const struct lod_corner *corner = levels->corner[l] + 3 * (size_t)i;
+			put_wood(draft, &list->elements, corner, draft->organs->components[corner->component].rgb);
+		}
+		end_count = end_level(ends, end_count, at, at + levels->triangle_count[l]);
+		at += levels->triangle_count[l];
+		ladder->level_end[l] = at;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_corner corner[3];
+		uint32_t t = triangles[i];
+		for (uint32_t k = 0; k < 3; k++)
+			corner[k] = (struct lod_corner){ mesh->index[3 * (size_t)t + k], mesh->component[t],
+				{ mesh->uv[6 * (size_t)t + 2 * k], mesh->uv[6 * (size_t)t + 2 * k + 1] } };
+		put_wood(draft, &list->elements, corner, draft->organs->rgb[t]);
+	}
+	end_count = end_level(ends, end_count, at, at + count);
+	if (levels->count) {
+		ladder->level_count = (uint8_t)(levels->count + 1);
+		ladder->level_end[levels->count] = at + count;
+	}
+	return finish(draft, list, ends, end_count);
+}

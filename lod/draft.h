@@ -1,0 +1,41 @@
+/* Writing the lists of a plant under construction. Arrays of the plant are allocated for its caller; running out of memory jumps to
+ * the arena's handler, which frees the plant with lod_plant_free. */
+#ifndef LOD_DRAFT_H
+#define LOD_DRAFT_H
+
+#include "lod/bone.h"
+#include "lod/element.h"
+#include "lod/level.h"
+#include "lod/palette.h"
+#include "lod/plant.h"
+
+struct lod_draft {
+	struct lod_arena *arena;
+	struct lod_plant *plant;
+	const struct lod_mesh *mesh;
+	const struct lod_organs *organs;
+	const struct lod_palette *palette;
+	uint32_t list_capacity, ladder_capacity;
+};
+
+/* Appends a ladder that has nothing yet, and returns it (valid until the next one is added). */
+struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
+
+/* Each writes a list and returns its index, or ECO_NONE where it would have no elements. `image`: of the plant, or ECO_NONE. */
+
+/* Elements items[0..count) as fans, with texture coordinates where there is an image, else with colours. */
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, uint32_t count, uint32_t image);
+
+/* Two points per triangle of those elements, in their order; position and rgb hold 2 points for each of their triangles. */
+struct lod_point { int32_t position[3]; uint8_t rgb[3]; };
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area);
+
+/* Lines. Those that are a point on the grid are left out. */
+struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
+uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);
+
+/* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` where there are levels. */
+uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
+	uint32_t image, struct eco_ladder *ladder);
+
+#endif

@@ -1,0 +1,253 @@
+/* Leaves and flowers: fans with two points a triangle, or with one line each where they are blades.
+ *
+ * All points of a group are drawn at one size, unit_area: its opaque projected area over its points. Where triangles differ much in
+ * area, small ones are drawn too large and large ones too small; the sum is right, and points as many as the area asks would lose
+ * the correspondence that the blend from points to triangles needs (Deussen 2002, 4.1). */
+#include <string.h>
+
+#include "lod/order.h"
+#include "lod/plant_state.h"
+#include "lod/sample.h"
+#include "lod/sort.h"
+
+#define BLADE_RATIO 6.0          /* length to mean width from which on an element is a blade */
+#define BLADE_SHARE 0.6          /* of a group's area that makes it one of blades */
+#define COARSE_LEAST 256u        /* elements of the whole-plant list of a plant with cells */
+#define COARSE_DIVISOR 8u
+
+static struct lod_v3 corner(const struct lod_build *b, const struct lod_element *e, uint32_t i)
+{
+	return lod_v3_of(b->mesh.place + 3 * (size_t)e->vertex[i]);
+}
+
+void lod_leaves_measure(struct lod_build *b)
+{
+	b->center = lod_arena_take(&b->arena, b->elements.count, sizeof *b->center);
+	b->area = lod_arena_take(&b->arena, b->elements.count, sizeof *b->area);
+	for (uint32_t i = 0; i < b->elements.count; i++) {
+		const struct lod_element *e = &b->elements.items[i];
+		b->center[i] = lod_element_center(e, &b->mesh);
+		for (uint32_t k = 0; k + 2 < e->corners; k++)
+			b->area[i] += b->organs.area[e->triangle[k]];
+	}
+}
+
+static uint64_t group_key(const struct lod_build *b, uint32_t element)
+{
+	const struct lod_component *c = &b->organs.components[b->mesh.component[b->elements.items[element].triangle[0]]];
+	const struct eco_image *image = lod_mesh_image(b->model, c->material);
+	return (uint64_t)c->organ << 32 | (image ? (uint32_t)(image - b->model->images) + 1 : 0);
+}
+
+/* Elements of one group together, by falling survival in it. The field is that of all leaves and flowers of the plant. */
+void lod_leaves_order(struct lod_build *b)
+{
+	uint32_t n = b->elements.count;
+	b->order = lod_arena_take(&b->arena, n, sizeof *b->order);
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_v3 *normal = lod_arena_take(&b->arena, n, sizeof *normal);
+	double *survival = lod_arena_take(&b->arena, n, sizeof *survival);
+	struct lod_keyed *by = lod_arena_take(&b->arena, n, sizeof *by);
+	for (uint32_t i = 0; i < n; i++)
+		normal[i] = lod_element_normal(&b->elements.items[i], &b->mesh);
+	lod_order_survival(survival, &(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
+		b->options->seed }, &b->arena);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
+	lod_sort(&b->arena, by, n);
+	for (uint32_t i = 0; i < n; i++)
+		by[i].key = group_key(b, by[i].value);
+	lod_sort(&b->arena, by, n);
+	for (uint32_t i = 0; i < n; i++)
+		b->order[i] = by[i].value;
+	lod_arena_release(&b->arena, mark);
+}
+
+/* ---- Blades ---- */
+
+/* The line that stands for an element: along its longest extent through its centre, as wide as its area asks. */
+static void make_blade(const struct lod_build *b, uint32_t number, struct lod_line *line, double *error)
+{
+	const struct lod_element *e = &b->elements.items[number];
+	uint32_t ends[2];
+	lod_element_axis(e, &b->mesh, ends);
+	struct lod_v3 axis = lod_v3_unit(lod_v3_sub(corner(b, e, ends[1]), corner(b, e, ends[0])));
+	double low = 0, high = 0;
+	*error = 0;
+	for (uint32_t i = 0; i < e->corners; i++) {
+		double at = lod_v3_dot(axis, lod_v3_sub(corner(b, e, i), b->center[number]));
+		low = fmin(low, at);
+		high = fmax(high, at);
+		*error = fmax(*error, lod_v3_distance(corner(b, e, i), lod_v3_add(b->center[number], lod_v3_scale(axis, at))));
+	}
+	line->end[0] = lod_v3_add(b->center[number], lod_v3_scale(axis, low));
+	line->end[1] = lod_v3_add(b->center[number], lod_v3_scale(axis, high));
+	line->width = high > low ? b->area[number] / (high - low) : 0;
+	*error = fmax(0, *error - line->width / 2);
+	memcpy(line->rgb, b->organs.rgb[e->triangle[0]], 3);
+}
+
+static bool is_blade(const struct lod_build *b, uint32_t number)
+{
+	const struct lod_element *e = &b->elements.items[number];
+	uint32_t ends[2];
+	lod_element_axis(e, &b->mesh, ends);
+	double length = lod_v3_distance(corner(b, e, ends[0]), corner(b, e, ends[1])), area = 0;
+	for (uint32_t i = 0; i + 2 < e->corners; i++) {
+		struct lod_v3 u = lod_v3_sub(corner(b, e, i + 1), corner(b, e, 0)), v = lod_v3_sub(corner(b, e, i + 2), corner(b, e, 0));
+		area += lod_v3_length(lod_v3_cross(u, v)) / 2;
+	}
+	return length * length > BLADE_RATIO * area;     /* width is area / length */
+}
+
+/* ---- Points ---- */
+
+static struct lod_point *sample_element(struct lod_build *b, uint32_t number, struct lod_point *to)
+{
+	const struct lod_element *e = &b->elements.items[number];
+	for (uint32_t i = 0; i + 2 < e->corners; i++) {
+		uint32_t t = e->triangle[i];
+		const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
+		struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t, .image = lod_mesh_image(b->model, b->mesh.material[t]),
+			.cutout = material->cutout, .tint = material->rgb, .seed = lod_mix(lod_mix(b->options->seed) + t) };
+		int32_t position[2][3];
+		uint8_t rgb[2][3];
+		for (uint32_t k = 0; k < 3; k++)
+			in.corner[k] = b->mesh.grid + 3 * (size_t)b->mesh.index[3 * (size_t)t + k];
+		lod_sample_triangle(&in, position, rgb);
+		for (int k = 0; k < 2; k++, to++) {
+			memcpy(to->position, position[k], sizeof to->position);
+			memcpy(to->rgb, rgb[k], sizeof to->rgb);
+		}
+	}
+	return to;
+}
+
+void lod_leaves_represent(struct lod_build *b)
+{
+	b->blade = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade);
+	b->blade_error = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade_error);
+	b->points = lod_arena_take(&b->arena, b->elements.count, sizeof *b->points);
+	for (uint32_t g = 0; g < b->group_count; g++) {
+		struct lod_group *group = &b->groups[g];
+		double thin = 0;
+		size_t triangles = 0;
+		for (uint32_t i = group->first; i < group->end; i++) {
+			thin += is_blade(b, b->order[i]) ? b->area[b->order[i]] : 0;
+			group->area += b->area[b->order[i]];
+			triangles += b->elements.items[b->order[i]].corners - 2u;
+		}
+		group->blades = thin > BLADE_SHARE * group->area;
+		struct lod_point *points = group->blades ? NULL : lod_arena_take(&b->arena, 2 * triangles, sizeof *points);
+		for (uint32_t i = group->first; i < group->end; i++) {
+			uint32_t number = b->order[i];
+			if (group->blades) {
+				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
+			} else {
+				b->points[number] = points;
+				points = sample_element(b, number, points);
+			}
+		}
+	}
+}
+
+/* ---- Ladders ---- */
+
+/* Lists of items[0..count) under `ladder`. */
+static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items, uint32_t count)
+{
+	struct lod_arena_piece *mark = b->arena.last;
+	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);
+	for (uint32_t i = 0; i < count; i++)
+		fans[i] = &b->elements.items[items[i]];
+	ladder->triangles = lod_draft_fans(&b->draft, fans, count, group->image);
+	if (group->blades) {
+		struct lod_line *lines = lod_arena_take(&b->arena, count, sizeof *lines);
+		for (uint32_t i = 0; i < count; i++) {
+			lines[i] = b->blade[items[i]];
+			ladder->epsilon = fmaxf(ladder->epsilon, (float)b->blade_error[items[i]]);
+		}
+		ladder->lines = lod_draft_lines(&b->draft, lines, count);
+	} else {
+		const struct lod_point **points = lod_arena_take(&b->arena, count, sizeof *points);
+		uint64_t all = 0;
+		for (uint32_t i = 0; i < count; i++)
+			points[i] = b->points[items[i]];
+		for (uint32_t i = group->first; i < group->end; i++)
+			all += 2 * (b->elements.items[b->order[i]].corners - 2u);
+		ladder->points = lod_draft_points(&b->draft, ladder->triangles, points, (float)(group->area / 2 / (double)all));
+	}
+	lod_arena_release(&b->arena, mark);
+}
+
+/* Points or lines of an element. */
+static uint32_t samples(const struct lod_build *b, const struct lod_group *group, uint32_t number)
+{
+	return group->blades ? 1 : 2 * (b->elements.items[number].corners - 2u);
+}
+
+static void count_in(const struct lod_build *b, const struct lod_group *group, uint32_t number, double *area, double *length)
+{
+	*area += b->area[number];
+	if (group->blades)
+		*length += lod_v3_distance(b->blade[number].end[0], b->blade[number].end[1]);
+}
+
+/* How many of the group's elements, the first ones, are in the whole-plant list. */
+static uint32_t coarse_count(const struct lod_build *b, const struct lod_group *group)
+{
+	uint32_t n = group->end - group->first, coarse = n / COARSE_DIVISOR;
+	coarse = coarse > COARSE_LEAST ? coarse : COARSE_LEAST;
+	return b->cells.count == 0 || n <= 2 * coarse ? n : coarse;
+}
+
+static void whole_ladder(struct lod_build *b, const struct lod_group *group)
+{
+	struct eco_ladder *ladder = lod_build_ladder(b, group, 0, 0);
+	double area = 0, length = 0;
+	for (uint32_t i = group->first; i < group->end; i++) {
+		ladder->total += samples(b, group, b->order[i]);
+		count_in(b, group, b->order[i], &area, &length);
+	}
+	ladder->area = (float)area;
+	ladder->length = (float)length;
+	write_lists(b, group, ladder, b->order + group->first, coarse_count(b, group));
+}
+
+/* The rest of the order, sharded by cell. */
+static void cell_ladders(struct lod_build *b, const struct lod_group *group)
+{
+	uint32_t coarse = coarse_count(b, group), n = group->end - group->first;
+	uint32_t *own = lod_arena_take(&b->arena, n, sizeof *own);
+	for (uint32_t cell = 0; cell < b->cells.count && coarse < n; cell++) {
+		uint32_t count = 0, before = 0, total = 0;
+		double area = 0, length = 0;
+		for (uint32_t i = 0; i < n; i++) {
+			uint32_t number = b->order[group->first + i];
+			if (lod_build_cell(b, b->center[number]) != cell)
+				continue;
+			total += samples(b, group, number);
+			count_in(b, group, number, &area, &length);
+			if (i < coarse)
+				before += samples(b, group, number);
+			else
+				own[count++] = number;
+		}
+		if (count == 0)
+			continue;
+		struct eco_ladder *ladder = lod_build_ladder(b, group, 1 + cell, ECO_LADDER_NEAR);
+		ladder->before = before;
+		ladder->total = total;
+		ladder->area = (float)area;
+		ladder->length = (float)length;
+		write_lists(b, group, ladder, own, count);
+	}
+}
+
+void lod_leaves_ladders(struct lod_build *b, const struct lod_group *group, bool cells)
+{
+	if (cells)
+		cell_ladders(b, group);
+	else
+		whole_ladder(b, group);
+}

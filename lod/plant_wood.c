@@ -1,0 +1,113 @@
+/* Wood: lines of the skeleton while it is far, levels of the mesh when near. A plant with cells shows its largest lines until its cells
+ * take over, and each cell is complete in itself. */
+#include <string.h>
+
+#include "lod/plant_state.h"
+
+#define FAR_LINES 1024u          /* of the whole plant, the largest */
+
+struct region { struct lod_line *lines; uint32_t count; double length, error; };
+
+/* Lines of the group whose middle is in `cell` (ECO_NONE: anywhere), in order; at most `most`, though all count for length and error. */
+static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct region *region)
+{
+	uint32_t found = 0;
+	*region = (struct region){ .lines = lod_arena_take(&b->arena, b->bones.count, sizeof *region->lines) };
+	for (uint32_t i = 0; i < b->bones.count; i++) {
+		const struct lod_bone *bone = &b->bones.items[i];
+		if (&b->groups[b->group_of_component[bone->component]] != group)
+			continue;
+		if (cell != ECO_NONE && lod_build_cell(b, lod_v3_mix(bone->end[0], bone->end[1], 0.5)) != cell)
+			continue;
+		found++;
+		region->length += lod_v3_distance(bone->end[0], bone->end[1]);
+		region->error = fmax(region->error, bone->error);
+		if (region->count == most)
+			continue;
+		struct lod_line *line = &region->lines[region->count++];
+		*line = (struct lod_line){ .end = { bone->end[0], bone->end[1] }, .width = bone->width };
+		memcpy(line->rgb, b->organs.components[bone->component].rgb, 3);
+	}
+	return found;
+}
+
+static void add_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct eco_ladder *ladder)
+{
+	struct lod_arena_piece *mark = b->arena.last;
+	struct region region;
+	uint32_t found = take_lines(b, group, cell, most, &region);
+	ladder->lines = lod_draft_lines(&b->draft, region.lines, region.count);
+	uint32_t stored = ladder->lines == ECO_NONE ? 0 : b->plant->lists[ladder->lines].list.primitive_count;
+	ladder->total = region.count < found ? found : stored;
+	ladder->length = (float)region.length;
+	ladder->epsilon = (float)region.error;
+	lod_arena_release(&b->arena, mark);
+}
+
+/* Triangles of the group in the cell: of components that lie in it as a whole first, then those of components that cells cut. */
+static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell, struct eco_ladder *ladder)
+{
+	struct lod_arena_piece *mark = b->arena.last;
+	const struct lod_mesh *mesh = &b->mesh;
+	uint32_t *whole = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *whole), whole_count = 0;
+	uint32_t *cut = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *cut), cut_count = 0;
+	double area = 0;
+	for (uint32_t c = 0; c < mesh->component_count; c++) {
+		bool same = true;
+		uint32_t from = whole_count;
+		if (b->organs.components[c].organ != ECO_ORGAN_WOOD || &b->groups[b->group_of_component[c]] != group)
+			continue;
+		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++) {
+			uint32_t t = mesh->member[i];
+			same = same && b->cell_of_triangle[t] == b->cell_of_triangle[mesh->member[mesh->member_first[c]]];
+			if (mesh->collapsed[t] || b->cell_of_triangle[t] != cell)
+				continue;
+			whole[whole_count++] = t;
+			area += b->organs.area[t];
+		}
+		if (!same) {
+			memcpy(cut + cut_count, whole + from, (whole_count - from) * sizeof *cut);
+			cut_count += whole_count - from;
+			whole_count = from;
+		}
+	}
+	ladder->area = (float)area;
+	if (whole_count + cut_count) {
+		struct lod_levels levels;
+		lod_levels_make(&levels, mesh, &(struct lod_levels_input){ whole, cut, whole_count, cut_count }, &b->arena);
+		memcpy(whole + whole_count, cut, cut_count * sizeof *cut);
+		ladder->triangles = lod_draft_wood(&b->draft, &levels, whole, whole_count + cut_count, group->image, ladder);
+	}
+	lod_arena_release(&b->arena, mark);
+}
+
+static double whole_area(const struct lod_build *b, const struct lod_group *group)
+{
+	double area = 0;
+	for (uint32_t t = 0; t < b->mesh.triangle_count; t++) {
+		uint32_t c = b->mesh.component[t];
+		if (!b->mesh.collapsed[t] && b->organs.components[c].organ == ECO_ORGAN_WOOD && &b->groups[b->group_of_component[c]] == group)
+			area += b->organs.area[t];
+	}
+	return area;
+}
+
+void lod_wood_ladders(struct lod_build *b, const struct lod_group *group, bool cells)
+{
+	if (!cells && b->cells.count == 0) {
+		struct eco_ladder *ladder = lod_build_ladder(b, group, 0, 0);
+		add_lines(b, group, ECO_NONE, UINT32_MAX, ladder);
+		add_triangles(b, group, 0, ladder);
+	} else if (!cells) {
+		struct eco_ladder *ladder = lod_build_ladder(b, group, 0, ECO_LADDER_FAR);
+		add_lines(b, group, ECO_NONE, FAR_LINES, ladder);
+		ladder->area = (float)whole_area(b, group);
+		b->plant->ladder_count -= ladder->lines == ECO_NONE;
+	}
+	for (uint32_t cell = 0; cells && cell < b->cells.count; cell++) {
+		struct eco_ladder *ladder = lod_build_ladder(b, group, 1 + cell, ECO_LADDER_NEAR);
+		add_triangles(b, group, cell, ladder);
+		add_lines(b, group, cell, UINT32_MAX, ladder);
+		b->plant->ladder_count -= ladder->triangles == ECO_NONE && ladder->lines == ECO_NONE;
+	}
+}
