@@ -270,12 +270,12 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	list.plant = ECO_NONE;
 	list.palette_first += list.palette_count ? plant->palette_first : 0;
 	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
-	const struct eco_elements *partner = NULL;
-	if (list.partner != ECO_NONE) {
-		partner = &plant->built.lists[list.partner].elements;
-		list.partner = p->lists[list.partner];
-	}
-	return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, partner, &p->lists[i]);
+	if (list.partner == ECO_NONE)
+		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL, &p->lists[i]);
+	/* points end where the fans end that they stand for */
+	const struct lod_list_draft *partner = &plant->built.lists[list.partner];
+	list.partner = p->lists[list.partner];
+	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count, &partner->elements, &p->lists[i]);
 }
 
 /* Partners before those that stand for them. */
