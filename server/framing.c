@@ -44,11 +44,13 @@ void srv_framing_header(struct srv_framing *framing, const char *name, size_t na
 		framing->bad_value = true;
 		return;
 	}
-	if (strcasecmp(name, "content-length") == 0) {
+	/* By prefix: libmicrohttpd 0.9.75 appends what follows a folded line to the name, "Transfer-Encoding:\r\n chunked" arrives as
+	 * "Transfer-Encodingchunked". */
+	if (strncasecmp(name, "content-length", 14) == 0) {
 		framing->lengths++;
-		if (!srv_parse_count(value, &framing->length))
+		if (name_size != 14 || !srv_parse_count(value, &framing->length))
 			framing->bad_length = true;
-	} else if (strcasecmp(name, "transfer-encoding") == 0) {
+	} else if (strncasecmp(name, "transfer-encoding", 17) == 0) {
 		framing->transfers++;
 	} else if (strcasecmp(name, "range") == 0) {
 		take_once(framing, &framing->range, value);

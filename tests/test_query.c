@@ -247,6 +247,8 @@ static void framing_is_unambiguous_or_refused(void **state)
 		{ { { "Content-Length", "" } }, true, SRV_PROBLEM_FRAMING },
 		{ { { "Content-Length ", "5" } }, true, SRV_PROBLEM_FRAMING },
 		{ { { "Transfer-Encoding\x0b", "chunked" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Transfer-Encodingchunked", "" } }, false, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length5", "4" } }, true, SRV_PROBLEM_FRAMING },
 		{ { { "X", "a\x01" } }, false, SRV_PROBLEM_FRAMING },
 		{ { { "", "a" } }, false, SRV_PROBLEM_FRAMING },
 		{ { { "Host", "a" }, { "Host", "b" } }, false, SRV_PROBLEM_FRAMING },
