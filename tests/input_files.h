@@ -1,0 +1,45 @@
+/* Small files for tests of readers, under build/tmp/NAME/. */
+#ifndef TESTS_INPUT_FILES_H
+#define TESTS_INPUT_FILES_H
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Path of a file in the test's folder; four may be in use at a time. */
+static inline const char *input_path(const char *test, const char *name)
+{
+	static char paths[4][512];
+	static unsigned turn;
+	char *path = paths[turn++ % 4];
+
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	snprintf(path, sizeof paths[0], "build/tmp/%s", test);
+	mkdir(path, 0777);
+	snprintf(path, sizeof paths[0], "build/tmp/%s/%s", test, name);
+	return path;
+}
+
+static inline const char *input_bytes(const char *test, const char *name, const void *bytes, size_t size)
+{
+	const char *path = input_path(test, name);
+	FILE *file = fopen(path, "wb");
+
+	if (file == NULL || fwrite(bytes, 1, size, file) != size || fclose(file) != 0) {
+		perror(path);
+		abort();
+	}
+	return path;
+}
+
+static inline const char *input_text(const char *test, const char *name, const char *text)
+{
+	return input_bytes(test, name, text, strlen(text));
+}
+
+#endif
