@@ -39,7 +39,7 @@ struct sample {
 struct organ_curve {                 /* ladders that share one curve */
 	struct lod_probe *probe;
 	uint32_t *members, member_count;         /* indices of ladders; [0] leads: the whole plant's where there is one */
-	bool far_only;               /* a FAR ladder: measured against what the others draw */
+	bool far_only;               /* FAR ladders: measured against what the organ's others draw */
 	bool scaled;                 /* not wood */
 	uint32_t unit;               /* vertices of a first-stage primitive */
 	uint64_t first_stage, full;  /* primitives of the first stage, vertices of full detail; all members */
@@ -410,8 +410,8 @@ static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder 
 
 static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
 {
-	return a->organ == b->organ && !(a->flags & ECO_LADDER_FAR) && !(b->flags & ECO_LADDER_FAR)
-		&& image_of(plant, a) == image_of(plant, b);
+	bool far = a->flags & ECO_LADDER_FAR;
+	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR) && (far || image_of(plant, a) == image_of(plant, b));
 }
 
 static void sum_up(struct organ_curve *curve)

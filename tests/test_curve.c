@@ -352,6 +352,43 @@ static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **
 	crown_free(&crown);
 }
 
+/* Needles a few grid steps thick: 12 bits are too few for them. */
+static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
+{
+	struct crown crown;
+	struct lod_plant plant = { 0 };
+	struct lod_plant_options options = { .name = "needles", .seed = 1, .views = 4, .pixels = 96 };
+	struct eco_error error = { 0 };
+	double loss;
+	(void)unused;
+	seed = 11;
+	crown_make(&crown, 400, 0.3);
+	for (uint32_t i = 0; i < 400; i++)
+		for (int k = 0; k < 3; k++) {
+			float *corner = crown.model.position + 12 * (size_t)i + k;
+			corner[6] = corner[3] + (corner[6] - corner[3]) * 0.03f;
+			corner[9] = corner[0] + (corner[9] - corner[0]) * 0.03f;
+		}
+	assert_int_equal(lod_plant_build(&plant, &crown.model, &options, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_true(loss > LOD_GRID_LOSS);
+	double coarse = plant.lists[0].list.grid_step[0];
+	assert_int_equal(lod_plant_measure(&plant, &crown.model, &options, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_true(loss <= LOD_GRID_LOSS && plant.curve_count > 0);
+	uint32_t bits = LOD_GRID_BITS_MIN;
+	for (double step = coarse; step > 1.5 * plant.lists[0].list.grid_step[0]; step /= 2)
+		bits++;
+	assert_in_range(bits, LOD_GRID_BITS_MIN + 1, LOD_GRID_BITS_MAX);
+	lod_plant_free(&plant);
+	options.grid_bits = bits - 1;
+	assert_int_equal(lod_plant_build(&plant, &crown.model, &options, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_true(loss > LOD_GRID_LOSS);
+	lod_plant_free(&plant);
+	crown_free(&crown);
+}
+
 static void every_kind_of_ladder_is_measured(void **unused)
 {
 	static const uint32_t leaves[] = { 1, 2, 3, 40, 300 };
@@ -465,6 +502,7 @@ int main(void)
 		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
 		cmocka_unit_test(cells_share_the_curve_of_the_whole),
 		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
+		cmocka_unit_test(grids_are_as_fine_as_the_picture_needs_and_no_finer),
 		cmocka_unit_test(every_kind_of_ladder_is_measured),
 		cmocka_unit_test(what_covers_nothing_has_no_curve),
 		cmocka_unit_test(what_a_grid_loses_is_proportional_to_its_step),
