@@ -80,22 +80,58 @@ void srv_answer_not_modified(struct srv_answer *answer, const char *etag)
 
 /* ---- Streams ---- */
 
-static void free_body(void *body)
+/* libmicrohttpd hands an iovec to the kernel as it is, and the kernel refuses more than 1024 pieces at once. */
+#define IOVEC_MAX 1024u
+#define READ_BLOCK 65536u
+
+struct reading {                     /* a body, read from front to back */
+	struct srv_body body;
+	uint32_t piece;
+	uint64_t piece_at;           /* where the piece begins in the body */
+};
+
+static void free_body(void *ctx)
 {
-	srv_body_free(body);
-	free(body);
+	struct reading *reading = ctx;
+	srv_body_free(&reading->body);
+	free(reading);
+}
+
+static ssize_t read_body(void *ctx, uint64_t at, char *buffer, size_t most)
+{
+	struct reading *reading = ctx;
+	size_t done = 0;
+	if (at < reading->piece_at)
+		reading->piece = 0, reading->piece_at = 0;
+	while (done < most && reading->piece < reading->body.piece_count) {
+		const struct srv_piece *piece = &reading->body.pieces[reading->piece];
+		uint64_t skip = at + done - reading->piece_at;
+		if (skip >= piece->size) {
+			reading->piece_at += piece->size;
+			reading->piece++;
+			continue;
+		}
+		size_t part = piece->size - (size_t)skip < most - done ? piece->size - (size_t)skip : most - done;
+		memcpy(buffer + done, (const char *)piece->bytes + skip, part);
+		done += part;
+	}
+	return done ? (ssize_t)done : MHD_CONTENT_READER_END_OF_STREAM;
 }
 
 void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
-	struct srv_body *kept = malloc(sizeof *kept);
-	struct MHD_IoVec *vector = malloc(body->piece_count * sizeof *vector);
+	struct reading *kept = calloc(1, sizeof *kept);
+	bool whole = body->piece_count <= IOVEC_MAX;
+	struct MHD_IoVec *vector = whole ? malloc(body->piece_count * sizeof *vector) : NULL;
 	if (kept && vector) {
-		*kept = *body;
+		kept->body = *body;
 		for (uint32_t i = 0; i < body->piece_count; i++)
 			vector[i] = (struct MHD_IoVec){ body->pieces[i].bytes, body->pieces[i].size };
 		answer->response = MHD_create_response_from_iovec(vector, body->piece_count, free_body, kept);
+	} else if (kept && !whole) {
+		kept->body = *body;
+		answer->response = MHD_create_response_from_callback(body->size_bytes, READ_BLOCK, read_body, kept, free_body);
 	}
 	free(vector);
 	if (answer->response) {
