@@ -91,23 +91,10 @@ static enum eco_code decode(struct eco_image *image, const char *name, const voi
 	return eco_fail(error, ECO_BAD_INPUT, "%s: %s", name, text);
 }
 
-enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error)
-{
-	struct stat status;
+/* ---- Formats by their first bytes ---- */
 
-	*image = (struct eco_image){ .rgba = NULL };
-	if (stat(path, &status) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
-	if (!S_ISREG(status.st_mode))
-		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
-	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path, (long long)status.st_size,
-			ECO_IMAGE_FILE_MAX);
-	return decode(image, path, NULL, 0, error);
-}
-
-/* A name whose extension suits the content, so that the right reader is tried first. */
-static const char *name_for(const unsigned char *bytes, size_t size, const char *name)
+/* A name whose extension suits the content, so that the right reader is tried first; NULL if the content does not tell. */
+static const char *name_for(const uint8_t *bytes, size_t size)
 {
 	static const struct { const char *magic, *name; size_t at, count; } kinds[] = {
 		{ "\x89PNG", "memory.png", 0, 4 }, { "\xff\xd8\xff", "memory.jpg", 0, 3 }, { "WEBP", "memory.webp", 8, 4 },
@@ -117,13 +104,53 @@ static const char *name_for(const unsigned char *bytes, size_t size, const char 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		if (size >= kinds[i].at + kinds[i].count && memcmp(bytes + kinds[i].at, kinds[i].magic, kinds[i].count) == 0)
 			return kinds[i].name;
-	return name;
+	return NULL;
 }
+
+static uint32_t big_u32(const uint8_t *p)
+{
+	return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+static uint32_t crc32_of(const uint8_t *bytes, size_t size)
+{
+	static const uint32_t nibble[16] = { 0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+		0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c };
+	uint32_t crc = UINT32_MAX;
+
+	for (size_t i = 0; i < size; i++) {
+		crc ^= bytes[i];
+		crc = nibble[crc & 15] ^ crc >> 4;
+		crc = nibble[crc & 15] ^ crc >> 4;
+	}
+	return ~crc;
+}
+
+/* Walks a PNG's chunks up to IEND: libpng leaves a damaged file by longjmp through OpenImageIO's C++ frames, which leaks, and writes
+ * to stderr. Better that it never sees one. */
+static bool png_is_whole(const uint8_t *bytes, size_t size)
+{
+	size_t at = 8;
+
+	while (size - at >= 12) {
+		uint32_t length = big_u32(bytes + at);
+
+		if (length > size - at - 12 || crc32_of(bytes + at + 4, (size_t)length + 4) != big_u32(bytes + at + 8 + length))
+			return false;
+		if (memcmp(bytes + at + 4, "IEND", 4) == 0)
+			return true;
+		at += (size_t)length + 12;
+	}
+	return false;
+}
+
+/* ---- Reading ---- */
 
 enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
 	struct eco_error *error)
 {
 	struct eco_error inner = { .code = ECO_OK };
+	const char *kind = name_for(bytes, size_bytes);
 	enum eco_code code;
 
 	*image = (struct eco_image){ .rgba = NULL };
@@ -131,8 +158,49 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
 	if (size_bytes > ECO_IMAGE_FILE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible", name, size_bytes, ECO_IMAGE_FILE_MAX);
-	code = decode(image, name_for(bytes, size_bytes, name), bytes, size_bytes, &inner);
+	if (kind != NULL && strcmp(kind, "memory.png") == 0 && (size_bytes < 8 || !png_is_whole(bytes, size_bytes)))
+		return eco_fail(error, ECO_DAMAGED, "%s: a PNG that is cut off or damaged", name);
+	code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
+}
+
+static enum eco_code read_open(struct eco_image *image, FILE *file, const char *path, struct eco_error *error)
+{
+	struct stat status;
+	uint8_t *bytes;
+	size_t size;
+	enum eco_code code;
+
+	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
+		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
+	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path, (long long)status.st_size,
+			ECO_IMAGE_FILE_MAX);
+	bytes = malloc((size_t)status.st_size + 1);
+	if (bytes == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	size = fread(bytes, 1, (size_t)status.st_size, file);
+	if (ferror(file))
+		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	else if (name_for(bytes, size) != NULL || size == 0)
+		code = eco_image_read_memory(image, bytes, size, path, error);
+	else
+		code = decode(image, path, NULL, 0, error);      /* some rarer formats are read from files only */
+	free(bytes);
+	return code;
+}
+
+enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error)
+{
+	FILE *file = fopen(path, "rb");
+	enum eco_code code;
+
+	*image = (struct eco_image){ .rgba = NULL };
+	if (file == NULL)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+	code = read_open(image, file, path, error);
+	fclose(file);
+	return code;
 }
 
 void eco_image_free(struct eco_image *image)
