@@ -15,6 +15,7 @@
 #include "server/query.h"
 #include "server/route.h"
 #include "tests/http_client.h"
+#include "tests/openapi.h"
 #include "tests/sample_pack.h"
 #include "tests/stream_reader.h"
 
@@ -334,6 +335,56 @@ static void a_connection_serves_many_requests(void **state)
 	close(fd);
 }
 
+/* ---- The description ---- */
+
+static void every_route_is_described_and_every_description_is_served(void **state)
+{
+	static const struct { enum srv_method bit; const char *name; } methods[] = { { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
+	struct openapi api;
+	unsigned routed = 0;
+	(void)state;
+	openapi_read(&api, "server/openapi.yaml");
+	for (int i = 0; i < SRV_RESOURCE_COUNT; i++)
+		for (int m = 0; m < 2; m++)
+			if (srv_routes[i].methods & methods[m].bit) {
+				if (!openapi_find(&api, srv_routes[i].pattern, methods[m].name))
+					fail_msg("%s %s is not described", methods[m].name, srv_routes[i].pattern);
+				routed++;
+			}
+	assert_int_equal(routed, api.count);
+	for (unsigned i = 0; i < api.count; i++) {
+		const struct openapi_operation *operation = &api.operations[i];
+		bool post = strcmp(operation->method, "POST") == 0;
+		char target[256], id[SRV_ID_TEXT_BYTES];
+		srv_format_id(id, &scene()->chunks[0].id);
+		snprintf(target, sizeof target, "%s%s%s", strncmp(operation->path, "/v1/scenes/", 11) ? operation->path : BASE,
+			strncmp(operation->path, "/v1/scenes/", 11) ? "" : operation->path + strlen("/v1/scenes/{scene}"),
+			strstr(operation->path, "/plan") || strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
+		if (strstr(target, "{id}"))
+			strcpy(strstr(target, "{id}"), id);
+		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "", post ? "\0\0\0\0" : NULL, post ? 4 : 0);
+		if (answer.status != 200 || !openapi_documents(operation, 200))
+			fail_msg("%s %s: %u\n%s", operation->method, target, answer.status, answer.body);
+		http_free(&answer);
+	}
+}
+
+/* Whatever a described operation answers must be among its described statuses. */
+static void assert_described(const char *method, const char *raw, unsigned status)
+{
+	static struct openapi api;
+	struct srv_target target;
+	const char *variables[2];
+	if (!api.count)
+		openapi_read(&api, "server/openapi.yaml");
+	if (srv_target_parse(&target, raw, strlen(raw), NULL))
+		return;
+	const struct srv_route *route = srv_route_find(&target, variables);
+	const struct openapi_operation *operation = route ? openapi_find(&api, route->pattern, method) : NULL;
+	if (operation && !openapi_documents(operation, status))
+		fail_msg("%s %s: %u is not described", method, route->pattern, status);
+}
+
 /* ---- Refusals ---- */
 
 static void bad_requests_are_problems(void **state)
@@ -374,6 +425,7 @@ static void bad_requests_are_problems(void **state)
 		char urn[80], allow[64];
 		if (answer.status != rows[i].status)
 			fail_msg("%s %s: %u\n%s", rows[i].method, rows[i].target, answer.status, answer.head);
+		assert_described(rows[i].method, rows[i].target, answer.status);
 		assert_header(&answer, "Content-Type", "application/problem+json");
 		if (rows[i].type) {
 			json_t *json = json_of(&answer);
@@ -604,6 +656,7 @@ int main(void)
 		cmocka_unit_test(below_the_smallest_stream_there_is_none),
 		cmocka_unit_test(chunks_are_immutable_and_partial),
 		cmocka_unit_test(a_connection_serves_many_requests),
+		cmocka_unit_test(every_route_is_described_and_every_description_is_served),
 		cmocka_unit_test(bad_requests_are_problems),
 		cmocka_unit_test(holdings_of_another_scene_are_refused),
 		cmocka_unit_test(smuggling_is_refused_and_closed),
