@@ -43,6 +43,11 @@ static void splat(struct view_shade *shade, int channel, double x, double y, dou
 		}
 }
 
+/* A plant as seen by the sun: a foot, a stem, and a crown that is widest above its middle. */
+static const struct { double height, width, share; } disc[] = { { 0, 0.12, 0.7 }, { 0.1, 0.12, 0.6 }, { 0.2, 0.15, 0.6 }, { 0.35, 0.6, 0.4 },
+	{ 0.5, 0.95, 0.55 }, { 0.65, 1.0, 0.55 }, { 0.8, 0.8, 0.5 }, { 0.92, 0.5, 0.4 } };
+#define DISCS (int)(sizeof disc / sizeof disc[0])
+
 static void cast(struct view_shade *shade, const struct view_instance *instance, const struct view_plant *plant)
 {
 	struct view_shape shape = view_shape_of(plant);
@@ -50,9 +55,9 @@ static void cast(struct view_shade *shade, const struct view_instance *instance,
 	const double *at = instance->place.at;
 	splat(shade, 1, at[0], at[1], width * 0.9, 0.55);
 	splat(shade, 1, at[0], at[1], width * 0.3, 0.35);
-	for (int i = 1; i <= 4; i++) {
-		double z = height * i / 4.6, r = width * (i == 4 ? 0.62 : i == 1 ? 0.35 : 0.9);
-		splat(shade, 0, at[0] + SUN_X * z, at[1] + SUN_Y * z, r, 0.42);
+	for (int i = 0; i < DISCS; i++) {
+		double z = height * disc[i].height, r = width * disc[i].width;
+		splat(shade, 0, at[0] + SUN_X * z, at[1] + SUN_Y * z, r, disc[i].share);
 	}
 }
 
