@@ -138,24 +138,50 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 	};
 }
 
-/* Share of the organ's full vertices that a density of its first stage comes to; what curves are sampled over. Points are two of
- * the three vertices of a triangle; lines are what their number says. */
-static double stage_share(const struct eco_scene *scene, const struct eco_ladder *ladder, enum stage stage, double density)
+uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
-	if (stage == STAGE_POINTS)
-		return density * 2.0 / 3.0;
-	if (stage == STAGE_PLAIN)
-		return density;
-	uint64_t full = lod_ladder_full(scene, ladder);
-	return full ? density * 2.0 * (double)primitives(scene, ladder->lines) / (double)full : 1;
+	switch (stage_of(scene, ladder)) {
+	case STAGE_POINTS:
+		return primitives(scene, ladder->points);
+	case STAGE_LINES:
+		return lines_floor(scene, ladder, UINT64_MAX);
+	case STAGE_PLAIN:
+		break;
+	}
+	return lod_ladder_full(scene, ladder);
 }
 
-static float stage_scale(const struct eco_scene *scene, const struct eco_ladder *ladder, enum stage stage, double density)
+/* Primitives of the first stage that are this ladder's own. */
+static double own_count(const struct eco_scene *scene, const struct eco_ladder *ladder)
+{
+	switch (stage_of(scene, ladder)) {
+	case STAGE_POINTS:
+		return (double)primitives(scene, ladder->points);
+	case STAGE_LINES:
+		return (double)primitives(scene, ladder->lines);
+	case STAGE_PLAIN:
+		break;
+	}
+	return (double)primitives(scene, ladder->triangles);
+}
+
+double lod_ladder_share(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+{
+	double full = (double)lod_ladder_full(scene, ladder), own = own_count(scene, ladder);
+	if (!(full > 0) || ladder->total == 0 || !(own > 0))
+		return full > 0 ? (double)vertices / full : 1;
+	double part = (double)vertices / full, end = (double)lod_ladder_stage_end(scene, ladder) / full;
+	double share = (part * own + (part > end ? part : end) * ladder->before) / ladder->total;
+	return share < 1 ? share : 1;
+}
+
+static float stage_scale(const struct eco_scene *scene, const struct eco_ladder *ladder, double density)
 {
 	if (ladder->organ == ECO_ORGAN_WOOD)
 		return 1;
 	density = density < 1 ? density : 1;
-	return (float)(lod_ladder_curve(scene, ladder, stage_share(scene, ladder, stage, density)).scale / density);
+	double full = (double)lod_ladder_full(scene, ladder), end = (double)lod_ladder_stage_end(scene, ladder);
+	return (float)(lod_ladder_curve(scene, ladder, full > 0 ? density * end / full : 1).scale / density);
 }
 
 static uint32_t put(struct eco_cut *cut, uint32_t list, uint64_t first, uint64_t end, float scale)
@@ -175,17 +201,17 @@ uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder 
 	uint64_t triangles = primitives(scene, ladder->triangles), points = primitives(scene, ladder->points);
 	assert(density > 0);
 	if (stage == STAGE_PLAIN)
-		return put(cuts, ladder->triangles, 0, vertices / 3, stage_scale(scene, ladder, stage, density));
+		return put(cuts, ladder->triangles, 0, vertices / 3, stage_scale(scene, ladder, density));
 	if (stage == STAGE_POINTS) {
 		if (vertices <= points)
-			return put(cuts, ladder->points, 0, vertices, stage_scale(scene, ladder, stage, density));
+			return put(cuts, ladder->points, 0, vertices, stage_scale(scene, ladder, density));
 		assert(points == 2 * triangles && vertices <= 3 * triangles);
 		uint64_t m = vertices - points;
 		uint32_t count = put(cuts, ladder->triangles, 0, m, 1);
-		return count + put(cuts + count, ladder->points, 2 * m, points, stage_scale(scene, ladder, stage, 1));
+		return count + put(cuts + count, ladder->points, 2 * m, points, stage_scale(scene, ladder, 1));
 	}
 	if (vertices <= lines_floor(scene, ladder, UINT64_MAX))
-		return put(cuts, ladder->lines, 0, vertices / 2, stage_scale(scene, ladder, stage, density));
+		return put(cuts, ladder->lines, 0, vertices / 2, stage_scale(scene, ladder, density));
 	for (uint32_t level = 0; level < level_count(scene, ladder); level++)
 		if (level_vertices(scene, ladder, level) == vertices) {
 			uint32_t first, end;

@@ -19,6 +19,14 @@ uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder 
 uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices, double density,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
 
+/* Where the first stage (points, lines or plain triangles) ends. While a plant's cells are not drawn, its whole-plant list cannot go
+ * beyond it: an eighth of the leaves as unscaled triangles would be less of a plant than the same leaves as scaled points. */
+uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder);
+
+/* Share of the region's full detail that `vertices` of this ladder come to, together with what the whole-plant list shows of the region
+ * (ladder->before): what the curve is sampled over. A whole-plant list of a plant with cells never comes to 1 by itself. */
+double lod_ladder_share(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
+
 /* Interpolates the curve linearly at `share` (clamped; a ladder without a curve is exact: scale 1, no error). */
 struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
 

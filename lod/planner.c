@@ -179,8 +179,12 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 				continue;
 			struct lod_entry entry = { .slot = s, .ladder = p->ladder_order[i], .count = slot->count,
 				.full = lod_ladder_full(p->scene, ladder), .pixels = organ_pixels(p, ladder, r) };
-			entry.vertices = lod_ladder_floor(p->scene, ladder, ladder_wants(p->scene, ladder, r, d, &entry.wanted));
-			p->ended = p->ended && entry.vertices == entry.full && (!(ladder->flags & ECO_LADDER_FAR) || !(d > 0));
+			bool alone = !slot->cell && slot->band >= p->gates[slot->plant] && p->scene->plants[slot->plant].anchor_count > 1;
+			if (alone)
+				entry.full = lod_ladder_stage_end(p->scene, ladder);
+			entry.vertices = ladder_wants(p->scene, ladder, r, d, &entry.wanted);
+			entry.vertices = lod_ladder_floor(p->scene, ladder, entry.vertices < entry.full ? entry.vertices : entry.full);
+			p->ended = p->ended && entry.vertices == entry.full && !alone;
 			if (add_entry(p, &entry, error))
 				return ECO_NO_MEMORY;
 			add_vertices(p, slot->count, entry.vertices);

@@ -9,24 +9,25 @@
 
 struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	double share = entry->full ? (double)vertices / (double)entry->full : 1;
-	if (entry->slot == ECO_NONE) /* summaries are not measured: random points over random plants */
+	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
+	if (entry->slot == ECO_NONE) { /* summaries are not measured: random points over random plants */
+		double share = entry->full ? (double)vertices / (double)entry->full : 1;
 		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share), .fn = (float)(1 - 0.7 * share) };
-	return lod_ladder_curve(p->scene, &p->scene->ladders[entry->ladder], share);
+	}
+	return lod_ladder_curve(p->scene, ladder, lod_ladder_share(p->scene, ladder, vertices));
 }
 
 static uint64_t entry_floor(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	if (entry->slot == ECO_NONE)
-		return vertices < entry->full ? vertices : entry->full;
-	return lod_ladder_floor(p->scene, &p->scene->ladders[entry->ladder], vertices);
+	vertices = vertices < entry->full ? vertices : entry->full;
+	return entry->slot == ECO_NONE ? vertices : lod_ladder_floor(p->scene, &p->scene->ladders[entry->ladder], vertices);
 }
 
 static uint64_t entry_next(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	if (entry->slot == ECO_NONE)
-		return vertices < entry->full ? vertices + 1 : UINT64_MAX;
-	return lod_ladder_next(p->scene, &p->scene->ladders[entry->ladder], vertices);
+	if (vertices >= entry->full)
+		return UINT64_MAX;
+	return entry->slot == ECO_NONE ? vertices + 1 : lod_ladder_next(p->scene, &p->scene->ladders[entry->ladder], vertices);
 }
 
 /* Next amount worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */
