@@ -145,7 +145,9 @@ static enum eco_code loss_at(struct search *search, int step, double *loss, stru
 			return code;
 		struct lod_probe_result result;
 		lod_probe_compare(search->curve->probe, search->stride, &result);
-		*known = result.loss;
+		/* more wrong pixels than there are to cover: worse than nothing, whatever Q says (a few leaves of a sparse crown, blown up) */
+		double wrong = result.fp + result.fn;
+		*known = wrong > 1 ? wrong : result.loss;
 	}
 	*loss = *known;
 	return ECO_OK;
