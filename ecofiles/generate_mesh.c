@@ -125,8 +125,7 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t
 	return (uint8_t)mesh->material_count++;
 }
 
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count,
-	const char *texture)
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count)
 {
 	uint8_t first = (uint8_t)mesh->material_count;
 	for (uint32_t i = 0; i < count; i++) {
@@ -135,7 +134,7 @@ uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8
 		for (int k = 0; k < 3; k++)
 			c[k] = (uint8_t)((dark[k] * (count - 1 - i) + bright[k] * i + (count - 1) / 2) / (count - 1));
 		snprintf(shade, sizeof shade, "%.24s-%u", name, i);
-		gen_material(mesh, shade, c[0], c[1], c[2], texture);
+		gen_material(mesh, shade, c[0], c[1], c[2], NULL);
 	}
 	return first;
 }
@@ -215,16 +214,19 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 
 /* ---- Leaves ---- */
 
+#define EDGE (1.0 / 256)         /* of a texture: what a card leaves out, so that neighbours do not bleed in */
+
 static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
 {
 	bool card = leaf->shape == GEN_LEAF_CARD;
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
 	uint32_t corner[4];
 	if (card) {
-		corner[0] = gen_vertex(mesh, gen_sub(leaf->at, half), 0, 0);
-		corner[1] = gen_vertex(mesh, gen_add(leaf->at, half), 1, 0);
-		corner[2] = gen_vertex(mesh, gen_add(gen_add(leaf->at, along), half), 1, 1);
-		corner[3] = gen_vertex(mesh, gen_sub(gen_add(leaf->at, along), half), 0, 1);
+		double u0 = 0.5 * (leaf->cell % 2) + EDGE, v0 = 0.5 * (leaf->cell / 2) + EDGE, u1 = u0 + 0.5 - 2 * EDGE, v1 = v0 + 0.5 - 2 * EDGE;
+		corner[0] = gen_vertex(mesh, gen_sub(leaf->at, half), u0, v0);
+		corner[1] = gen_vertex(mesh, gen_add(leaf->at, half), u1, v0);
+		corner[2] = gen_vertex(mesh, gen_add(gen_add(leaf->at, along), half), u1, v1);
+		corner[3] = gen_vertex(mesh, gen_sub(gen_add(leaf->at, along), half), u0, v1);
 	} else {
 		struct gen_v3 middle = gen_mad(leaf->at, along, 0.45);
 		corner[0] = gen_vertex(mesh, leaf->at, 0.5, 0);

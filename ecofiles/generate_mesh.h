@@ -58,8 +58,7 @@ void gen_mesh_free(struct gen_mesh *mesh);
 
 uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b, const char *texture);
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count,
-	const char *texture);
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count);
 
 uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v);
 void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[]);
@@ -68,12 +67,14 @@ void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const u
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);
 
-/* A leaf from `at` along `along`, its face towards `face`; card: one textured square, else a rhomb, a folded hexagon ... */
+/* A leaf from `at` along `along`, its face towards `face`; card: one textured rectangle; else a rhomb, an arched
+ * hexagon or a pointed blade. */
 enum gen_leaf_shape { GEN_LEAF_CARD, GEN_LEAF_RHOMB, GEN_LEAF_HEXAGON, GEN_LEAF_BLADE };
 struct gen_leaf {
 	struct gen_v3 at, along, face;
 	double length, width;
 	double bend;                 /* how far the tip sinks, in lengths (hexagon, blade) */
+	uint32_t cell;               /* of a card: quarter of the texture, 0 to 3 from the bottom left, row by row */
 	enum gen_leaf_shape shape;
 };
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf);

@@ -1,5 +1,5 @@
 /* The kinds of plants: sizes, colours and habits. Leaves are darker inside a crown and brighter where the sky reaches them, as shade
- * leaves are; it gives a crown depth even where nothing is lit. */
+ * leaves are; it gives a crown depth even where nothing is lit. Cards take theirs from the quarters of a texture, others from materials. */
 #include "ecofiles/generate_plants.h"
 
 #include <math.h>
@@ -36,8 +36,8 @@ static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const stru
 		along.z -= 0.25;
 		struct gen_v3 face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7), gen_mul(gen_random_way(random), 0.6));
 		double size = gen_random_in(random, 0.8, 1.15);
-		gen_leaf(mesh, (uint8_t)(f->leaf + shade_of(shoot->light, f->shades, random)), &(struct gen_leaf){
-			.at = gen_mad(shoot->at, way, length * t), .along = along, .face = face, .length = f->leaf_m * size,
+		uint32_t shade = shade_of(shoot->light, f->shades, random);
+		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade, .at = gen_mad(shoot->at, way, length * t), .along = along, .face = face, .length = f->leaf_m * size,
 			.width = f->width_m * size, .bend = 0.18, .shape = f->shape });
 	}
 }
@@ -54,7 +54,7 @@ static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, con
 static void oak(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 34, 58, 22 }, (uint8_t[]){ 116, 148, 54 }, 6, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 34, 58, 22 }, (uint8_t[]){ 116, 148, 54 }, 6);
 	grow_broad(mesh, &(struct gen_crown){ .height = 14, .base = 3.0, .radius = 6.2, .trunk_radius = 0.38, .lean = 0.5, .lobes = 17,
 		.shoots = 260 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.75,
 		.leaf_m = 0.38, .width_m = 0.27, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
@@ -63,7 +63,7 @@ static void oak(struct gen_mesh *mesh, struct gen_random *random)
 static void birch(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 205, 202, 192, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 66, 90, 30 }, (uint8_t[]){ 164, 182, 76 }, 5, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 66, 90, 30 }, (uint8_t[]){ 164, 182, 76 }, 5);
 	grow_broad(mesh, &(struct gen_crown){ .height = 13, .base = 2.8, .radius = 2.7, .trunk_radius = 0.14, .lean = 0.6, .lobes = 11,
 		.shoots = 170, .cone = 0.45 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 5, .twigs = 5, .leaves = 6,
 		.twig_m = 0.8, .leaf_m = 0.21, .width_m = 0.17, .spread = 0.8, .shape = GEN_LEAF_RHOMB }, random);
@@ -72,9 +72,9 @@ static void birch(struct gen_mesh *mesh, struct gen_random *random)
 static void linden(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 96, 84, 70, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 62, 92, 58 }, (uint8_t[]){ 190, 214, 130 }, 5, "spray.png");
+	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
 	grow_broad(mesh, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 3.9, .trunk_radius = 0.22, .lean = 0.25, .lobes = 13,
-		.shoots = 190, .cone = 0.3 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 5, .twigs = 4, .leaves = 3,
+		.shoots = 190, .cone = 0.3 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
 		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
 }
 
@@ -143,7 +143,7 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 static void spruce(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 84, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 20, 44, 30 }, (uint8_t[]){ 72, 104, 66 }, 5, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 20, 44, 30 }, (uint8_t[]){ 72, 104, 66 }, 5);
 	grow_conifer(mesh, &(struct whorls){ .height = 16, .base = 0.9, .radius = 3.7, .trunk_radius = 0.22, .droop_deg = -14, .rise_deg = 48,
 		.gap_m = 0.5, .needle_m = 0.74, .needle_width = 0.12, .branches = 7, .shades = 5, .bark = bark, .leaf = leaf }, random);
 }
@@ -151,7 +151,7 @@ static void spruce(struct gen_mesh *mesh, struct gen_random *random)
 static void pine(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 136, 90, 60, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 38, 60, 40 }, (uint8_t[]){ 102, 128, 84 }, 5, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 38, 60, 40 }, (uint8_t[]){ 102, 128, 84 }, 5);
 	grow_conifer(mesh, &(struct whorls){ .height = 17, .base = 8.2, .radius = 3.6, .trunk_radius = 0.24, .droop_deg = 4, .rise_deg = 52,
 		.gap_m = 0.5, .needle_m = 0.72, .needle_width = 0.16, .branches = 6, .shades = 5, .bark = bark, .leaf = leaf }, random);
 }
@@ -162,8 +162,8 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 {
 	enum { RINGS = 22 };
 	uint8_t bark = gen_material(mesh, "bark", 124, 104, 80, NULL), rib = gen_material(mesh, "rib", 150, 150, 84, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 40, 70, 30 }, (uint8_t[]){ 138, 166, 70 }, 5, NULL);
-	uint8_t dry = gen_material_shades(mesh, "dry", (uint8_t[]){ 120, 98, 58 }, (uint8_t[]){ 158, 136, 84 }, 2, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 40, 70, 30 }, (uint8_t[]){ 138, 166, 70 }, 5);
+	uint8_t dry = gen_material_shades(mesh, "dry", (uint8_t[]){ 120, 98, 58 }, (uint8_t[]){ 158, 136, 84 }, 2);
 	struct gen_v3 points[RINGS], lean = gen_heading(gen_random_in(random, 0, 360), 0);
 	double radius[RINGS], height = 7.2;
 	for (int i = 0; i < RINGS; i++) {
@@ -185,7 +185,7 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 static void fern(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t rib = gen_material(mesh, "rib", 96, 92, 46, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 44, 74, 28 }, (uint8_t[]){ 126, 162, 62 }, 4, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 44, 74, 28 }, (uint8_t[]){ 126, 162, 62 }, 4);
 	for (uint32_t i = 0; i < 11; i++)
 		gen_frond(mesh, &(struct gen_frond){ .azimuth_deg = 137.5 * i, .elevation_deg = gen_random_in(random, 52, 74),
 			.sink_deg = gen_random_in(random, 70, 100), .length = gen_random_in(random, 0.6, 0.9), .leaflet = 0.17, .width = 0.045,
@@ -231,7 +231,8 @@ static void grow_stem(struct gen_mesh *mesh, const struct bush *b, uint32_t stem
 		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])), out = gen_random_way(random);
 		struct gen_v3 spot = gen_add(gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k), gen_mul(out, 0.13 * b->radius));
 		double light = 0.15 + 0.5 * spot.z / b->height + 0.35 * gen_length(gen_v3(spot.x, spot.y, 0)) / b->radius;
-		gen_leaf(mesh, (uint8_t)(b->leaf + shade_of(light, b->shades, random)), &(struct gen_leaf){ .at = spot,
+		uint32_t shade = shade_of(light, b->shades, random);
+		gen_leaf(mesh, (uint8_t)(b->leaf + (b->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade, .at = spot,
 			.along = gen_add(gen_mad(out, way, 0.5), gen_v3(0, 0, -0.1)), .face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.8)),
 			.length = b->leaf_m * gen_random_in(random, 0.75, 1.15), .width = b->width_m, .bend = 0.15, .shape = b->shape });
 	}
@@ -248,7 +249,7 @@ static void grow_bush(struct gen_mesh *mesh, const struct bush *b, struct gen_ra
 static void shrub(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 92, 74, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 56, 92, 52 }, (uint8_t[]){ 168, 200, 116 }, 4, "leaf.png");
+	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "leaf.png");
 	grow_bush(mesh, &(struct bush){ .height = 2.1, .radius = 1.1, .stems = 34, .leaves = 40, .leaf_m = 0.15, .width_m = 0.1,
 		.bark = bark, .leaf = leaf, .shades = 4, .shape = GEN_LEAF_CARD }, random);
 }
@@ -256,8 +257,8 @@ static void shrub(struct gen_mesh *mesh, struct gen_random *random)
 static void azalea(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 88, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 26, 52, 30 }, (uint8_t[]){ 80, 116, 60 }, 4, NULL);
-	uint8_t flower = gen_material_shades(mesh, "flower", (uint8_t[]){ 196, 58, 120 }, (uint8_t[]){ 242, 150, 190 }, 3, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 26, 52, 30 }, (uint8_t[]){ 80, 116, 60 }, 4);
+	uint8_t flower = gen_material_shades(mesh, "flower", (uint8_t[]){ 196, 58, 120 }, (uint8_t[]){ 242, 150, 190 }, 3);
 	grow_bush(mesh, &(struct bush){ .height = 1.4, .radius = 1.0, .stems = 48, .leaves = 26, .leaf_m = 0.11, .width_m = 0.045,
 		.bark = bark, .leaf = leaf, .shades = 4, .flower = flower, .flower_shades = 3, .shape = GEN_LEAF_HEXAGON }, random);
 }
@@ -279,13 +280,13 @@ static void grow_blades(struct gen_mesh *mesh, uint8_t leaf, uint32_t shades, ui
 
 static void grass(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 74, 104, 36 }, (uint8_t[]){ 176, 186, 92 }, 5, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 74, 104, 36 }, (uint8_t[]){ 176, 186, 92 }, 5);
 	grow_blades(mesh, leaf, 5, 110, 0.62, 0.22, 0.011, random);
 }
 
 static void turf(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 62, 98, 32 }, (uint8_t[]){ 140, 168, 70 }, 5, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 62, 98, 32 }, (uint8_t[]){ 140, 168, 70 }, 5);
 	grow_blades(mesh, leaf, 5, 220, 0.26, 0.75, 0.010, random);
 }
 
@@ -294,7 +295,7 @@ static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_
 	uint32_t petals, double petal_m, double petal_width, double cup)
 {
 	uint8_t stem = gen_material(mesh, "stem", 92, 124, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 58, 92, 40 }, (uint8_t[]){ 112, 146, 66 }, 3, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 58, 92, 40 }, (uint8_t[]){ 112, 146, 66 }, 3);
 	for (uint32_t i = 0; i < 9; i++) {
 		double azimuth = 137.5 * i, r = sqrt((i + 0.5) / 9), height = gen_random_in(random, 0.34, 0.56);
 		struct gen_v3 foot = gen_mul(gen_heading(azimuth, 0), 0.16 * r), out = gen_heading(azimuth, 0), points[4];
@@ -322,21 +323,21 @@ static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_
 
 static void daisy(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 214, 212, 206 }, (uint8_t[]){ 250, 249, 244 }, 3, NULL);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 214, 212, 206 }, (uint8_t[]){ 250, 249, 244 }, 3);
 	uint8_t button = gen_material(mesh, "button", 232, 184, 38, NULL);
 	grow_flower(mesh, random, petal, 3, button, 14, 0.046, 0.014, 0.12);
 }
 
 static void poppy(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 172, 22, 18 }, (uint8_t[]){ 226, 60, 34 }, 3, NULL);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 172, 22, 18 }, (uint8_t[]){ 226, 60, 34 }, 3);
 	uint8_t button = gen_material(mesh, "button", 44, 40, 36, NULL);
 	grow_flower(mesh, random, petal, 3, button, 5, 0.062, 0.066, 0.55);
 }
 
 static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 52, 66, 178 }, (uint8_t[]){ 104, 122, 226 }, 3, NULL);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 52, 66, 178 }, (uint8_t[]){ 104, 122, 226 }, 3);
 	uint8_t button = gen_material(mesh, "button", 72, 48, 120, NULL);
 	grow_flower(mesh, random, petal, 3, button, 9, 0.040, 0.020, 0.45);
 }

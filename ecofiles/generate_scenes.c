@@ -207,16 +207,17 @@ static bool stand_add(struct stand *stand, double x, double y, double room)
 struct bed { const char *plant; double x, y, radius; uint32_t count; double room, small, large; };
 
 static const struct bed park_beds[] = {
-	{ "oak", 24, -26, 14, 2, 13, 0.9, 1.1 }, { "oak", -30, 24, 12, 2, 13, 0.85, 1.05 },
-	{ "birch", 34, 12, 7, 3, 4.5, 0.8, 1.1 },
-	{ "spruce", -2, 44, 15, 8, 5.5, 0.6, 1.1 },
-	{ "palm", -20, -20, 7, 4, 4.5, 0.7, 1.1 },
-	{ "shrub", 12, 24, 9, 7, 2.6, 0.6, 1.2 }, { "azalea", -12, -28, 8, 5, 2.3, 0.8, 1.3 },
-	{ "grass", 2, -16, 6, 6, 1.0, 0.9, 1.6 }, { "grass", 18, -6, 4, 3, 1.0, 0.9, 1.5 },
-	{ "turf", -2, -20, 6, 2, 1.6, 0.9, 1.1 },
-	{ "daisy", 3, -21, 3, 3, 0.6, 0.9, 1.3 }, { "poppy", -6, -19, 3, 3, 0.6, 0.9, 1.3 }, { "cornflower", 6, -18, 3, 2, 0.6, 0.9, 1.3 },
+	{ "oak", 21, -13, 5, 1, 11, 0.95, 1.05 }, { "oak", -25, 19, 8, 2, 11, 0.8, 1.05 },
+	{ "birch", 25, 17, 5, 3, 4, 0.8, 1.1 },
+	{ "spruce", -1, 32, 12, 7, 5, 0.6, 1.1 },
+	{ "palm", -19, -17, 5, 3, 4, 0.75, 1.1 },
+	{ "shrub", 10, 18, 7, 5, 2.4, 0.6, 1.2 }, { "azalea", -9, -20, 5, 4, 2.1, 0.8, 1.3 },
+	{ "grass", 2, -10, 5, 6, 0.8, 0.9, 1.6 }, { "grass", 12, -7, 3, 3, 0.9, 0.9, 1.5 },
+	{ "turf", 0, -13, 4, 5, 1.4, 0.9, 1.1 },
+	{ "daisy", 2, -14, 2, 4, 0.5, 0.9, 1.3 }, { "poppy", -3, -13, 2, 4, 0.5, 0.9, 1.3 }, { "cornflower", 4, -12, 2, 3, 0.5, 0.9, 1.3 },
 };
 #define PARK_PLANTS 60
+#define PARK_HALF_M 40.0         /* of what is planted */
 #define AVENUE 10
 
 static double path_y(double x, double span) { double t = x / span; return 0.42 * x * (1 - t * t); }
@@ -237,7 +238,7 @@ static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, doub
 		struct gen_v3 way = gen_heading(gen_random_in(&layout->random, 0, 360), 0);
 		double r = bed->radius * stretch * sqrt(gen_random_unit(&layout->random));
 		double x = bed->x * stretch + r * way.x, y = bed->y * stretch + r * way.y;
-		if (on_path(x, y, 60 * stretch) || !stand_add(stand, x, y, bed->room))
+		if (on_path(x, y, PARK_HALF_M * stretch) || !stand_add(stand, x, y, bed->room))
 			continue;
 		out[count++] = (struct gen_instance){ bed->plant, x, y, turn_anyhow(&layout->random),
 			gen_random_in(&layout->random, bed->small, bed->large) };
@@ -247,7 +248,7 @@ static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, doub
 
 static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t wanted, struct stand *stand, struct gen_instance *out)
 {
-	double span = 60 * stretch;
+	double span = PARK_HALF_M * stretch;
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < wanted; i++) {
 		double x = (2 * ((i / 2) + 0.5) / ((wanted + 1) / 2) - 1) * 0.8 * span, side = i % 2 ? 1 : -1;
@@ -266,19 +267,19 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 	static const char *const names[] = { "oak", "linden", "birch", "spruce", "palm", "shrub", "azalea", "grass", "turf", "daisy", "poppy",
 		"cornflower", NULL };
 	double share = (double)layout->plants / PARK_PLANTS, stretch = share > 1 ? sqrt(share) : 1;
-	struct gen_terrain terrain = { layout->options->seed + 11, 5.5, 70, 0.7, 19 };
+	struct gen_terrain terrain = { layout->options->seed + 11, 9, 105, 0.5, 21 };
 	struct stand stand;
 	struct text text;
 	enum eco_code code = write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, 90 * stretch, 2, error);
+		code = write_ground(layout, &terrain, 220 + 60 * stretch, 4, error);
 	const struct look looks[] = {
-		{ 0, { 62 * stretch, -74 * stretch, 46 * stretch }, { -2, 2, 0 }, 42 }, { 3, { 34, -48, 9 }, { -2, -4, 4 }, 45 },
-		{ 6, { 7, -31, 1.7 }, { -1, -10, 1.6 }, 50 }, { 7, { 4.5, -25.5, 1.1 }, { -0.5, -17, 0.6 }, 50 } };
+		{ 0, { 36 * stretch, -46 * stretch, 24 * stretch }, { -1, 1, 0 }, 42 }, { 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
+		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 }, { 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
 	if (!code)
 		code = write_camera(layout, &terrain, looks, 4, error);
 	if (!code)
-		code = stand_open(&stand, layout->plants + 64, 90 * stretch, 13, error);
+		code = stand_open(&stand, layout->plants + 64, 50 * stretch, 11, error);
 	if (code)
 		return code;
 	struct gen_instance *instances = calloc((size_t)layout->plants + 64, sizeof *instances);

@@ -1,4 +1,4 @@
-/* Leaves painted for cards: a silhouette cut out by alpha, a midrib, side veins, a little unevenness. What lies outside a leaf keeps a
+/* Leaves painted for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by alpha, a midrib, side veins, a little unevenness. What lies outside a leaf keeps a
  * leaf's colour, so that no dark fringe appears where a renderer filters. */
 #include "ecofiles/generate_plants.h"
 
@@ -9,7 +9,7 @@
 
 #include "ecofiles/image.h"
 
-struct canvas { uint8_t *rgba; uint32_t size; };
+struct canvas { uint8_t *rgba; uint32_t size, left, top; };     /* a square of an image twice as wide */
 
 struct stroke {                  /* a leaf in texture space: x right, y up, both in [0, 1] */
 	double x, y, way_x, way_y;   /* foot and unit direction */
@@ -38,7 +38,7 @@ static double grain(uint32_t x, uint32_t y)
 
 static void paint_pixel(struct canvas *canvas, uint32_t column, uint32_t row, const uint8_t rgb[3], double light)
 {
-	uint8_t *p = canvas->rgba + 4 * ((size_t)row * canvas->size + column);
+	uint8_t *p = canvas->rgba + 4 * ((size_t)(canvas->top + row) * 2 * canvas->size + canvas->left + column);
 	for (int c = 0; c < 3; c++)
 		p[c] = (uint8_t)gen_clamp(rgb[c] * light + 0.5, 0, 255);
 	p[3] = 255;
@@ -79,30 +79,35 @@ static void paint_stalk(struct canvas *canvas, double x0, double y0, double x1, 
 	}
 }
 
-static void paint_single(struct canvas *canvas)
+/* Shades from inside a crown to its top. */
+static const uint8_t leaf_rgb[4][3] = { { 58, 84, 38 }, { 82, 116, 48 }, { 110, 146, 60 }, { 140, 172, 78 } };
+
+static void paint_single(struct canvas *canvas, uint32_t shade)
 {
-	paint_leaf(canvas, &(struct stroke){ .x = 0.5, .y = 0.03, .way_y = 1, .length = 0.96, .width = 0.92, .teeth = 0.10,
-		.rgb = { 196, 214, 160 } });
+	struct stroke s = { .x = 0.5, .y = 0.03, .way_y = 1, .length = 0.96, .width = 0.92, .teeth = 0.10 };
+	memcpy(s.rgb, leaf_rgb[shade], sizeof s.rgb);
+	paint_leaf(canvas, &s);
 	paint_stalk(canvas, 0.5, 0, 0.5, 0.08, 0.035);
 }
 
 /* A twig with nine leaves, lower ones first. */
-static void paint_spray(struct canvas *canvas)
+static void paint_spray(struct canvas *canvas, uint32_t shade)
 {
 	paint_stalk(canvas, 0.5, 0, 0.5, 0.72, 0.022);
-	for (int i = 0; i < 9; i++) {
-		double t = i / 8.0, side = i == 8 ? 0 : i % 2 ? 1 : -1;
+	for (uint32_t i = 0; i < 9; i++) {
+		double t = i / 8.0, side = i == 8 ? 0 : i % 2 ? 1 : -1, light = 0.88 + 0.24 * grain(i, 7 + shade);
 		struct gen_v3 way = gen_unit(gen_v3(side * (1.05 - 0.45 * t), 0.42 + 0.35 * t, 0));
-		uint8_t light = (uint8_t)(206 + 24 * grain((uint32_t)i, 7));
-		paint_leaf(canvas, &(struct stroke){ .x = 0.5, .y = 0.08 + 0.60 * t, .way_x = way.x, .way_y = way.y,
-			.length = i == 8 ? 0.33 : 0.44 - 0.06 * t, .width = 0.27, .teeth = 0.16,
-			.rgb = { (uint8_t)(light - 20), light, (uint8_t)(light - 58) } });
+		struct stroke s = { .x = 0.5, .y = 0.08 + 0.60 * t, .way_x = way.x, .way_y = way.y, .length = i == 8 ? 0.33 : 0.44 - 0.06 * t,
+			.width = 0.27, .teeth = 0.16 };
+		for (int c = 0; c < 3; c++)
+			s.rgb[c] = (uint8_t)gen_clamp(leaf_rgb[shade][c] * light, 0, 255);
+		paint_leaf(canvas, &s);
 	}
 }
 
-static const struct painting { const char *name; uint32_t size; uint8_t ground[3]; void (*paint)(struct canvas *canvas); } paintings[] = {
-	{ "leaf.png", 64, { 188, 208, 152 }, paint_single },
-	{ "spray.png", 128, { 188, 212, 154 }, paint_spray },
+static const struct painting { const char *name; uint32_t size; void (*paint)(struct canvas *canvas, uint32_t shade); } paintings[] = {
+	{ "leaf.png", 64, paint_single },
+	{ "spray.png", 128, paint_spray },
 };
 
 const char *const gen_texture_names[] = { "leaf.png", "spray.png", NULL };
@@ -118,15 +123,20 @@ enum eco_code gen_texture_write(const char *folder, const char *name, struct eco
 	char path[4096];
 	if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
-	struct canvas canvas = { malloc(4 * (size_t)painting->size * painting->size), painting->size };
+	uint32_t side = 2 * painting->size;
+	struct canvas canvas = { malloc(4 * (size_t)side * side), painting->size, 0, 0 };
 	if (!canvas.rgba)
 		return eco_fail(error, ECO_NO_MEMORY, "painting %s: no memory", name);
-	for (size_t i = 0; i < (size_t)painting->size * painting->size; i++) {
-		memcpy(canvas.rgba + 4 * i, painting->ground, 3);
-		canvas.rgba[4 * i + 3] = 0;
+	for (uint32_t shade = 0; shade < 4; shade++) {
+		canvas.left = shade % 2 * painting->size;
+		canvas.top = (1 - shade / 2) * painting->size;
+		for (uint32_t i = 0; i < painting->size * painting->size; i++) {
+			paint_pixel(&canvas, i % painting->size, i / painting->size, leaf_rgb[shade], 1);
+			canvas.rgba[4 * ((size_t)(canvas.top + i / painting->size) * side + canvas.left + i % painting->size) + 3] = 0;
+		}
+		painting->paint(&canvas, shade);
 	}
-	painting->paint(&canvas);
-	enum eco_code code = eco_png_write(&(struct eco_pixels){ canvas.size, canvas.size, 4, canvas.rgba }, path, error);
+	enum eco_code code = eco_png_write(&(struct eco_pixels){ side, side, 4, canvas.rgba }, path, error);
 	free(canvas.rgba);
 	return code;
 }
