@@ -80,64 +80,57 @@ void srv_answer_not_modified(struct srv_answer *answer, const char *etag)
 
 /* ---- Streams ---- */
 
-/* libmicrohttpd hands an iovec to the kernel as it is, and the kernel refuses more than 1024 pieces at once. */
-#define IOVEC_MAX 1024u
-#define READ_BLOCK 65536u
+#define BLOCK_BYTES (128u << 10)
 
-struct reading {                     /* a body, read from front to back */
+/* What a response reads its body from: pieces, and where it stands in them. */
+struct body_reader {
 	struct srv_body body;
 	uint32_t piece;
-	uint64_t piece_at;           /* where the piece begins in the body */
+	size_t at;
 };
 
-static void free_body(void *ctx)
+static void free_reader(void *reader)
 {
-	struct reading *reading = ctx;
-	srv_body_free(&reading->body);
-	free(reading);
+	srv_body_free(&((struct body_reader *)reader)->body);
+	free(reader);
 }
 
-static ssize_t read_body(void *ctx, uint64_t at, char *buffer, size_t most)
+/* The library asks for consecutive blocks, since the response is sent once. */
+static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 {
-	struct reading *reading = ctx;
-	size_t done = 0;
-	if (at < reading->piece_at)
-		reading->piece = 0, reading->piece_at = 0;
-	while (done < most && reading->piece < reading->body.piece_count) {
-		const struct srv_piece *piece = &reading->body.pieces[reading->piece];
-		uint64_t skip = at + done - reading->piece_at;
-		if (skip >= piece->size) {
-			reading->piece_at += piece->size;
-			reading->piece++;
-			continue;
+	struct body_reader *reader = ctx;
+	size_t size = 0;
+	(void)position;
+	while (size < room && reader->piece < reader->body.piece_count) {
+		const struct srv_piece *piece = &reader->body.pieces[reader->piece];
+		size_t part = piece->size - reader->at < room - size ? piece->size - reader->at : room - size;
+		if (part)
+			memcpy(block + size, (const char *)piece->bytes + reader->at, part);
+		size += part;
+		reader->at += part;
+		if (reader->at == piece->size) {
+			reader->piece++;
+			reader->at = 0;
 		}
-		size_t part = piece->size - (size_t)skip < most - done ? piece->size - (size_t)skip : most - done;
-		memcpy(buffer + done, (const char *)piece->bytes + skip, part);
-		done += part;
 	}
-	return done ? (ssize_t)done : MHD_CONTENT_READER_END_OF_STREAM;
+	return size ? (ssize_t)size : MHD_CONTENT_READER_END_OF_STREAM;
 }
 
+/* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB, and where it does not fit
+ * (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts later. One copy into a block costs little beside
+ * the sending. */
 void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
-	struct reading *kept = calloc(1, sizeof *kept);
-	bool whole = body->piece_count <= IOVEC_MAX;
-	struct MHD_IoVec *vector = whole ? malloc(body->piece_count * sizeof *vector) : NULL;
-	if (kept && vector) {
-		kept->body = *body;
-		for (uint32_t i = 0; i < body->piece_count; i++)
-			vector[i] = (struct MHD_IoVec){ body->pieces[i].bytes, body->pieces[i].size };
-		answer->response = MHD_create_response_from_iovec(vector, body->piece_count, free_body, kept);
-	} else if (kept && !whole) {
-		kept->body = *body;
-		answer->response = MHD_create_response_from_callback(body->size_bytes, READ_BLOCK, read_body, kept, free_body);
+	struct body_reader *reader = malloc(sizeof *reader);
+	if (reader) {
+		*reader = (struct body_reader){ .body = *body };
+		answer->response = MHD_create_response_from_callback(body->size_bytes, BLOCK_BYTES, read_body, reader, free_reader);
 	}
-	free(vector);
 	if (answer->response) {
 		*body = (struct srv_body){ 0 };
 	} else {
-		free(kept);
+		free(reader);
 		srv_body_free(body);
 	}
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");

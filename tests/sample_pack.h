@@ -1,5 +1,6 @@
 /* A small real pack, written through the writer: two species (leaves with paired points and twigs; a textured bush), 400 plants in two
- * tiles under a root with a summary, ground, a texture. About 600 KB, so that large budgets get coarse steps. */
+ * tiles under a root with a summary, ground, a texture. About 800 KB in 2,000 chunks, so that large budgets get coarse
+ * steps. */
 #ifndef TESTS_SAMPLE_PACK_H
 #define TESTS_SAMPLE_PACK_H
 
@@ -9,7 +10,7 @@
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack.h"
 
-#define SAMPLE_LEAVES 40000u
+#define SAMPLE_LEAVES 30000u
 #define SAMPLE_PLANTS 100u           /* of each species in each tile */
 
 struct sample {
@@ -58,7 +59,11 @@ static inline struct eco_list sample_list(uint8_t kind, uint8_t coder, uint8_t a
 static inline uint32_t sample_add(struct sample *s, const struct eco_list *list, const struct eco_elements *elements,
 	const struct eco_elements *partner)
 {
-	uint32_t ends[512], id = ECO_NONE, count = eco_chunk_split((partner ? partner : elements)->element_count, 64, ends, 512);
+	static uint32_t ends[4096];
+	uint32_t total = (partner ? partner : elements)->element_count, id = ECO_NONE, count = 0;
+	for (uint32_t end = 32; end < total; end += 32)      /* many small chunks: more than one send, one page, one vector holds */
+		ends[count++] = end;
+	ends[count++] = total;
 	if (!s->code)
 		s->code = eco_pack_add_list(s->writer, list, elements, ends, count, partner, &id, s->error);
 	return id;
