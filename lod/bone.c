@@ -7,6 +7,8 @@
 
 #define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
 #define FRAGMENTS_PER_TRIANGLE 8.0
+#define RING_RADII 4.0           /* how far a ring of border may reach from its centre */
+#define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
 #define SIMILAR 1.6              /* widths that may differ along one line */
 #define CHAIN_MAX 64u            /* joints that one line may pass over */
 
@@ -18,6 +20,8 @@ struct tube {
 	uint32_t *global;            /* vertex -> of the mesh */
 	uint32_t *corner;            /* 3 per triangle */
 	const uint32_t *member;      /* triangle -> of the mesh */
+	uint32_t *ring;              /* per vertex: the ring of border that it is on, or ECO_NONE */
+	struct lod_v3 *ring_center;  /* per ring */
 	double *level;               /* per vertex: distance from the lower end in slabs */
 	uint32_t *offset;            /* per triangle: its fragments are offset[t] .. offset[t + 1), one for each slab it reaches into */
 	uint32_t *parent;            /* per fragment: union-find, the roots are slab pieces */
@@ -36,8 +40,16 @@ struct joint {
 
 struct raw_bone {
 	uint32_t joint[2], piece, line;      /* line: which of the final lines it went into */
+	uint32_t merged;             /* into this bone, or ECO_NONE */
 	double area;
 };
+
+static uint32_t root_of(uint32_t *parent, uint32_t i)
+{
+	while (parent[i] != i)
+		i = parent[i] = parent[parent[i]];
+	return i;
+}
 
 static struct lod_v3 place_of(const struct tube *tube, uint32_t v)
 {
@@ -88,68 +100,94 @@ static void heap_set(struct heap *h, uint32_t v)
 	heap_up(h, h->at[v]);
 }
 
-/* The lowest vertex, and with it the ring of border that it lies on: a tube starts with a whole ring, not with a corner. */
-static void set_sources(const struct tube *tube, struct heap *heap, double *distance, struct lod_arena *arena)
+/* Rings of border: where a tube ends open. Slits and rims that are wider than a few radii are no rings. */
+static void find_rings(struct tube *tube, struct lod_arena *arena)
 {
-	uint32_t lowest = 0, *next = lod_arena_take(arena, 2 * (size_t)tube->vertex_count, sizeof *next);
-	for (uint32_t v = 1; v < tube->vertex_count; v++)
-		if (place_of(tube, v).z < place_of(tube, lowest).z)
-			lowest = v;
-	memset(next, 0xff, 2 * (size_t)tube->vertex_count * sizeof *next);
+	uint32_t n = tube->vertex_count;
+	tube->ring = lod_arena_take(arena, n, sizeof *tube->ring);
+	tube->ring_center = lod_arena_take(arena, n, sizeof *tube->ring_center);
+	struct lod_arena_piece *mark = arena->last;
+	uint32_t *size = lod_arena_take(arena, n, sizeof *size);
+	bool *wide = lod_arena_take(arena, n, sizeof *wide), *border = lod_arena_take(arena, n, sizeof *border);
+	for (uint32_t v = 0; v < n; v++)
+		tube->ring[v] = v;
 	for (uint32_t t = 0; t < tube->triangle_count; t++)
 		for (uint32_t k = 0; k < 3; k++) {
 			if (lod_mesh_across(tube->mesh, tube->member[t], k) != ECO_NONE)
 				continue;
 			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3];
-			next[2 * a + (next[2 * a] != ECO_NONE)] = b;
-			next[2 * b + (next[2 * b] != ECO_NONE)] = a;
+			border[a] = border[b] = true;
+			tube->ring[root_of(tube->ring, a)] = root_of(tube->ring, b);
 		}
-	uint32_t *stack = lod_arena_take(arena, tube->vertex_count, sizeof *stack), depth = 1;
-	stack[0] = lowest;
-	distance[lowest] = 0;
-	double reach = 8 * tube->component->radius;      /* a slit along a tube is border too, but no ring */
-	while (depth) {
-		uint32_t v = stack[--depth];
-		heap_set(heap, v);
-		for (uint32_t k = 0; k < 2; k++) {
-			uint32_t u = next[2 * v + k];
-			if (u == ECO_NONE || distance[u] == 0 || lod_v3_distance(place_of(tube, u), place_of(tube, lowest)) > reach)
-				continue;
-			distance[u] = 0;
-			stack[depth++] = u;
-		}
+	for (uint32_t v = 0; v < n; v++) {
+		uint32_t r = root_of(tube->ring, v);
+		tube->ring_center[r] = lod_v3_add(tube->ring_center[r], place_of(tube, v));
+		size[r]++;
 	}
+	for (uint32_t v = 0; v < n; v++)
+		if (size[v])
+			tube->ring_center[v] = lod_v3_scale(tube->ring_center[v], 1.0 / size[v]);
+	for (uint32_t v = 0; v < n; v++) {
+		uint32_t r = root_of(tube->ring, v);
+		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], place_of(tube, v)) > RING_RADII * tube->component->radius;
+	}
+	for (uint32_t v = 0; v < n; v++)             /* flat: a root's own entry is read before it may become none */
+		size[v] = border[v] && !wide[root_of(tube->ring, v)] ? root_of(tube->ring, v) : ECO_NONE;
+	memcpy(tube->ring, size, n * sizeof *size);
+	lod_arena_release(arena, mark);
 }
 
-static void find_distances(struct tube *tube, struct lod_arena *arena)
+struct spread { uint32_t *first, *around; struct heap heap; };
+
+/* Distances along edges from a vertex, or from all of the ring that it is on: a tube starts with a ring, not with a corner. */
+static void spread_from(struct tube *tube, struct spread *s, uint32_t source)
 {
-	tube->level = lod_arena_take(arena, tube->vertex_count, sizeof *tube->level);
-	struct lod_arena_piece *mark = arena->last;
-	uint32_t n = tube->vertex_count, *first = lod_arena_take(arena, (size_t)n + 2, sizeof *first);
-	uint32_t *around = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *around);
-	struct heap heap = { .item = lod_arena_take(arena, n, sizeof *heap.item), .at = lod_arena_take(arena, n, sizeof *heap.at),
-		.key = tube->level };
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		first[tube->corner[i] + 2]++;
-	for (uint32_t v = 2; v <= n + 1; v++)
-		first[v] += first[v - 1];
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		around[first[tube->corner[i] + 1]++] = i;
-	for (uint32_t v = 0; v < n; v++)
+	for (uint32_t v = 0; v < tube->vertex_count; v++) {
 		tube->level[v] = INFINITY;
-	memset(heap.at, 0xff, n * sizeof *heap.at);
-	set_sources(tube, &heap, tube->level, arena);
-	while (heap.count) {
-		uint32_t v = heap_pop(&heap);
-		for (uint32_t i = first[v]; i < first[v + 1]; i++)
+		s->heap.at[v] = ECO_NONE;
+	}
+	for (uint32_t v = 0; v < tube->vertex_count; v++)
+		if (v == source || (tube->ring[source] != ECO_NONE && tube->ring[v] == tube->ring[source])) {
+			tube->level[v] = 0;
+			heap_set(&s->heap, v);
+		}
+	while (s->heap.count) {
+		uint32_t v = heap_pop(&s->heap);
+		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
 			for (uint32_t k = 1; k < 3; k++) {
-				uint32_t t = around[i] / 3, u = tube->corner[3 * t + (around[i] % 3 + k) % 3];
+				uint32_t t = s->around[i] / 3, u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
 				double d = tube->level[v] + lod_v3_distance(place_of(tube, v), place_of(tube, u));
 				if (d < tube->level[u]) {
 					tube->level[u] = d;
-					heap_set(&heap, u);
+					heap_set(&s->heap, u);
 				}
 			}
+	}
+}
+
+/* From the lowest vertex if a tube ends there, else (a closed tube, or one that hangs with both ends up) from whatever is farthest
+ * from it: that is an end. */
+static void find_distances(struct tube *tube, struct lod_arena *arena)
+{
+	uint32_t n = tube->vertex_count, lowest = 0, farthest = 0;
+	tube->level = lod_arena_take(arena, n, sizeof *tube->level);
+	struct lod_arena_piece *mark = arena->last;
+	struct spread s = { lod_arena_take(arena, (size_t)n + 2, sizeof *s.first), lod_arena_take(arena, 3 * (size_t)tube->triangle_count,
+		sizeof *s.around), { .item = lod_arena_take(arena, n, sizeof(uint32_t)), .at = lod_arena_take(arena, n, sizeof(uint32_t)),
+		.key = tube->level } };
+	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
+		s.first[tube->corner[i] + 2]++;
+	for (uint32_t v = 2; v <= n + 1; v++)
+		s.first[v] += s.first[v - 1];
+	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
+		s.around[s.first[tube->corner[i] + 1]++] = i;
+	for (uint32_t v = 1; v < n; v++)
+		lowest = place_of(tube, v).z < place_of(tube, lowest).z ? v : lowest;
+	spread_from(tube, &s, lowest);
+	if (tube->ring[lowest] == ECO_NONE) {
+		for (uint32_t v = 1; v < n; v++)
+			farthest = tube->level[v] > tube->level[farthest] ? v : farthest;
+		spread_from(tube, &s, farthest);
 	}
 	lod_arena_release(arena, mark);
 }
@@ -196,9 +234,7 @@ static uint32_t fragment(const struct tube *tube, uint32_t t, uint32_t s)
 
 static uint32_t piece_of(struct tube *tube, uint32_t f)
 {
-	while (tube->parent[f] != f)
-		f = tube->parent[f] = tube->parent[tube->parent[f]];
-	return f;
+	return root_of(tube->parent, f);
 }
 
 /* Area of a triangle below a level; levels ascending. */
@@ -345,7 +381,7 @@ static void find_joints(struct tube *tube, struct lod_arena *arena)
 
 struct tip { double level; struct lod_v3 sum; uint32_t count; };
 
-/* Ends of pieces: the mean of their highest vertices, and of their lowest. */
+/* Ends of pieces: the mean of their highest vertices, and of their lowest; a vertex of an open end stands for the ring's centre. */
 static struct tip *find_tips(struct tube *tube, int sign, struct lod_arena *arena)
 {
 	uint32_t most = tube->offset[tube->triangle_count];
@@ -359,7 +395,8 @@ static struct tip *find_tips(struct tube *tube, int sign, struct lod_arena *aren
 				if (pass == 0) {
 					tip->level = fmax(tip->level, level);
 				} else if (level > tip->level - 0.2) {
-					tip->sum = lod_v3_add(tip->sum, place_of(tube, v));
+					struct lod_v3 p = tube->ring[v] == ECO_NONE ? place_of(tube, v) : tube->ring_center[tube->ring[v]];
+					tip->sum = lod_v3_add(tip->sum, p);
 					tip->count++;
 				}
 			}
@@ -376,7 +413,7 @@ static uint32_t add_end(struct tube *tube, uint32_t piece, const struct tip *tip
 static void add_bone(struct tube *tube, uint32_t a, uint32_t b, uint32_t piece)
 {
 	uint32_t number = tube->bone_count++;
-	tube->bones[number] = (struct raw_bone){ .joint = { a, b }, .piece = piece, .line = ECO_NONE };
+	tube->bones[number] = (struct raw_bone){ .joint = { a, b }, .piece = piece, .line = ECO_NONE, .merged = ECO_NONE };
 	for (int k = 0; k < 2; k++) {
 		struct joint *j = &tube->joints[k ? b : a];
 		if (j->degree < 2)
@@ -430,6 +467,31 @@ static void find_bones(struct tube *tube, struct lod_arena *arena)
 			;
 		join_piece(tube, piece, by, at, end, tops, bottoms);
 		at = end;
+	}
+}
+
+/* Rings tilt where a tube bends, since its inner side is shorter. At an open end that leaves a stub, shorter than wide: the bone before
+ * it takes over its end and area. */
+static void merge_stubs(struct tube *tube)
+{
+	for (uint32_t b = 0; b < tube->bone_count; b++) {
+		struct raw_bone *stub = &tube->bones[b];
+		for (int k = 0; k < 2; k++) {
+			struct joint *end = &tube->joints[stub->joint[k]], *inner = &tube->joints[stub->joint[1 - k]];
+			double wide = fmax(tube->component->radius, STUB / LOD_PI * fmax(inner->ring, end->ring));
+			if (end->degree != 1 || inner->degree != 2 || lod_v3_distance(end->place, inner->place) > wide)
+				continue;
+			uint32_t other = inner->bone[0] == b ? inner->bone[1] : inner->bone[0];
+			struct raw_bone *before = &tube->bones[other];
+			before->joint[before->joint[0] == stub->joint[k ? 0 : 1] ? 0 : 1] = stub->joint[k];
+			before->area += stub->area;
+			end->bone[0] = other;
+			end->ring = inner->ring;
+			inner->degree = 0;
+			stub->merged = other;
+			stub->line = UINT32_MAX - 1;
+			break;
+		}
 	}
 }
 
@@ -559,8 +621,12 @@ static void measure(struct tube *tube, struct lod_bones *bones, struct lod_arena
 		first[tube->bones[b].piece + 2]++;
 	for (uint32_t p = 2; p <= most + 1; p++)
 		first[p] += first[p - 1];
-	for (uint32_t b = 0; b < tube->bone_count; b++)
-		through[first[tube->bones[b].piece + 1]++] = tube->bones[b].line;
+	for (uint32_t b = 0; b < tube->bone_count; b++) {
+		uint32_t into = b;
+		while (tube->bones[into].merged != ECO_NONE)
+			into = tube->bones[into].merged;
+		through[first[tube->bones[b].piece + 1]++] = tube->bones[into].line;
+	}
 	for (uint32_t t = 0; t < tube->triangle_count; t++)
 		for (uint32_t k = 0; k < 3; k++) {
 			uint32_t v = tube->corner[3 * t + k], piece = piece_of(tube, fragment(tube, t, slab(tube, v)));
@@ -606,11 +672,13 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 			continue;
 		struct tube tube;
 		open_tube(&tube, mesh, organs, c, local, scratch);
+		find_rings(&tube, scratch);
 		find_distances(&tube, scratch);
 		scale_levels(&tube);
 		cut_slabs(&tube, scratch);
 		find_joints(&tube, scratch);
 		find_bones(&tube, scratch);
+		merge_stubs(&tube);
 		lay_lines(&tube, lines, c);
 		measure(&tube, lines->bones, scratch);
 		lod_arena_free(scratch);

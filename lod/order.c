@@ -178,16 +178,13 @@ static double orientation(const struct field *f, struct lod_v3 p, struct lod_v3 
 	return 1 - lod_arc_cosine(fabs(lod_v3_dot(gradient, normal)) / lengths) / (LOD_PI / 2);
 }
 
-static double median(const double *values, uint32_t count, struct lod_arena *arena)
+/* What the density would be if the elements were spread evenly over the space that they fill: an element at density F fills 1 / F. */
+static double even_density(const double *density, uint32_t count)
 {
-	struct lod_arena_piece *mark = arena->last;
-	struct lod_keyed *sorted = lod_arena_take(arena, count, sizeof *sorted);
+	double volume = 0;
 	for (uint32_t i = 0; i < count; i++)
-		sorted[i] = (struct lod_keyed){ lod_sort_key(values[i]), i };
-	lod_sort(arena, sorted, count);
-	double middle = values[sorted[count / 2].value];
-	lod_arena_release(arena, mark);
-	return middle;
+		volume += 1 / density[i];
+	return count / volume;
 }
 
 static void normalise(double *values, uint32_t count)
@@ -217,7 +214,7 @@ void lod_order_survival(double *survival, const struct lod_order_input *in, stru
 		density[i] = density_at(&f, in->center[i]);
 		survival[i] = orientation(&f, in->center[i], in->normal[i]);
 	}
-	double even = median(density, in->count, arena);
+	double even = even_density(density, in->count);
 	/* Thinning a region of density F down to `even` keeps the share even / F of its elements, at random: those keep probability 1,
 	 * the others fall off so that every threshold above leaves even density as well. */
 	for (uint32_t i = 0; i < in->count; i++) {
