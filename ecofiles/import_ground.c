@@ -176,56 +176,95 @@ static enum eco_code place_grid(struct eco_ground *g, const struct raster *r, st
 	return ECO_OK;
 }
 
-static void flip_rows(struct eco_ground *g)
-{
-	for (uint32_t r = 0; r < g->rows / 2; r++)
-		for (uint32_t c = 0; c < g->columns; c++) {
-			float *a = &g->height_m[(size_t)r * g->columns + c], *b = &g->height_m[(size_t)(g->rows - 1 - r) * g->columns + c], t = *a;
+struct meaning { bool has_no_data; double no_data, scale, offset; };
 
-			*a = *b;
-			*b = t;
-		}
-}
-
-/* Raw numbers to metres above the origin; what is no height becomes NaN. */
-static void to_metres(struct eco_ground *g, GDALRasterBandH band, double origin_z)
+static struct meaning meaning_of(GDALRasterBandH band)
 {
 	int has_no_data = 0, has_scale = 0, has_offset = 0;
-	double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
-	double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
-	size_t count = (size_t)g->columns * g->rows;
+	struct meaning m = { .no_data = GDALGetRasterNoDataValue(band, &has_no_data), .scale = GDALGetRasterScale(band, &has_scale),
+		.offset = GDALGetRasterOffset(band, &has_offset) };
 
-	if (!has_scale || !isfinite(scale) || scale == 0)
-		scale = 1;
-	if (!has_offset || !isfinite(offset))
-		offset = 0;
-	for (size_t i = 0; i < count; i++) {
-		double raw = g->height_m[i], metres = raw * scale + offset;
-		bool missing = has_no_data && (float)raw == (float)no_data;
-
-		g->height_m[i] = missing || !(fabs(metres) <= HEIGHT_MAX_M) ? NAN : (float)(metres - origin_z);
-	}
+	m.has_no_data = has_no_data != 0;
+	if (!has_scale || !isfinite(m.scale) || m.scale == 0)
+		m.scale = 1;
+	if (!has_offset || !isfinite(m.offset))
+		m.offset = 0;
+	return m;
 }
 
+/* Metres, or NaN for what is no height. */
+static double metres_of(const struct meaning *m, float raw)
+{
+	double metres = raw * m->scale + m->offset;
+
+	if (m->has_no_data && raw == (float)m->no_data)
+		return NAN;
+	return fabs(metres) <= HEIGHT_MAX_M ? metres : NAN;
+}
+
+struct strip {                       /* one row of the raster, and sums for one row of the ground */
+	float *raw;
+	double *sum;
+	uint32_t *count;
+};
+
+/* Means of the raster's rows [first, end) into one row of the ground. */
+static bool average_rows(const struct eco_ground *g, GDALRasterBandH band, const struct meaning *meaning, struct strip *strip, int first,
+	int end, int columns, float *to, double origin_z)
+{
+	memset(strip->sum, 0, g->columns * sizeof *strip->sum);
+	memset(strip->count, 0, g->columns * sizeof *strip->count);
+	for (int y = first; y < end; y++) {
+		if (GDALRasterIO(band, GF_Read, 0, y, columns, 1, strip->raw, columns, 1, GDT_Float32, 0, 0) != CE_None)
+			return false;
+		for (int x = 0; x < columns; x++) {
+			double metres = metres_of(meaning, strip->raw[x]);
+			uint32_t c = (uint32_t)((uint64_t)x * g->columns / (uint32_t)columns);
+
+			if (isnan(metres))
+				continue;
+			strip->sum[c] += metres;
+			strip->count[c]++;
+		}
+	}
+	for (uint32_t c = 0; c < g->columns; c++)
+		to[c] = strip->count[c] > 0 ? (float)(strip->sum[c] / strip->count[c] - origin_z) : NAN;
+	return true;
+}
+
+static bool average_all(struct eco_ground *g, GDALDatasetH from, bool north_first, struct strip *strip, double origin_z)
+{
+	GDALRasterBandH band = GDALGetRasterBand(from, 1);
+	struct meaning meaning = meaning_of(band);
+	int columns = GDALGetRasterXSize(from), rows = GDALGetRasterYSize(from);
+
+	for (uint32_t r = 0; r < g->rows; r++) {
+		int first = (int)((uint64_t)r * (uint32_t)rows / g->rows), end = (int)((uint64_t)(r + 1) * (uint32_t)rows / g->rows);
+		float *to = &g->height_m[(size_t)(north_first ? g->rows - 1 - r : r) * g->columns];
+
+		if (!average_rows(g, band, &meaning, strip, first, end, columns, to, origin_z))
+			return false;
+	}
+	return true;
+}
+
+/* Reads row by row: GDAL's own averaging rounds to the file's number type and knows nothing of absurd values. */
 static enum eco_code read_samples(struct eco_ground *g, const struct raster *r, const struct job *job, struct eco_error *error)
 {
 	GDALDatasetH from = r->warped != NULL ? r->warped : r->floats;
-	GDALRasterBandH band = GDALGetRasterBand(from, 1);
-	int columns = GDALGetRasterXSize(from), rows = GDALGetRasterYSize(from);
-	GDALRasterIOExtraArg extra;
+	struct strip strip = { .raw = malloc((size_t)GDALGetRasterXSize(from) * sizeof *strip.raw),
+		.sum = malloc(g->columns * sizeof *strip.sum), .count = malloc(g->columns * sizeof *strip.count) };
+	enum eco_code code = ECO_OK;
 
-	INIT_RASTERIO_EXTRA_ARG(extra);
-	if (g->columns < (uint32_t)columns || g->rows < (uint32_t)rows)
-		extra.eResampleAlg = GRIORA_Average;
 	g->height_m = malloc((size_t)g->columns * g->rows * sizeof *g->height_m);
-	if (g->height_m == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->options->path);
-	if (GDALRasterIOEx(band, GF_Read, 0, 0, columns, rows, g->height_m, (int)g->columns, (int)g->rows, GDT_Float32, 0, 0, &extra) != CE_None)
-		return gdal_fail(job->options->path, "its samples cannot be read", error);
-	if (r->transform[5] < 0)
-		flip_rows(g);
-	to_metres(g, band, job->options->origin[2]);
-	return ECO_OK;
+	if (g->height_m == NULL || strip.raw == NULL || strip.sum == NULL || strip.count == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->options->path);
+	else if (!average_all(g, from, r->transform[5] < 0, &strip, job->options->origin[2]))
+		code = gdal_fail(job->options->path, "its samples cannot be read", error);
+	free(strip.raw);
+	free(strip.sum);
+	free(strip.count);
+	return code;
 }
 
 /* ---- Missing samples ---- */
