@@ -1,0 +1,113 @@
+#!/bin/sh
+# The command line of ecopack as users meet it: what it prints, what it returns, and that errors say where and what. BUILD is the folder of
+# the programs. Prints what failed; status 0 when nothing did.
+set -u
+BUILD=${BUILD:-build}
+PACK=$BUILD/ecopack
+DIR=build/tmp/ecopack-sh-$$
+failed=0
+mkdir -p "$DIR"
+trap 'rm -rf "$DIR"' EXIT
+
+complain() { echo "test_ecopack: $*"; failed=1; }
+
+# expect STATUS PATTERN ARGUMENT... : the exit status, and a line of output or error that matches (empty: anything)
+expect() {
+	wanted=$1 pattern=$2; shift 2
+	"$PACK" "$@" >"$DIR/out" 2>&1 </dev/null
+	status=$?
+	[ $status -eq "$wanted" ] || complain "ecopack $*: status $status instead of $wanted: $(head -c 300 "$DIR/out")"
+	[ -z "$pattern" ] || grep -Eq -- "$pattern" "$DIR/out" || complain "ecopack $*: says nothing like /$pattern/: $(head -c 300 "$DIR/out")"
+}
+
+# ---- Usage ----
+expect 0 '^ecostream 0\.1$' --version
+expect 0 'ecopack make SCENE.json -o OUT.eco' --help
+expect 0 'ecopack generate NAME -o DIR' --help
+expect 2 'ecopack make' 
+expect 2 'bake.*make, info, verify and generate' bake x
+expect 2 'the scene file is missing' make -o "$DIR/x.eco"
+expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
+expect 2 'no --seed' make "$DIR/x.json" -o "$DIR/x.eco" --seed 3
+expect 2 'one argument too many' info a.eco b.eco
+expect 2 '--frobnicate: there is no such option' info --frobnicate a.eco
+expect 2 '--jobs 0: must be a whole number' make x.json -o x.eco --jobs 0
+expect 2 '--jobs -3' make x.json -o x.eco --jobs -3
+expect 2 '--plants 12x' generate park -o "$DIR/x" --plants 12x
+expect 2 'a value must follow' generate park -o
+expect 2 'the only order is combined' make x.json -o x.eco --order alphabetical
+expect 2 'park, forest or meadow' generate desert -o "$DIR/x"
+
+# ---- A small scene of our own ----
+cat >"$DIR/blade.obj" <<OBJ
+v -0.05 0 0
+v 0.05 0 0
+v 0.02 0.8 0
+v -0.02 0.8 0.1
+v 0 1.2 0.2
+f 1 2 3 4
+f 4 3 5
+OBJ
+cat >"$DIR/scene.json" <<JSON
+{ "name": "tiny", "plants": {"grass": {"model": "blade.obj"}},
+  "instances": [{"plant": "grass", "at": [0, 0, 0]}, {"plant": "grass", "at": [2, 1, 0], "yaw_deg": 45, "scale": 0.5}] }
+JSON
+expect 0 'tiny: 2 plants of 1 kind' make "$DIR/scene.json" -o "$DIR/tiny.eco"
+expect 0 '^instances +1 +1 +2 ' info "$DIR/tiny.eco"
+expect 0 'all is well' verify "$DIR/tiny.eco"
+"$PACK" info --json "$DIR/tiny.eco" >"$DIR/info.json" || complain "info --json failed"
+if command -v jq >/dev/null; then
+	[ "$(jq -r '[.name, .instances, (.plants | length), .plants[0].triangles_in == .plants[0].triangles_stored + .plants[0].triangles_dropped] | join(" ")' "$DIR/info.json")" \
+		= "tiny 2 1 true" ] || complain "info --json: $(head -c 400 "$DIR/info.json")"
+fi
+"$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --quiet --jobs 3 >"$DIR/quiet" 2>&1 || complain "make --quiet failed"
+[ -s "$DIR/quiet" ] && complain "make --quiet says: $(head -c 200 "$DIR/quiet")"
+cmp -s "$DIR/tiny.eco" "$DIR/again.eco" || complain "the same scene gave another pack"
+
+# ---- An inventory, on the ground ----
+printf 'id,kind,e,n,dbh\n1,x,10,20,100\n2,y,11,22,200\n3,x,,5,90\n4,q,12,21,80\n' >"$DIR/stems.csv"
+cat >"$DIR/rows.json" <<JSON
+{ "name": "rows", "plants": {"grass": {"model": "blade.obj", "height_m": 3}},
+  "instances": [{"from": "stems.csv", "x": "e", "y": "n", "species": "kind", "map": {"x": "grass", "y": "grass"},
+                 "height_m": {"from_dbh_mm": "dbh", "max": 20, "rate": 0.004}, "seed": 1}] }
+JSON
+expect 0 'rows: 2 plants' make "$DIR/rows.json" -o "$DIR/rows.eco"
+expect 0 '4 inventory rows read' info "$DIR/rows.eco"
+expect 0 'all is well' verify "$DIR/rows.eco"
+
+# ---- Errors name file, place and what ----
+expect 1 'nowhere.json' make "$DIR/nowhere.json" -o "$DIR/x.eco"
+printf '{ "name": "x",\n  "plant": {} }\n' >"$DIR/bad.json"
+expect 1 'bad.json:2:[0-9]+.*plant' make "$DIR/bad.json" -o "$DIR/x.eco"
+printf '{ "name": "x",\n' >"$DIR/bad.json"
+expect 1 'bad.json:[0-9]+' make "$DIR/bad.json" -o "$DIR/x.eco"
+sed 's/blade.obj/gone.obj/' "$DIR/scene.json" >"$DIR/bad.json"
+expect 1 'gone.obj' make "$DIR/bad.json" -o "$DIR/x.eco"
+sed 's/"e"/"east"/' "$DIR/rows.json" >"$DIR/bad.json"
+expect 1 'stems.csv.*east|east.*stems.csv' make "$DIR/bad.json" -o "$DIR/x.eco"
+expect 1 '' make "$DIR/scene.json" -o "$DIR/no/such/folder/x.eco"
+expect 1 'nothing.eco' info "$DIR/nothing.eco"
+expect 1 '' verify "$DIR/scene.json"
+head -c 500 "$DIR/tiny.eco" >"$DIR/cut.eco"
+expect 1 'cut.eco' verify "$DIR/cut.eco"
+[ -e "$DIR/x.eco" ] && complain "a failed build left a pack"
+ls "$DIR" | grep -q 'tmp-' && complain "left behind: $(ls "$DIR" | grep tmp-)"
+
+# ---- All or nothing: a build that is told to stop ----
+mkdir "$DIR/stop"
+if "$PACK" generate forest -o "$DIR/stop/forest" --plants 300 --quiet; then
+	"$PACK" make "$DIR/stop/forest/scene.json" -o "$DIR/stop/forest.eco" --quiet >"$DIR/out" 2>&1 &
+	pid=$!
+	sleep 0.7
+	if kill -INT $pid 2>/dev/null || kill -TERM $pid 2>/dev/null; then
+		kill -TERM $pid 2>/dev/null              # a shell's background jobs ignore SIGINT
+		wait $pid
+		status=$?
+		[ $status -eq 1 ] || [ -e "$DIR/stop/forest.eco" ] || complain "stopped build: status $status"
+		ls "$DIR/stop" | grep -q 'tmp-' && complain "stopped build left: $(ls "$DIR/stop")"
+	fi
+else
+	complain "generate forest failed"
+fi
+
+exit $failed
