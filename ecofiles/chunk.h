@@ -5,17 +5,17 @@
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s, 1..4
  *   3   u8   0
- *   4   s *  { u8 corners, u8 wide, u16 predictors, u32 elements, u32 bytes }     corners strictly ascending
+ *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners strictly ascending
  *   .   s Draco bitstreams, in that order, nothing after them
  *
- * What a stream holds:
- *   ELEMENTS  one row an element of that many corners; columns, `wide` and `predictors` as in chunk_rows.h
+ * What a stream holds (flags: bit 0 `wide`, bits 4 to 7 `uv_shift`):
+ *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   PAIRED    one row for the points of one partner element of that many corners (3..6): 2 (corners-2) points
- *   KD, ROWS  one stream, corners = 1; wide (KD: 0) and predictors (0) as above; ROWS: split columns
+ *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, before it corners = 1: one row
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
  *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
- *             row before); wide and predictors 0.
+ *             row before); flags and predictors 0.
  * A chunk of a MESH list may say coder ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would
  * lose or alter a triangle, or is larger.
  *

@@ -137,6 +137,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct source
 	if (code == ECO_OK) {
 		stream->bytes = bytes;
 		stream->wide = rows.shape.wide;
+		stream->uv_shift = rows.shape.uv_shift;
 		stream->predictors = rows.shape.predictors;
 		payload->stream_count++;
 	}

@@ -10,6 +10,7 @@
 struct eco_stream {
 	uint8_t corners;
 	bool wide;
+	uint8_t uv_shift;
 	uint16_t predictors;
 	uint32_t elements;
 	const uint8_t *bytes;        /* of the payload when reading; malloc'ed when writing */

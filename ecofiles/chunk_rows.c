@@ -1,7 +1,8 @@
 /* Elements as rows of small integers. Draco's sequential coder has one model of symbol frequencies per column, so what matters is
  * that the values of a column are small and alike. Most of a leaf is known from its first corners: the fourth corner of a quad is
  * the parallelogram of the others but for a residual, a hexagon continues as its first three corners began. Which rule fits is a
- * matter of the model, not of this code: each is tried and the cheapest is stored, four bits a corner. */
+ * matter of the model, not of this code: each is tried and the cheapest is stored, four bits a corner. The same goes for coding
+ * differences from row to row, which cost nothing where all leaves show the same piece of a texture. */
 #include "ecofiles/chunk_rows.h"
 
 #include <assert.h>
@@ -76,10 +77,9 @@ enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *
 	rows->shape = *shape;
 	assert(!shape->split || shape->corners == 1);
 	for (unsigned axis = 0; shape->split && axis < 3; axis++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1,
-			.difference = axis < 2 || shape->ground_columns == 0 };
+		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
 	for (unsigned k = 0; !shape->split && k < shape->corners; k++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 3, .difference = k == 0 };
+		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 3 };
 	for (unsigned k = 0; shape->uv && k < shape->corners; k++)
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 2 };
 	for (unsigned k = 0; k < (unsigned)shape->groups * shape->extra_count; k++)
@@ -151,7 +151,7 @@ bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_ro
 	}
 	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++) {
-			int32_t v = column->values[2 * (size_t)row + axis];
+			int32_t v = (int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);
 
 			element->uv[2 * k + axis] = k == 0 ? v : plus(v, element->uv[2 * (k - 1) + axis]);
 			good &= in_bounds(element->uv[2 * k + axis]);
@@ -232,6 +232,21 @@ static void take_predictions(struct eco_rows *rows)
 	}
 }
 
+/* Texture coordinates of whole pictures and of atlases are multiples of a power of two. */
+static void take_uv_shift(struct eco_rows *rows)
+{
+	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv ? rows->shape.corners : 0, all = 0;
+	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: they are adjacent */
+	size_t total = 2 * (size_t)rows->shape.rows * count;
+
+	for (size_t i = 0; i < total; i++)
+		all |= (uint32_t)values[i];
+	while (rows->shape.uv_shift < 15 && all != 0 && !(all >> rows->shape.uv_shift & 1))
+		rows->shape.uv_shift++;
+	for (size_t i = 0; i < total; i++)
+		values[i] /= 1 << rows->shape.uv_shift;
+}
+
 /* What is known of a ground sample's height from the samples before it. */
 static int32_t ground_height(const struct eco_rows *rows, uint32_t row)
 {
@@ -257,23 +272,53 @@ static void give_ground(struct eco_rows *rows)
 		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
 }
 
-static bool needs_wide(const struct eco_rows *rows)
+/* What Draco can code without allocating too much: the values of a column, the differences between them. */
+static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit, bool *differences_fit)
 {
-	if (rows->shape.order == ECO_DRACO_KD)
-		return false;
-	for (uint32_t i = 0; i < rows->column_count; i++) {
-		const struct eco_draco_column *c = &rows->columns[i];
-		size_t count = (size_t)c->components * rows->shape.rows;
-		int32_t low = c->values[0], high = c->values[0];
+	size_t count = (size_t)column->components * rows;
+	int32_t low = column->values[0], high = column->values[0];
 
-		for (size_t k = 1; k < count; k++) {
-			low = c->values[k] < low ? c->values[k] : low;
-			high = c->values[k] > high ? c->values[k] : high;
-		}
-		if (c->difference ? (int64_t)high - low > ECO_DRACO_VALUE_MAX : high > ECO_DRACO_VALUE_MAX || low < -ECO_DRACO_VALUE_MAX)
-			return true;
+	for (size_t k = 1; k < count; k++) {
+		low = column->values[k] < low ? column->values[k] : low;
+		high = column->values[k] > high ? column->values[k] : high;
 	}
-	return false;
+	*values_fit = high <= ECO_DRACO_VALUE_MAX && low >= -ECO_DRACO_VALUE_MAX;
+	*differences_fit = (int64_t)high - low <= ECO_DRACO_VALUE_MAX;
+}
+
+static enum eco_code column_size(struct eco_draco_column column, uint32_t rows, bool difference, size_t *size,
+	struct eco_error *error)
+{
+	enum eco_code code;
+	uint8_t *bytes;
+
+	column.difference = difference;
+	code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, &column, 1, rows, &bytes, size, error);
+	free(bytes);
+	return code;
+}
+
+/* Whether a column is smaller as values or as differences is left to the coder itself. Sets shape.wide where neither can be. */
+static enum eco_code choose_differences(struct eco_rows *rows, struct eco_error *error)
+{
+	for (uint32_t i = 0; rows->shape.order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
+		struct eco_draco_column *column = &rows->columns[i];
+		bool values_fit, differences_fit;
+		enum eco_code code = ECO_OK;
+		size_t plain = SIZE_MAX, difference = SIZE_MAX;
+
+		find_bounds(column, rows->shape.rows, &values_fit, &differences_fit);
+		if (values_fit)
+			code = column_size(*column, rows->shape.rows, false, &plain, error);
+		if (code == ECO_OK && differences_fit)
+			code = column_size(*column, rows->shape.rows, true, &difference, error);
+		if (code != ECO_OK)
+			return code;
+		column->difference = difference < plain;
+		if (!values_fit && !differences_fit)
+			rows->shape.wide = true;
+	}
+	return ECO_OK;
 }
 
 /* The columns that Draco sees of a wide stream: high halves, then low halves. *storage is malloc'ed. */
@@ -293,7 +338,6 @@ static enum eco_code wide_columns(const struct eco_rows *rows, struct eco_draco_
 			struct eco_draco_column *c = &columns[half * rows->column_count + i];
 
 			*c = rows->columns[i];
-			c->difference = c->difference && half == 0;
 			c->values = at;
 			at += (size_t)c->components * rows->shape.rows;
 		}
@@ -308,11 +352,13 @@ enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *si
 
 	rows->shape.predictors = choose_predictors(rows);
 	take_predictions(rows);
+	take_uv_shift(rows);
 	take_ground(rows);
-	rows->shape.wide = needs_wide(rows);
-	if (!rows->shape.wide)
+	code = choose_differences(rows, error);
+	if (code == ECO_OK && !rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count, rows->shape.rows, bytes, size, error);
-	code = wide_columns(rows, wide, &storage, error);
+	if (code == ECO_OK)
+		code = wide_columns(rows, wide, &storage, error);
 	if (code != ECO_OK)
 		return code;
 	for (uint32_t i = 0; i < rows->column_count; i++)

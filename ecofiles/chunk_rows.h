@@ -7,11 +7,14 @@
  *   eco_rows_free(&rows);
  *
  * Columns of a row with m corners:
- *   position 0 (3 values; split: 1, 1, 1)         Draco codes the difference to the row before (kd: the value)
+ *   position 0 (3 values; split: 1, 1, 1)
  *   position k = 1..m-1 (3)                      what is left of corner k, relative to corner 0, after a linear prediction from the
  *                                                corners before it; which prediction is stored per stream and corner
- *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV
+ *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV; without the low `uv_shift` bits, which are all zero
  *   extra (1 each); of further points of a group: the difference to the point before
+ *
+ * Of each column Draco codes the values or the differences to the row before, whichever is smaller (its stream says which; kd: the
+ * values).
  *
  * Split positions suit rows whose order is given: along a row of ground samples x advances by one step and y not at all, and z is
  * stored as what is left of it after the prediction left + up - upper left (left in the first row, up at the start of a row, where
@@ -37,6 +40,7 @@ struct eco_rows_shape {
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
+	uint8_t uv_shift;            /* 0..15 */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */
@@ -61,7 +65,7 @@ void eco_rows_free(struct eco_rows *rows);
 void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
 bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
 
-/* Encoding sets shape.predictors and shape.wide to what is best; both must be stored with the stream. */
+/* Encoding sets shape.predictors, uv_shift and wide to what is best; they must be stored with the stream. */
 enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
 

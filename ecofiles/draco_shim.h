@@ -31,8 +31,9 @@ enum eco_draco_order {
 bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows);
 bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
 
-/* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX (the range, where `difference` is set):
- * Draco allocates four bytes for each integer up to the largest symbol. *bytes is malloc'ed. */
+/* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX, or, with
+ * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer up to the largest symbol.
+ * *bytes is malloc'ed. */
 #define ECO_DRACO_VALUE_MAX (1 << 20)
 enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
 	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
