@@ -162,6 +162,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(body_ms, 30000);
 	DEFAULT(rate_bytes_s, 16u << 10);
 	DEFAULT(body_max, 4u << 20);
+	DEFAULT(bodies_max, 256u << 20);
 	DEFAULT(response_max, 1ull << 31);
 }
 #undef DEFAULT

@@ -13,6 +13,7 @@
 #include "server/describe.h"
 
 #define SEND_GRACE_MS 30000u
+#define PLAN_TEXT_MAX (64u << 20)
 
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection, const char *raw)
 {
@@ -88,6 +89,11 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 	if (exchange->route == &srv_routes[SRV_PLAN]) {
 		struct srv_json json = { 0 };
 		srv_describe_plan(&json, stream);
+		if (json.out.size > PLAN_TEXT_MAX) {
+			eco_writer_free(&json.out);
+			return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask for fewer vertices, or for the stream",
+				stream->steps[stream->step_count - 1].plan.cut_count);
+		}
 		timing_text(timing, sizeof timing, begun_us, planned_us);
 		srv_answer_json(&exchange->answer, &json, etag, NULL, timing);
 		return ECO_OK;
@@ -306,6 +312,9 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->phase = SRV_PHASE_BODY;
 	if (!takes_body)
 		return true;
+	exchange->reserved_bytes = exchange->framing.length;
+	if (atomic_fetch_add(&host->bodies_bytes, exchange->reserved_bytes) + exchange->reserved_bytes > host->config.bodies_max)
+		return queue_problem(exchange, SRV_PROBLEM_BUSY, "too many holdings are being received; ask again in a second", true);
 	exchange->body = malloc((size_t)exchange->framing.length + 1);
 	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
 	return exchange->body != NULL;
@@ -362,6 +371,7 @@ void srv_exchange_end(struct srv_exchange *exchange)
 		log_line(exchange);
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
+	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->reserved_bytes);
 	srv_reaper_arm(exchange->host->reaper, exchange->lease, exchange->host->config.head_ms);
 	srv_answer_free(&exchange->answer);
 	free(exchange->holdings.items);

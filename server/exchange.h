@@ -23,6 +23,7 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_reaper *reaper;
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
+	_Atomic(uint64_t) bodies_bytes;      /* declared lengths of the bodies that are held */
 };
 
 enum srv_phase { SRV_PHASE_HEAD, SRV_PHASE_BODY, SRV_PHASE_WORKING, SRV_PHASE_DONE };
@@ -33,6 +34,7 @@ struct srv_exchange {
 	struct srv_lease *lease;
 	enum srv_phase phase;
 	bool counted;                        /* in host->busy */
+	uint64_t reserved_bytes;             /* in host->bodies_bytes */
 
 	char *raw;                           /* the request target as it came */
 	struct srv_target target;

@@ -573,6 +573,31 @@ static void overdue_connections_are_shut(void **state)
 	srv_daemon_stop(daemon);
 }
 
+static void bodies_are_bounded_together(void **state)
+{
+	static const char start[] = STREAM "Content-Length: 1000\r\n\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1500 };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	int first = http_connect(srv_daemon_port(daemon));
+	assert_true(http_send(first, start, sizeof start - 1));
+	while (!srv_daemon_busy(daemon))         /* its head is being read */
+		usleep(1000);
+	usleep(20000);
+	struct http_answer answer = http_raw(srv_daemon_port(daemon), start, sizeof start - 1);
+	assert_int_equal(answer.status, 503);
+	http_free(&answer);
+	close(first);
+	while (srv_daemon_busy(daemon))
+		usleep(1000);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, NOTHING_HELD);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	srv_daemon_stop(daemon);
+}
+
 static void stopping_refuses_new_requests_and_ends(void **state)
 {
 	static const char request[] = "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n";
@@ -597,6 +622,34 @@ static void stopping_refuses_new_requests_and_ends(void **state)
 	srv_daemon_stop(daemon);
 	close(fd);
 	close(unfinished);
+}
+
+/* Connections that wait for a plan are suspended; the library aborts if one still is when it is stopped. */
+static void stopping_while_planning_is_clean(void **state)
+{
+	static const char request[] = "GET " BASE "/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 2, .queue_max = 8 };
+	(void)state;
+	for (int round = 0; round < 12; round++) {
+		struct srv_daemon *daemon;
+		struct eco_error error = { 0 };
+		int fds[24];
+		assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+		for (int i = 0; i < 24; i++) {
+			fds[i] = http_connect(srv_daemon_port(daemon));
+			assert_true(http_send(fds[i], request, sizeof request - 1));
+		}
+		if (round % 3) {         /* an answer, or a refusal because the queue is full; never nothing */
+			struct http_answer answer = http_receive(fds[round], false, false);
+			assert_true(answer.status == 200 || answer.status == 503);
+			http_free(&answer);
+		}
+		if (round % 2)
+			srv_daemon_quiesce(daemon);
+		srv_daemon_stop(daemon);
+		for (int i = 0; i < 24; i++)
+			close(fds[i]);
+	}
 }
 
 static void a_taken_port_is_named(void **state)
@@ -663,7 +716,9 @@ int main(void)
 		cmocka_unit_test(long_targets_and_heads_are_refused),
 		cmocka_unit_test(many_clients_are_served_at_once),
 		cmocka_unit_test(overdue_connections_are_shut),
+		cmocka_unit_test(bodies_are_bounded_together),
 		cmocka_unit_test(stopping_refuses_new_requests_and_ends),
+		cmocka_unit_test(stopping_while_planning_is_clean),
 		cmocka_unit_test(a_taken_port_is_named),
 		cmocka_unit_test(scenes_are_named_and_checked),
 	};
