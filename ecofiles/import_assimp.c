@@ -1,6 +1,6 @@
 /* From assimp's scene to a soup. Node transforms are applied here, in double, as the tree is walked: assimp's own pre-transformation
- * would copy meshes. Polygons are counted before they are triangulated, n corners as n - 2 triangles, so that what triangulation
- * loses is known. assimp's world is Y-up, whatever the file's was: (x, y, z) becomes (x, -z, y). */
+ * would copy meshes. Polygons are split by polygon.c into exactly n - 2 triangles: assimp's own clipper leaves some concave
+ * ones, and loses others. assimp's world is Y-up, whatever the file's was: (x, y, z) becomes (x, -z, y). */
 #include "ecofiles/import_model.h"
 
 #include <assimp/cfileio.h>
@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "ecofiles/polygon.h"
 
 #define TINTS_MAX 4096u              /* materials made of vertex colours */
 #define NODES_MAX (1u << 20)
@@ -122,12 +124,13 @@ struct soup {
 	struct eco_model *model;
 	const struct aiScene *scene;
 	const struct eco_model_file *file;
-	const uint64_t *polygon_triangles;   /* per mesh, before triangulation */
 	const uint32_t *channel;
 	const bool *invisible;
 	uint32_t *tint_key, tint_count;      /* of the materials from base_materials on */
 	uint32_t base_materials;
 	uint64_t hidden;
+	double *corners;                     /* scratch of one polygon: 3 each */
+	uint32_t *split;                     /* its ring, then its triangles */
 	struct eco_error *error;
 };
 
@@ -232,35 +235,52 @@ static bool one_color(const struct aiMesh *mesh)
 	return true;
 }
 
-static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, bool uniform)
+static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, bool uniform)
 {
 	uint8_t rgb[3];
 
 	if (mesh->mColors[0] == NULL)
 		return mesh->mMaterialIndex;
 	for (int c = 0; c < 3; c++)
-		if (face->mIndices[c] >= mesh->mNumVertices)
+		if (v[c] >= mesh->mNumVertices)
 			return mesh->mMaterialIndex;
-	mean_color(s, mesh->mColors[0], face->mIndices, rgb);
+	mean_color(s, mesh->mColors[0], v, rgb);
 	for (int k = 0; k < 3 && !uniform; k++)
 		rgb[k] = (uint8_t)((rgb[k] * 7 + 127) / 255 * 255 / 7);
 	return tinted(s, mesh->mMaterialIndex, rgb);
 }
 
-static void add_triangles(struct soup *s, const struct aiMesh *mesh)
+static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], bool uniform)
 {
 	struct eco_model *m = s->model;
-	bool uniform = mesh->mColors[0] != NULL && one_color(mesh);
 
-	for (unsigned i = 0; i < mesh->mNumFaces; i++) {
-		const struct aiFace *face = &mesh->mFaces[i];
+	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not become one into the next */
+		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
+	m->material[m->triangle_count++] = face_material(s, mesh, v, uniform);
+}
 
-		if (face->mNumIndices != 3)
-			continue;
-		for (int k = 0; k < 3; k++)          /* an index beyond the mesh must not become one into the next */
-			m->index[(size_t)m->triangle_count * 3 + k] = face->mIndices[k] < mesh->mNumVertices
-				? m->vertex_count + face->mIndices[k] : ECO_NONE;
-		m->material[m->triangle_count++] = face_material(s, mesh, face, uniform);
+/* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
+static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, bool uniform)
+{
+	unsigned n = face->mNumIndices;
+	uint32_t *triangles = s->split + n;
+	bool sound = true;
+
+	for (unsigned i = 0; i < n; i++) {
+		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices ? &mesh->mVertices[face->mIndices[i]] : NULL;
+
+		sound = sound && p != NULL && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
+		s->corners[i * 3] = sound ? p->x : 0;
+		s->corners[i * 3 + 1] = sound ? p->y : 0;
+		s->corners[i * 3 + 2] = sound ? p->z : 0;
+	}
+	if (sound)
+		eco_polygon_split(s->corners, n, s->split, triangles);
+	for (unsigned i = 0; i + 2 < n; i++) {
+		const uint32_t fan[3] = { 0, i + 1, i + 2 }, *t = sound ? &triangles[i * 3] : fan;
+		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
+
+		add_triangle(s, mesh, v, uniform);
 	}
 }
 
@@ -268,19 +288,21 @@ static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *w
 {
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	struct eco_model *m = s->model;
-	uint64_t polygons = s->polygon_triangles[index], whole = mesh_triangles(mesh);
+	uint64_t triangles = mesh_triangles(mesh);
+	bool uniform = mesh->mColors[0] != NULL && one_color(mesh);
 
-	if (polygons < whole)
-		polygons = whole;
-	m->triangles_in += (uint32_t)polygons;
-	m->dropped[ECO_DROP_DEGENERATE] += (uint32_t)(polygons - whole);
+	m->triangles_in += (uint32_t)triangles;
 	if (s->invisible[mesh->mMaterialIndex]) {
-		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)whole;
-		s->hidden += whole;
+		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)triangles;
+		s->hidden += triangles;
 		return;
 	}
 	add_vertices(s, mesh, world);
-	add_triangles(s, mesh);
+	for (unsigned i = 0; i < mesh->mNumFaces; i++)
+		if (mesh->mFaces[i].mNumIndices == 3)
+			add_triangle(s, mesh, mesh->mFaces[i].mIndices, uniform);
+		else if (mesh->mFaces[i].mNumIndices > 3)
+			add_polygon(s, mesh, &mesh->mFaces[i], uniform);
 	m->vertex_count += mesh->mNumVertices;
 }
 
@@ -317,18 +339,16 @@ static bool walk(const struct aiScene *scene, void (*visit)(void *ctx, unsigned 
 	return good;
 }
 
-struct totals { const struct soup *soup; uint64_t vertices, triangles, polygons; };
+struct totals { const struct soup *soup; uint64_t vertices, triangles; };
 
 static void count_mesh(void *ctx, unsigned index, const struct aiMatrix4x4 *world)
 {
 	struct totals *t = ctx;
 	const struct aiMesh *mesh = t->soup->scene->mMeshes[index];
-	uint64_t whole = mesh_triangles(mesh), polygons = t->soup->polygon_triangles[index];
 
 	(void)world;
 	t->vertices += mesh->mNumVertices;
-	t->triangles += whole;
-	t->polygons += polygons > whole ? polygons : whole;
+	t->triangles += mesh_triangles(mesh);
 }
 
 static void visit_mesh(void *ctx, unsigned index, const struct aiMatrix4x4 *world)
@@ -345,9 +365,9 @@ static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
 
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path, NODES_MAX);
-	if (t.polygons > triangles_max || t.vertices > (uint64_t)triangles_max * 3)
+	if (t.triangles > triangles_max || t.vertices > (uint64_t)triangles_max * 3)
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u triangles are possible", path,
-			(unsigned long long)t.polygons, (unsigned long long)t.vertices, triangles_max);
+			(unsigned long long)t.triangles, (unsigned long long)t.vertices, triangles_max);
 	if (t.triangles == 0)
 		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
 	m->position = malloc((t.vertices + 1) * 3 * sizeof *m->position);
@@ -355,33 +375,42 @@ static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
 	m->index = malloc((t.triangles + 1) * 3 * sizeof *m->index);
 	m->material = malloc((t.triangles + 1) * sizeof *m->material);
 	s->tint_key = malloc(TINTS_MAX * 2 * sizeof *s->tint_key);
+	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
+	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
 	s->base_materials = m->material_count;
 	grown = realloc(m->materials, ((size_t)m->material_count + TINTS_MAX) * sizeof *m->materials);
 	if (grown != NULL)
 		m->materials = grown;
-	if (m->position == NULL || m->uv == NULL || m->index == NULL || m->material == NULL || s->tint_key == NULL || grown == NULL)
+	if (m->position == NULL || m->uv == NULL || m->index == NULL || m->material == NULL || s->tint_key == NULL || s->corners == NULL
+		|| s->split == NULL || grown == NULL)
 		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path, (unsigned long long)t.triangles);
 	return ECO_OK;
 }
 
 /* ---- The file ---- */
 
-/* assimp may hand out material numbers that are not there: such a mesh is refused. */
-static bool indices_fit(const struct aiScene *scene)
+/* What assimp may hand out all the same: material numbers that are not there, meshes without vertices, endless polygons. */
+static bool meshes_hold_together(const struct aiScene *scene)
 {
-	for (unsigned i = 0; i < scene->mNumMeshes; i++)
-		if (scene->mMeshes[i]->mMaterialIndex >= scene->mNumMaterials || scene->mMeshes[i]->mVertices == NULL)
+	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+		const struct aiMesh *mesh = scene->mMeshes[i];
+
+		if (mesh->mMaterialIndex >= scene->mNumMaterials || mesh->mVertices == NULL)
 			return false;
+		for (unsigned k = 0; k < mesh->mNumFaces; k++)
+			if (mesh->mFaces[k].mNumIndices > ECO_POLYGON_CORNERS_MAX)
+				return false;
+	}
 	return true;
 }
 
 static enum eco_code read_scene(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t triangles_max, const uint64_t *polygon_triangles, struct eco_notes *notes, struct eco_error *error)
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	uint32_t *channel = calloc((size_t)scene->mNumMaterials + 1, sizeof *channel);
 	bool *invisible = calloc((size_t)scene->mNumMaterials + 1, sizeof *invisible);
-	struct soup soup = { .model = model, .scene = scene, .file = file, .polygon_triangles = polygon_triangles, .channel = channel,
-		.invisible = invisible, .error = error };
+	struct soup soup = { .model = model, .scene = scene, .file = file, .channel = channel, .invisible = invisible,
+		.error = error };
 	enum eco_code code;
 
 	if (channel == NULL || invisible == NULL)
@@ -396,26 +425,10 @@ static enum eco_code read_scene(struct eco_model *model, const struct aiScene *s
 		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
 			(unsigned long long)soup.hidden);
 	free(soup.tint_key);
+	free(soup.corners);
+	free(soup.split);
 	free(channel);
 	free(invisible);
-	return code;
-}
-
-static enum eco_code triangulate_and_read(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
-{
-	uint64_t *polygon_triangles = calloc((size_t)scene->mNumMeshes + 1, sizeof *polygon_triangles);
-	enum eco_code code;
-
-	for (unsigned i = 0; polygon_triangles != NULL && i < scene->mNumMeshes; i++)
-		polygon_triangles[i] = mesh_triangles(scene->mMeshes[i]);
-	if (polygon_triangles == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
-	else if (!indices_fit(scene) || aiApplyPostProcessing(scene, aiProcess_Triangulate | aiProcess_TransformUVCoords) == NULL)
-		code = eco_fail(error, ECO_DAMAGED, "%.200s: its meshes do not hold together: %.200s", file->path, aiGetErrorString());
-	else
-		code = read_scene(model, scene, file, triangles_max, polygon_triangles, notes, error);
-	free(polygon_triangles);
 	return code;
 }
 
@@ -428,7 +441,10 @@ enum eco_code eco_assimp_read(struct eco_model *model, const struct eco_model_fi
 
 	if (scene == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
-	code = triangulate_and_read(model, scene, file, triangles_max, notes, error);
+	if (!meshes_hold_together(scene) || aiApplyPostProcessing(scene, aiProcess_TransformUVCoords) == NULL)
+		code = eco_fail(error, ECO_DAMAGED, "%.200s: its meshes do not hold together: %.200s", file->path, aiGetErrorString());
+	else
+		code = read_scene(model, scene, file, triangles_max, notes, error);
 	aiReleaseImport(scene);
 	return code;
 }
