@@ -9,6 +9,7 @@
 #define FRAGMENTS_PER_TRIANGLE 8.0
 #define RING_RADII 4.0           /* how far a ring of border may reach from its centre */
 #define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
+#define TIP_DEPTH 0.2            /* of a slab: what counts as a piece's end */
 #define SIMILAR 1.6              /* widths that may differ along one line */
 #define CHAIN_MAX 64u            /* joints that one line may pass over */
 
@@ -379,26 +380,33 @@ static void find_joints(struct tube *tube, struct lod_arena *arena)
 	}
 }
 
-struct tip { double level; struct lod_v3 sum; uint32_t count; };
+struct tip { double level; struct lod_v3 sum; uint32_t count; bool open; };
 
-/* Ends of pieces: the mean of their highest vertices, and of their lowest; a vertex of an open end stands for the ring's centre. */
+static void add_to_tip(const struct tube *tube, struct tip *tip, uint32_t v)
+{
+	bool open = tube->ring[v] != ECO_NONE;
+	if (open && !tip->open)
+		*tip = (struct tip){ .level = tip->level, .open = true };
+	if (open != tip->open)
+		return;
+	tip->sum = lod_v3_add(tip->sum, open ? tube->ring_center[tube->ring[v]] : place_of(tube, v));
+	tip->count++;
+}
+
+/* Ends of pieces: the mean of their highest vertices, or of their lowest; the ring's centre where they are an open end. */
 static struct tip *find_tips(struct tube *tube, int sign, struct lod_arena *arena)
 {
-	uint32_t most = tube->offset[tube->triangle_count];
-	struct tip *tips = lod_arena_take(arena, most, sizeof *tips);
+	struct tip *tips = lod_arena_take(arena, tube->offset[tube->triangle_count], sizeof *tips);
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t t = 0; t < tube->triangle_count; t++)
 			for (uint32_t k = 0; k < 3; k++) {
 				uint32_t v = tube->corner[3 * t + k];
 				struct tip *tip = &tips[piece_of(tube, fragment(tube, t, slab(tube, v)))];
 				double level = sign * (tube->level[v] - slab(tube, v)) + 1;      /* in (0, 2) */
-				if (pass == 0) {
+				if (pass == 0)
 					tip->level = fmax(tip->level, level);
-				} else if (level > tip->level - 0.2) {
-					struct lod_v3 p = tube->ring[v] == ECO_NONE ? place_of(tube, v) : tube->ring_center[tube->ring[v]];
-					tip->sum = lod_v3_add(tip->sum, p);
-					tip->count++;
-				}
+				else if (level > tip->level - TIP_DEPTH)
+					add_to_tip(tube, tip, v);
 			}
 	return tips;
 }

@@ -103,7 +103,7 @@ static struct lod_v3 triangle_center(const struct lod_mesh *mesh, uint32_t t)
 	return lod_v3_scale(sum, 1.0 / 3);
 }
 
-static bool kept_whole(const struct lod_component *c)
+bool lod_build_whole(const struct lod_component *c)
 {
 	return c->triangle_count <= WHOLE_COMPONENT;
 }
@@ -129,14 +129,14 @@ static void find_cells(struct lod_build *b)
 		const struct lod_component *c = &b->organs.components[mesh->component[t]];
 		if (c->organ != ECO_ORGAN_WOOD || mesh->collapsed[t])
 			continue;
-		center[count] = kept_whole(c) ? component_center(c) : triangle_center(mesh, t);
+		center[count] = lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t);
 		triangles[count++] = 1;
 	}
 	lod_cells_make(&b->cells, &(struct lod_cells_input){ lod_v3_of(mesh->low), lod_v3_of(mesh->high), count, center, triangles,
 		b->options->cell_triangles ? b->options->cell_triangles : CELL_TRIANGLES });
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &b->organs.components[mesh->component[t]];
-		b->cell_of_triangle[t] = lod_build_cell(b, kept_whole(c) ? component_center(c) : triangle_center(mesh, t));
+		b->cell_of_triangle[t] = lod_build_cell(b, lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t));
 	}
 	lod_arena_release(&b->arena, mark);
 }

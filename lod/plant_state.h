@@ -40,6 +40,7 @@ struct lod_build {
 	struct lod_point **points;   /* of other groups: two per triangle */
 };
 
+bool lod_build_whole(const struct lod_component *component);     /* wood that goes to one cell as a whole */
 uint32_t lod_build_cell(const struct lod_build *build, struct lod_v3 point);     /* 0 where there are no cells */
 struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_group *group, uint32_t anchor, uint8_t flags);
 

@@ -6,9 +6,18 @@
 
 #define FAR_LINES 1024u          /* of the whole plant, the largest */
 
-struct region { struct lod_line *lines; uint32_t count; double length, error; };
+struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* Lines of the group whose middle is in `cell` (ECO_NONE: anywhere), in order; at most `most`, though all count for length and error. */
+/* A line goes where its triangles go: with its component where that is kept whole, else by its middle. */
+static uint32_t cell_of_bone(const struct lod_build *b, const struct lod_bone *bone)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	if (lod_build_whole(&b->organs.components[bone->component]))
+		return b->cell_of_triangle[mesh->member[mesh->member_first[bone->component]]];
+	return lod_build_cell(b, lod_v3_mix(bone->end[0], bone->end[1], 0.5));
+}
+
+/* Lines of the group in `cell` (ECO_NONE: anywhere), in order; at most `most`, though all count for length, area and error. */
 static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct region *region)
 {
 	uint32_t found = 0;
@@ -17,10 +26,12 @@ static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, u
 		const struct lod_bone *bone = &b->bones.items[i];
 		if (&b->groups[b->group_of_component[bone->component]] != group)
 			continue;
-		if (cell != ECO_NONE && lod_build_cell(b, lod_v3_mix(bone->end[0], bone->end[1], 0.5)) != cell)
+		if (cell != ECO_NONE && cell_of_bone(b, bone) != cell)
 			continue;
+		double length = lod_v3_distance(bone->end[0], bone->end[1]);
 		found++;
-		region->length += lod_v3_distance(bone->end[0], bone->end[1]);
+		region->length += length;
+		region->area += LOD_PI / 2 * length * bone->width;
 		region->error = fmax(region->error, bone->error);
 		if (region->count == most)
 			continue;
@@ -41,6 +52,8 @@ static void add_lines(struct lod_build *b, const struct lod_group *group, uint32
 	ladder->total = region.count < found ? found : stored;
 	ladder->length = (float)region.length;
 	ladder->epsilon = (float)region.error;
+	if (ladder->area <= 0)       /* the lines of a cut component may reach into a cell that has none of its triangles */
+		ladder->area = (float)region.area;
 	lod_arena_release(&b->arena, mark);
 }
 
@@ -96,12 +109,12 @@ void lod_wood_ladders(struct lod_build *b, const struct lod_group *group, bool c
 {
 	if (!cells && b->cells.count == 0) {
 		struct eco_ladder *ladder = lod_build_ladder(b, group, 0, 0);
-		add_lines(b, group, ECO_NONE, UINT32_MAX, ladder);
 		add_triangles(b, group, 0, ladder);
+		add_lines(b, group, ECO_NONE, UINT32_MAX, ladder);
 	} else if (!cells) {
 		struct eco_ladder *ladder = lod_build_ladder(b, group, 0, ECO_LADDER_FAR);
-		add_lines(b, group, ECO_NONE, FAR_LINES, ladder);
 		ladder->area = (float)whole_area(b, group);
+		add_lines(b, group, ECO_NONE, FAR_LINES, ladder);
 		b->plant->ladder_count -= ladder->lines == ECO_NONE;
 	}
 	for (uint32_t cell = 0; cells && cell < b->cells.count; cell++) {
