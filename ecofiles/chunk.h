@@ -5,7 +5,7 @@
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s, 1..4
  *   3   u8   0
- *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners strictly ascending
+ *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners ascending
  *   .   s Draco bitstreams, in that order, nothing after them
  *
  * What a stream holds (flags: bit 0 `wide`, bits 4 to 7 `uv_shift`):
@@ -52,7 +52,8 @@ enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, con
 	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 
 /* Decodes one payload. `chunk` gives the expected counts and size; `ordinal` the permutation. Fails with ECO_DAMAGED and leaves
- * *elements empty. Positions, uv and extra values of decoded elements are within +-(2^28 - 1). Memory used is at most about 200 bytes a declared corner. */
+ * *elements empty. Positions, uv and extra values of decoded elements are within +-(2^28 - 1). Memory used is at most about 200
+ * bytes a declared corner, and 10 MB for tables. */
 enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
 	const uint8_t *bytes, size_t size_bytes, struct eco_elements *elements, struct eco_error *error);
 

@@ -1,7 +1,7 @@
 /* Connected wood through edgebreaker. It codes a vertex once for all its triangles and finds the triangles' order from their
- * neighbours, and pays for that with an order and corners of its own choice, and with triangles that it drops. So the encoder decodes
- * what it made, finds each triangle again, and stores colours and texture coordinates in the order found; if a triangle is missing
- * or altered, the caller codes the chunk in another way. */
+ * neighbours, and pays for that with an order and corners of its own choice, and with triangles that it drops. So the encoder
+ * decodes what it made, finds each triangle again, and stores colours and texture coordinates in the order found; if a triangle is
+ * missing or altered, the caller codes the chunk in another way. */
 #include <stdlib.h>
 #include <string.h>
 

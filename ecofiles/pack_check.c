@@ -1,6 +1,6 @@
-/* The one place where a scene's tables are distrusted. Everything after it (planner, wire, client) may index without looking. Work is
- * linear in the tables: ranges that could overlap are bounded by their sum, because a small file whose ranges all cover one large
- * table would otherwise cost the product. */
+/* The one place where a scene's tables are distrusted. Everything after it (planner, wire, client) may index without looking. Work
+ * is linear in the tables: ranges that could overlap are bounded by their sum, because a small file whose ranges all cover one
+ * large table would otherwise cost the product. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
