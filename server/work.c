@@ -1,4 +1,5 @@
-/* Life: start -> submit* -> cancel? -> stop -> (submit refuses) -> free. The mutex guards the ring; `cancelled` is atomic because jobs look at it often. */
+/* Life: start -> submit* -> cancel? -> stop -> (submit refuses) -> free. The mutex guards the ring; `cancelled` is atomic because
+ * jobs look at it often. */
 #include "server/work.h"
 
 #include <pthread.h>
