@@ -7,6 +7,8 @@
  *   points  p = c_p A / (2 r^2) / d'^2. The paper multiplies by n_p as well and compares the result with n_p: a misprint.
  *           p < 2k the first p points, then the blend of 5.3, all triangles from 3k on.
  *   lines   q = A/(2 r^2) / (l d'/(2 r)) = A / (l r d'); q <= 1 and epsilon / r < d': q n_l lines; else polygons.
+ *           The paper's lines are long; ours may be shorter than the distance of two samples and are then no more use than
+ *           points: never more lines than samples.
  *   importance multiplies an organ's share of the budget (4.3).
  *
  * V(d') is a step function and not quite monotone (a tile that opens may cost a little less than its summary did). So d' is
@@ -63,8 +65,8 @@ static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_lad
 	}
 	if (lines) {
 		double q = ladder->length > 0 ? importance * ladder->area / (ladder->length * r * d) : 2;
-		*wanted = q * ladder->total;
-		if (q <= 1 && ladder->epsilon / r < d) {
+		*wanted = q * ladder->total < samples ? q * ladder->total : samples;
+		if ((q <= 1 && ladder->epsilon / r < d) || samples < ladder->total) {
 			uint64_t own = to_count(*wanted - ladder->before);
 			return 2 * (own < lines ? own : lines);
 		}
