@@ -1,509 +1,12 @@
 #include "lod/bone.h"
 
-#include <assert.h>
 #include <string.h>
 
 #include "lod/sort.h"
+#include "lod/tube.h"
 
-#define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
-#define FRAGMENTS_PER_TRIANGLE 8.0
-#define RING_RADII 4.0           /* how far a ring of border may reach from its centre */
-#define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
-#define TIP_DEPTH 0.2            /* of a slab: what counts as a piece's end */
 #define SIMILAR 1.6              /* widths that may differ along one line */
 #define CHAIN_MAX 64u            /* joints that one line may pass over */
-
-/* Work on one component. Vertices and triangles are numbered locally. */
-struct tube {
-	const struct lod_mesh *mesh;
-	const struct lod_component *component;
-	uint32_t vertex_count, triangle_count;
-	uint32_t *global;            /* vertex -> of the mesh */
-	uint32_t *corner;            /* 3 per triangle */
-	const uint32_t *member;      /* triangle -> of the mesh */
-	uint32_t *ring;              /* per vertex: the ring of border that it is on, or ECO_NONE */
-	struct lod_v3 *ring_center;  /* per ring */
-	double *level;               /* per vertex: distance from the lower end in slabs */
-	uint32_t *offset;            /* per triangle: its fragments are offset[t] .. offset[t + 1), one for each slab it reaches into */
-	uint32_t *parent;            /* per fragment: union-find, the roots are slab pieces */
-	double *area;                /* per fragment, summed into roots */
-	uint32_t joint_count, bone_count;
-	struct joint *joints;
-	struct raw_bone *bones;
-};
-
-struct joint {
-	struct lod_v3 place;
-	double ring, open;           /* length of the ring (0 at an end), and whether it is a strip's (open) */
-	uint32_t piece[2];           /* below and above; ECO_NONE beyond an end */
-	uint32_t degree, bone[2];    /* of the first two bones */
-};
-
-struct raw_bone {
-	uint32_t joint[2], piece, line;      /* line: which of the final lines it went into */
-	uint32_t merged;             /* into this bone, or ECO_NONE */
-	double area;
-};
-
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i)
-		i = parent[i] = parent[parent[i]];
-	return i;
-}
-
-static struct lod_v3 place_of(const struct tube *tube, uint32_t v)
-{
-	return lod_v3_of(tube->mesh->place + 3 * (size_t)tube->global[v]);
-}
-
-/* ---- Distance along the surface ---- */
-
-struct heap { uint32_t count, *item, *at; const double *key; };
-
-static void heap_up(struct heap *h, uint32_t i)
-{
-	uint32_t v = h->item[i];
-	while (i > 0 && h->key[v] < h->key[h->item[(i - 1) / 2]]) {
-		h->item[i] = h->item[(i - 1) / 2];
-		h->at[h->item[i]] = i;
-		i = (i - 1) / 2;
-	}
-	h->item[i] = v;
-	h->at[v] = i;
-}
-
-static uint32_t heap_pop(struct heap *h)
-{
-	uint32_t top = h->item[0], v = h->item[--h->count], i = 0;
-	while (2 * i + 1 < h->count) {
-		uint32_t child = 2 * i + 1;
-		if (child + 1 < h->count && h->key[h->item[child + 1]] < h->key[h->item[child]])
-			child++;
-		if (h->key[h->item[child]] >= h->key[v])
-			break;
-		h->item[i] = h->item[child];
-		h->at[h->item[i]] = i;
-		i = child;
-	}
-	h->item[i] = v;
-	h->at[v] = i;
-	h->at[top] = ECO_NONE;
-	return top;
-}
-
-static void heap_set(struct heap *h, uint32_t v)
-{
-	if (h->at[v] == ECO_NONE) {
-		h->at[v] = h->count;
-		h->item[h->count++] = v;
-	}
-	heap_up(h, h->at[v]);
-}
-
-/* Rings of border: where a tube ends open. Slits and rims that are wider than a few radii are no rings. */
-static void find_rings(struct tube *tube, struct lod_arena *arena)
-{
-	uint32_t n = tube->vertex_count;
-	tube->ring = lod_arena_take(arena, n, sizeof *tube->ring);
-	tube->ring_center = lod_arena_take(arena, n, sizeof *tube->ring_center);
-	struct lod_arena_piece *mark = arena->last;
-	uint32_t *size = lod_arena_take(arena, n, sizeof *size);
-	bool *wide = lod_arena_take(arena, n, sizeof *wide), *border = lod_arena_take(arena, n, sizeof *border);
-	for (uint32_t v = 0; v < n; v++)
-		tube->ring[v] = v;
-	for (uint32_t t = 0; t < tube->triangle_count; t++)
-		for (uint32_t k = 0; k < 3; k++) {
-			if (lod_mesh_across(tube->mesh, tube->member[t], k) != ECO_NONE)
-				continue;
-			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3];
-			border[a] = border[b] = true;
-			tube->ring[root_of(tube->ring, a)] = root_of(tube->ring, b);
-		}
-	for (uint32_t v = 0; v < n; v++) {
-		uint32_t r = root_of(tube->ring, v);
-		tube->ring_center[r] = lod_v3_add(tube->ring_center[r], place_of(tube, v));
-		size[r]++;
-	}
-	for (uint32_t v = 0; v < n; v++)
-		if (size[v])
-			tube->ring_center[v] = lod_v3_scale(tube->ring_center[v], 1.0 / size[v]);
-	for (uint32_t v = 0; v < n; v++) {
-		uint32_t r = root_of(tube->ring, v);
-		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], place_of(tube, v)) > RING_RADII * tube->component->radius;
-	}
-	for (uint32_t v = 0; v < n; v++)             /* flat: a root's own entry is read before it may become none */
-		size[v] = border[v] && !wide[root_of(tube->ring, v)] ? root_of(tube->ring, v) : ECO_NONE;
-	memcpy(tube->ring, size, n * sizeof *size);
-	lod_arena_release(arena, mark);
-}
-
-struct spread { uint32_t *first, *around; struct heap heap; };
-
-/* Distances along edges from a vertex, or from all of the ring that it is on: a tube starts with a ring, not with a corner. */
-static void spread_from(struct tube *tube, struct spread *s, uint32_t source)
-{
-	for (uint32_t v = 0; v < tube->vertex_count; v++) {
-		tube->level[v] = INFINITY;
-		s->heap.at[v] = ECO_NONE;
-	}
-	for (uint32_t v = 0; v < tube->vertex_count; v++)
-		if (v == source || (tube->ring[source] != ECO_NONE && tube->ring[v] == tube->ring[source])) {
-			tube->level[v] = 0;
-			heap_set(&s->heap, v);
-		}
-	while (s->heap.count) {
-		uint32_t v = heap_pop(&s->heap);
-		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
-			for (uint32_t k = 1; k < 3; k++) {
-				uint32_t t = s->around[i] / 3, u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
-				double d = tube->level[v] + lod_v3_distance(place_of(tube, v), place_of(tube, u));
-				if (d < tube->level[u]) {
-					tube->level[u] = d;
-					heap_set(&s->heap, u);
-				}
-			}
-	}
-}
-
-/* From the lowest vertex if a tube ends there, else (a closed tube, or one that hangs with both ends up) from whatever is farthest
- * from it: that is an end. */
-static void find_distances(struct tube *tube, struct lod_arena *arena)
-{
-	uint32_t n = tube->vertex_count, lowest = 0, farthest = 0;
-	tube->level = lod_arena_take(arena, n, sizeof *tube->level);
-	struct lod_arena_piece *mark = arena->last;
-	struct spread s = { lod_arena_take(arena, (size_t)n + 2, sizeof *s.first), lod_arena_take(arena, 3 * (size_t)tube->triangle_count,
-		sizeof *s.around), { .item = lod_arena_take(arena, n, sizeof(uint32_t)), .at = lod_arena_take(arena, n, sizeof(uint32_t)),
-		.key = tube->level } };
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		s.first[tube->corner[i] + 2]++;
-	for (uint32_t v = 2; v <= n + 1; v++)
-		s.first[v] += s.first[v - 1];
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		s.around[s.first[tube->corner[i] + 1]++] = i;
-	for (uint32_t v = 1; v < n; v++)
-		lowest = place_of(tube, v).z < place_of(tube, lowest).z ? v : lowest;
-	spread_from(tube, &s, lowest);
-	if (tube->ring[lowest] == ECO_NONE) {
-		for (uint32_t v = 1; v < n; v++)
-			farthest = tube->level[v] > tube->level[farthest] ? v : farthest;
-		spread_from(tube, &s, farthest);
-	}
-	lod_arena_release(arena, mark);
-}
-
-/* Levels in slabs instead of metres; slabs as thick as a few radii, thicker where triangles would fall into too many pieces. */
-static void scale_levels(struct tube *tube)
-{
-	double spans = 0, thick = SLAB_RADII * tube->component->radius;
-	for (uint32_t t = 0; t < tube->triangle_count; t++) {
-		const uint32_t *c = tube->corner + 3 * t;
-		double low = fmin(tube->level[c[0]], fmin(tube->level[c[1]], tube->level[c[2]]));
-		spans += fmax(tube->level[c[0]], fmax(tube->level[c[1]], tube->level[c[2]])) - low;
-	}
-	thick = fmax(thick, spans / (FRAGMENTS_PER_TRIANGLE * tube->triangle_count));
-	for (uint32_t v = 0; v < tube->vertex_count; v++)
-		tube->level[v] = thick > 0 ? tube->level[v] / thick : 0;
-}
-
-/* ---- Slabs ---- */
-
-static uint32_t slab(const struct tube *tube, uint32_t v)
-{
-	return (uint32_t)tube->level[v];
-}
-
-static void span_of(const struct tube *tube, uint32_t t, uint32_t *low, uint32_t *high)
-{
-	*low = UINT32_MAX;
-	*high = 0;
-	for (uint32_t k = 0; k < 3; k++) {
-		uint32_t s = slab(tube, tube->corner[3 * t + k]);
-		*low = s < *low ? s : *low;
-		*high = s > *high ? s : *high;
-	}
-}
-
-static uint32_t fragment(const struct tube *tube, uint32_t t, uint32_t s)
-{
-	uint32_t low, high;
-	span_of(tube, t, &low, &high);
-	assert(s >= low && s <= high);
-	return tube->offset[t] + s - low;
-}
-
-static uint32_t piece_of(struct tube *tube, uint32_t f)
-{
-	return root_of(tube->parent, f);
-}
-
-/* Area of a triangle below a level; levels ascending. */
-static double area_below(const double s[3], double area, double at)
-{
-	if (at <= s[0])
-		return 0;
-	if (at >= s[2])
-		return area;
-	if (at < s[1])
-		return area * (at - s[0]) * (at - s[0]) / ((s[1] - s[0]) * (s[2] - s[0]));
-	return area - area * (s[2] - at) * (s[2] - at) / ((s[2] - s[1]) * (s[2] - s[0]));
-}
-
-static void add_areas(struct tube *tube, uint32_t t)
-{
-	struct lod_v3 p[3];
-	double s[3], swap;
-	for (uint32_t k = 0; k < 3; k++) {
-		p[k] = place_of(tube, tube->corner[3 * t + k]);
-		s[k] = tube->level[tube->corner[3 * t + k]];
-	}
-	for (int i = 0; i < 3; i++)
-		if (s[i % 2] > s[i % 2 + 1]) {
-			swap = s[i % 2];
-			s[i % 2] = s[i % 2 + 1];
-			s[i % 2 + 1] = swap;
-		}
-	double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2, below = 0;
-	for (uint32_t f = tube->offset[t]; f < tube->offset[t + 1]; f++) {
-		double to = f + 1 == tube->offset[t + 1] ? area : area_below(s, area, (double)((uint32_t)s[0] + f - tube->offset[t] + 1));
-		tube->area[f] = to - below;
-		below = to;
-	}
-}
-
-static void cut_slabs(struct tube *tube, struct lod_arena *arena)
-{
-	uint32_t low, high, total = 0;
-	tube->offset = lod_arena_take(arena, (size_t)tube->triangle_count + 1, sizeof *tube->offset);
-	for (uint32_t t = 0; t < tube->triangle_count; t++) {
-		span_of(tube, t, &low, &high);
-		tube->offset[t] = total;
-		total += high - low + 1;
-	}
-	tube->offset[tube->triangle_count] = total;
-	tube->parent = lod_arena_take(arena, total, sizeof *tube->parent);
-	tube->area = lod_arena_take(arena, total, sizeof *tube->area);
-	for (uint32_t f = 0; f < total; f++)
-		tube->parent[f] = f;
-	uint32_t *at_vertex = lod_arena_take(arena, tube->vertex_count, sizeof *at_vertex);
-	struct lod_keyed *by = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *by);
-	memset(at_vertex, 0xff, tube->vertex_count * sizeof *at_vertex);
-	for (uint32_t t = 0; t < tube->triangle_count; t++) {
-		add_areas(tube, t);
-		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3], f = fragment(tube, t, slab(tube, a));
-			if (at_vertex[a] == ECO_NONE)
-				at_vertex[a] = f;
-			tube->parent[piece_of(tube, f)] = piece_of(tube, at_vertex[a]);
-			by[3 * t + k] = (struct lod_keyed){ a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a, t };
-		}
-	}
-	/* Fragments of one slab that meet along an edge are one piece; the edge is common to all its triangles, two or more. */
-	lod_sort(arena, by, 3 * tube->triangle_count);
-	for (uint32_t i = 1; i < 3 * tube->triangle_count; i++) {
-		if (by[i].key != by[i - 1].key)
-			continue;
-		uint32_t p = slab(tube, (uint32_t)by[i].key), q = slab(tube, (uint32_t)(by[i].key >> 32));
-		for (uint32_t s = p < q ? p : q; s <= (p < q ? q : p); s++)
-			tube->parent[piece_of(tube, fragment(tube, by[i].value, s))] = piece_of(tube, fragment(tube, by[i - 1].value, s));
-	}
-	for (uint32_t f = 0; f < total; f++) {
-		uint32_t root = piece_of(tube, f);
-		if (root != f) {
-			tube->area[root] += tube->area[f];
-			tube->area[f] = 0;
-		}
-	}
-}
-
-/* ---- Joints ---- */
-
-struct crossing { struct lod_v3 middle; double length; bool open; };
-
-/* Where level s crosses edge k of t. */
-static bool cross_edge(const struct tube *tube, uint32_t t, uint32_t k, uint32_t s, struct lod_v3 *at)
-{
-	uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3];
-	if ((slab(tube, a) < s) == (slab(tube, b) < s))
-		return false;
-	if (a > b) {                 /* the same point from both sides of the edge */
-		uint32_t swap = a;
-		a = b;
-		b = swap;
-	}
-	*at = lod_v3_mix(place_of(tube, a), place_of(tube, b), (s - tube->level[a]) / (tube->level[b] - tube->level[a]));
-	return true;
-}
-
-static void find_joints(struct tube *tube, struct lod_arena *arena)
-{
-	uint32_t most = tube->offset[tube->triangle_count], count = 0;
-	struct crossing *crossings = lod_arena_take(arena, most, sizeof *crossings);
-	struct lod_keyed *by = lod_arena_take(arena, most, sizeof *by);
-	for (uint32_t t = 0; t < tube->triangle_count; t++) {
-		uint32_t low, high;
-		span_of(tube, t, &low, &high);
-		for (uint32_t s = low + 1; s <= high; s++) {
-			struct lod_v3 p[3];
-			uint32_t n = 0;
-			struct crossing *c = &crossings[count];
-			for (uint32_t k = 0; k < 3; k++)
-				if (cross_edge(tube, t, k, s, &p[n])) {
-					c->open = c->open || lod_mesh_across(tube->mesh, tube->member[t], k) == ECO_NONE;
-					n++;
-				}
-			assert(n == 2);
-			c->middle = lod_v3_mix(p[0], p[1], 0.5);
-			c->length = lod_v3_distance(p[0], p[1]);
-			by[count] = (struct lod_keyed){ (uint64_t)piece_of(tube, fragment(tube, t, s - 1)) << 32
-				| piece_of(tube, fragment(tube, t, s)), count };
-			count++;
-		}
-	}
-	lod_sort(arena, by, count);
-	/* Every piece may get up to two ends beside its rings. */
-	tube->joints = lod_arena_take(arena, (size_t)count + 2 * (size_t)most, sizeof *tube->joints);
-	for (uint32_t i = 0, end; i < count; i = end) {
-		struct joint *j = &tube->joints[tube->joint_count++];
-		*j = (struct joint){ .piece = { (uint32_t)(by[i].key >> 32), (uint32_t)by[i].key } };
-		double weight = 0;
-		for (end = i; end < count && by[end].key == by[i].key; end++) {
-			const struct crossing *c = &crossings[by[end].value];
-			double w = c->length > 0 ? c->length : 1e-30;
-			j->place = lod_v3_add(j->place, lod_v3_scale(c->middle, w));
-			weight += w;
-			j->ring += c->length;
-			j->open += c->open;
-		}
-		j->place = lod_v3_scale(j->place, 1 / weight);
-	}
-}
-
-struct tip { double level; struct lod_v3 sum; uint32_t count; bool open; };
-
-static void add_to_tip(const struct tube *tube, struct tip *tip, uint32_t v)
-{
-	bool open = tube->ring[v] != ECO_NONE;
-	if (open && !tip->open)
-		*tip = (struct tip){ .level = tip->level, .open = true };
-	if (open != tip->open)
-		return;
-	tip->sum = lod_v3_add(tip->sum, open ? tube->ring_center[tube->ring[v]] : place_of(tube, v));
-	tip->count++;
-}
-
-/* Ends of pieces: the mean of their highest vertices, or of their lowest; the ring's centre where they are an open end. */
-static struct tip *find_tips(struct tube *tube, int sign, struct lod_arena *arena)
-{
-	struct tip *tips = lod_arena_take(arena, tube->offset[tube->triangle_count], sizeof *tips);
-	for (int pass = 0; pass < 2; pass++)
-		for (uint32_t t = 0; t < tube->triangle_count; t++)
-			for (uint32_t k = 0; k < 3; k++) {
-				uint32_t v = tube->corner[3 * t + k];
-				struct tip *tip = &tips[piece_of(tube, fragment(tube, t, slab(tube, v)))];
-				double level = sign * (tube->level[v] - slab(tube, v)) + 1;      /* in (0, 2) */
-				if (pass == 0)
-					tip->level = fmax(tip->level, level);
-				else if (level > tip->level - TIP_DEPTH)
-					add_to_tip(tube, tip, v);
-			}
-	return tips;
-}
-
-static uint32_t add_end(struct tube *tube, uint32_t piece, const struct tip *tip, bool top)
-{
-	tube->joints[tube->joint_count] = (struct joint){ .place = lod_v3_scale(tip->sum, 1.0 / tip->count),
-		.piece = { top ? piece : ECO_NONE, top ? ECO_NONE : piece } };
-	return tube->joint_count++;
-}
-
-static void add_bone(struct tube *tube, uint32_t a, uint32_t b, uint32_t piece)
-{
-	uint32_t number = tube->bone_count++;
-	tube->bones[number] = (struct raw_bone){ .joint = { a, b }, .piece = piece, .line = ECO_NONE, .merged = ECO_NONE };
-	for (int k = 0; k < 2; k++) {
-		struct joint *j = &tube->joints[k ? b : a];
-		if (j->degree < 2)
-			j->bone[j->degree] = number;
-		j->degree++;
-	}
-}
-
-/* The bones of one piece, whose joints are by[first .. end): from the widest ring below, or else the bottom, to all others. */
-static void join_piece(struct tube *tube, uint32_t piece, const struct lod_keyed *by, uint32_t first, uint32_t end,
-	const struct tip *tops, const struct tip *bottoms)
-{
-	uint32_t root = ECO_NONE, start = tube->bone_count;
-	bool above = false;
-	double total = 0;
-	for (uint32_t i = first; i < end; i++) {
-		const struct joint *j = &tube->joints[by[i].value];
-		if (j->piece[1] == piece && (root == ECO_NONE || j->ring > tube->joints[root].ring))
-			root = by[i].value;
-		above = above || j->piece[0] == piece;
-	}
-	if (root == ECO_NONE && bottoms[piece].count)
-		root = add_end(tube, piece, &bottoms[piece], false);
-	for (uint32_t i = first; i < end; i++)
-		if (by[i].value != root && root != ECO_NONE)
-			add_bone(tube, root, by[i].value, piece);
-	if (!above && root != ECO_NONE && tops[piece].count)
-		add_bone(tube, root, add_end(tube, piece, &tops[piece], true), piece);
-	for (uint32_t b = start; b < tube->bone_count; b++)
-		total += lod_v3_distance(tube->joints[tube->bones[b].joint[0]].place, tube->joints[tube->bones[b].joint[1]].place);
-	for (uint32_t b = start; b < tube->bone_count; b++) {
-		double length = lod_v3_distance(tube->joints[tube->bones[b].joint[0]].place, tube->joints[tube->bones[b].joint[1]].place);
-		tube->bones[b].area = tube->area[piece] * (total > 0 ? length / total : 1.0 / (tube->bone_count - start));
-	}
-}
-
-static void find_bones(struct tube *tube, struct lod_arena *arena)
-{
-	uint32_t most = tube->offset[tube->triangle_count], links = 0, rings = tube->joint_count;
-	const struct tip *tops = find_tips(tube, 1, arena), *bottoms = find_tips(tube, -1, arena);
-	struct lod_keyed *by = lod_arena_take(arena, 2 * (size_t)rings, sizeof *by);
-	tube->bones = lod_arena_take(arena, 2 * (size_t)rings + most, sizeof *tube->bones);
-	for (uint32_t j = 0; j < rings; j++)
-		for (int k = 0; k < 2; k++)
-			by[links++] = (struct lod_keyed){ tube->joints[j].piece[k], j };
-	lod_sort(arena, by, links);
-	for (uint32_t piece = 0, at = 0, end; piece < most; piece++) {
-		if (tube->parent[piece] != piece)
-			continue;
-		for (end = at; end < links && by[end].key == piece; end++)
-			;
-		join_piece(tube, piece, by, at, end, tops, bottoms);
-		at = end;
-	}
-}
-
-/* Rings tilt where a tube bends, since its inner side is shorter. At an open end that leaves a stub, shorter than wide: the bone before
- * it takes over its end and area. */
-static void merge_stubs(struct tube *tube)
-{
-	for (uint32_t b = 0; b < tube->bone_count; b++) {
-		struct raw_bone *stub = &tube->bones[b];
-		for (int k = 0; k < 2; k++) {
-			struct joint *end = &tube->joints[stub->joint[k]], *inner = &tube->joints[stub->joint[1 - k]];
-			double wide = fmax(tube->component->radius, STUB / LOD_PI * fmax(inner->ring, end->ring));
-			if (end->degree != 1 || inner->degree != 2 || lod_v3_distance(end->place, inner->place) > wide)
-				continue;
-			uint32_t other = inner->bone[0] == b ? inner->bone[1] : inner->bone[0];
-			struct raw_bone *before = &tube->bones[other];
-			before->joint[before->joint[0] == stub->joint[k ? 0 : 1] ? 0 : 1] = stub->joint[k];
-			before->area += stub->area;
-			end->bone[0] = other;
-			end->ring = inner->ring;
-			inner->degree = 0;
-			stub->merged = other;
-			stub->line = UINT32_MAX - 1;
-			break;
-		}
-	}
-}
-
-/* ---- Lines ---- */
 
 static double distance_to(struct lod_v3 p, struct lod_v3 a, struct lod_v3 b)
 {
@@ -513,14 +16,14 @@ static double distance_to(struct lod_v3 p, struct lod_v3 a, struct lod_v3 b)
 	return lod_v3_distance(p, lod_v3_add(a, lod_v3_scale(ab, t)));
 }
 
-static double bone_length(const struct tube *tube, const struct raw_bone *b)
+static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone *b)
 {
 	return lod_v3_distance(tube->joints[b->joint[0]].place, tube->joints[b->joint[1]].place);
 }
 
 /* Width of area over a length: a tube's diameter, or a strip's width. At most about what the rings say, since the area of a swelling,
  * a cap or a fork may come with next to no length. */
-static double width_of(const struct tube *tube, const uint32_t *chain, uint32_t bones, double area, double length, bool strip)
+static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint32_t bones, double area, double length, bool strip)
 {
 	double ring = 0;
 	for (uint32_t i = 0; i <= bones; i++)
@@ -530,12 +33,12 @@ static double width_of(const struct tube *tube, const uint32_t *chain, uint32_t 
 }
 
 /* May one line replace the joints of chain[0 .. bones]? Nothing passes by more than half its radius, and widths are similar. */
-static bool straight(const struct tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
+static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
 {
 	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
 	double low = INFINITY, high = 0;
 	for (uint32_t i = 0; i < bones; i++) {
-		const struct raw_bone *raw = &tube->bones[bone[i]];
+		const struct lod_raw_bone *raw = &tube->bones[bone[i]];
 		double length = bone_length(tube, raw), width = width_of(tube, chain + i, 1, raw->area, length, strip);
 		if (bones > 1 && lod_v3_distance(a, b) < 0.5 * length)
 			return false;
@@ -550,7 +53,7 @@ static bool straight(const struct tube *tube, const uint32_t *chain, const uint3
 
 struct lines { struct lod_bones *bones; uint32_t capacity; struct lod_arena *arena; };
 
-static void add_line(struct lines *lines, const struct tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
+static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
 	uint32_t bones, bool strip)
 {
 	struct lod_bones *out = lines->bones;
@@ -573,12 +76,12 @@ static void add_line(struct lines *lines, const struct tube *tube, uint32_t comp
 }
 
 /* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as they may be. */
-static void lay_chain(struct tube *tube, struct lines *lines, uint32_t component, uint32_t start, uint32_t next, bool strip)
+static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t component, uint32_t start, uint32_t next, bool strip)
 {
 	uint32_t chain[CHAIN_MAX + 2] = { start }, bone[CHAIN_MAX + 1], n = 0;
 	for (;;) {
 		if (next != ECO_NONE) {
-			const struct raw_bone *raw = &tube->bones[next];
+			const struct lod_raw_bone *raw = &tube->bones[next];
 			bone[n++] = next;
 			chain[n] = raw->joint[0] == chain[n - 1] ? raw->joint[1] : raw->joint[0];
 			tube->bones[next].line = UINT32_MAX - 1;         /* walked */
@@ -596,7 +99,7 @@ static void lay_chain(struct tube *tube, struct lines *lines, uint32_t component
 		}
 		if (next == ECO_NONE)
 			return;
-		const struct joint *last = &tube->joints[chain[n]];
+		const struct lod_joint *last = &tube->joints[chain[n]];
 		next = ECO_NONE;
 		if (last->degree == 2)
 			next = tube->bones[last->bone[0]].line == ECO_NONE ? last->bone[0] : tube->bones[last->bone[1]].line == ECO_NONE ? last->bone[1]
@@ -604,7 +107,7 @@ static void lay_chain(struct tube *tube, struct lines *lines, uint32_t component
 	}
 }
 
-static void lay_lines(struct tube *tube, struct lines *lines, uint32_t component)
+static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t component)
 {
 	double open = 0, rings = 0;
 	for (uint32_t j = 0; j < tube->joint_count; j++) {
@@ -621,7 +124,7 @@ static void lay_lines(struct tube *tube, struct lines *lines, uint32_t component
 }
 
 /* Each vertex counts for the nearest of the lines through its piece. */
-static void measure(struct tube *tube, struct lod_bones *bones, struct lod_arena *arena)
+static void measure(struct lod_tube *tube, struct lod_bones *bones, struct lod_arena *arena)
 {
 	uint32_t most = tube->offset[tube->triangle_count], *first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
 	uint32_t *through = lod_arena_take(arena, tube->bone_count, sizeof *through);
@@ -637,12 +140,12 @@ static void measure(struct tube *tube, struct lod_bones *bones, struct lod_arena
 	}
 	for (uint32_t t = 0; t < tube->triangle_count; t++)
 		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t v = tube->corner[3 * t + k], piece = piece_of(tube, fragment(tube, t, slab(tube, v)));
+			uint32_t v = tube->corner[3 * t + k], piece = lod_tube_piece(tube, t, k);
 			struct lod_bone *nearest = NULL;
 			double best = INFINITY;
 			for (uint32_t i = first[piece]; i < first[piece + 1]; i++) {
 				struct lod_bone *line = &bones->items[through[i]];
-				double d = distance_to(place_of(tube, v), line->end[0], line->end[1]) - line->width / 2;
+				double d = distance_to(lod_tube_place(tube, v), line->end[0], line->end[1]) - line->width / 2;
 				if (d < best) {
 					best = d;
 					nearest = line;
@@ -653,24 +156,7 @@ static void measure(struct tube *tube, struct lod_bones *bones, struct lod_arena
 		}
 }
 
-/* ---- Components ---- */
-
-static void open_tube(struct tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
-	struct lod_arena *arena)
-{
-	*tube = (struct tube){ .mesh = mesh, .component = &organs->components[c], .member = mesh->member + mesh->member_first[c],
-		.triangle_count = mesh->member_first[c + 1] - mesh->member_first[c] };
-	tube->corner = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *tube->corner);
-	tube->global = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *tube->global);
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++) {
-		uint32_t v = mesh->index[3 * (size_t)tube->member[i / 3] + i % 3];
-		if (local[v] >= tube->vertex_count || tube->global[local[v]] != v) {
-			local[v] = tube->vertex_count;
-			tube->global[tube->vertex_count++] = v;
-		}
-		tube->corner[i] = local[v];
-	}
-}
+/* ---- All ---- */
 
 static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *scratch)
 {
@@ -678,15 +164,8 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 	for (uint32_t c = 0; c < mesh->component_count; c++) {
 		if (organs->components[c].organ != ECO_ORGAN_WOOD)
 			continue;
-		struct tube tube;
-		open_tube(&tube, mesh, organs, c, local, scratch);
-		find_rings(&tube, scratch);
-		find_distances(&tube, scratch);
-		scale_levels(&tube);
-		cut_slabs(&tube, scratch);
-		find_joints(&tube, scratch);
-		find_bones(&tube, scratch);
-		merge_stubs(&tube);
+		struct lod_tube tube;
+		lod_tube_make(&tube, mesh, organs, c, local, scratch);
 		lay_lines(&tube, lines, c);
 		measure(&tube, lines->bones, scratch);
 		lod_arena_free(scratch);
