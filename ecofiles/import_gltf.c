@@ -112,6 +112,44 @@ static bool move_webp_sources(json_t *document)
 	return changed;
 }
 
+static json_t *draco_indices(json_t *accessors, const json_t *primitive, uint64_t *vertices)
+{
+	const json_t *position = json_object_get(json_object_get(primitive, "attributes"), "POSITION");
+	json_t *indices = json_object_get(primitive, "indices"), *accessor;
+
+	if (json_object_get(json_object_get(primitive, "extensions"), "KHR_draco_mesh_compression") == NULL || !json_is_integer(indices)
+		|| !json_is_integer(position) || json_integer_value(indices) < 0 || json_integer_value(position) < 0)
+		return NULL;
+	accessor = json_array_get(accessors, (size_t)json_integer_value(position));
+	*vertices = (uint64_t)json_integer_value(json_object_get(accessor, "count"));
+	accessor = json_array_get(accessors, (size_t)json_integer_value(indices));
+	return json_integer_value(json_object_get(accessor, "componentType")) == 5125 ? accessor : NULL;
+}
+
+/* assimp 5.2 decodes Draco triangles, but forgets the result where indices are declared as 32-bit (its issue 4789). Declared as 16-bit
+ * they mean the same, as long as that suffices. */
+static enum eco_code narrow_draco_indices(json_t *document, const char *path, bool *changed, struct eco_error *error)
+{
+	json_t *meshes = json_object_get(document, "meshes"), *accessors = json_object_get(document, "accessors");
+
+	for (size_t i = 0; i < json_array_size(meshes); i++) {
+		const json_t *primitives = json_object_get(json_array_get(meshes, i), "primitives");
+
+		for (size_t k = 0; k < json_array_size(primitives); k++) {
+			uint64_t vertices = 0;
+			json_t *accessor = draco_indices(accessors, json_array_get(primitives, k), &vertices);
+
+			if (accessor == NULL)
+				continue;
+			if (vertices > 65535)
+				return eco_fail(error, ECO_UNSUPPORTED, "%.200s: uses the glTF extension KHR_draco_mesh_compression with more than 65,535 vertices "
+					"in one mesh, which is not supported; export without it", path);
+			*changed |= json_object_set_new(accessor, "componentType", json_integer(5123)) == 0;
+		}
+	}
+	return ECO_OK;
+}
+
 /* ---- The container ---- */
 
 /* JSON text within the file: all of a .gltf, the first chunk of a .glb. */
@@ -156,7 +194,7 @@ static enum eco_code prepare_document(struct eco_model_file *file, const uint8_t
 	json_error_t problem;
 	json_t *document;
 	size_t at, length;
-	bool binary;
+	bool binary, changed;
 	enum eco_code code;
 
 	if (!find_json(bytes, size, &binary, &at, &length))
@@ -167,7 +205,10 @@ static enum eco_code prepare_document(struct eco_model_file *file, const uint8_t
 	if (document == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", file->path, problem.line, problem.text);
 	code = check_extensions(document, file->path, error);
-	if (code == ECO_OK && move_webp_sources(document)) {
+	changed = move_webp_sources(document);
+	if (code == ECO_OK)
+		code = narrow_draco_indices(document, file->path, &changed, error);
+	if (code == ECO_OK && changed) {
 		char *json = json_dumps(document, JSON_COMPACT);
 
 		if (json == NULL || !replace_json(file, bytes, size, binary, at + ((length + 3) & ~(size_t)3), json))

@@ -402,6 +402,47 @@ static void a_webp_texture_that_gltf_requires_is_read(void **state)
 	eco_model_free(&m);
 }
 
+static void draco_meshes_are_read_while_16_bits_suffice(void **state)
+{
+	/* a unit square of two triangles, indices declared as 32-bit */
+	static const char head[] = "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"extensionsRequired\":"
+		"[\"KHR_draco_mesh_compression\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"materials\":[{}],\"buffers\":"
+		"[{\"byteLength\":120,\"uri\":\"data:application/octet-stream;base64,RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgEDCQIAAQABAQEA"
+		"AwMBMAEQAwAkgkoEAAAAAP8/AAAAAAAAAAAAAAAAAAAAAIA/DgAAAAAAAIA/AACAPwAAAAAAAIA/AACAPwAAAAAAAAAA\"}],\"bufferViews\":[{\"buffer\":0,"
+		"\"byteLength\":120}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,\"material\":0,"
+		"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}}}}]}],\"accessors\":"
+		"[{\"componentType\":5126,\"count\":";
+	static const char tail[] = ",\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]},{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+		"{\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}]}";
+	char text[3000];
+	struct eco_model m;
+
+	(void)state;
+	snprintf(text, sizeof text, "%s4%s", head, tail);
+	import_good(&m, input_text("model", "draco.gltf", text), 0);
+	assert_int_equal(m.triangle_count, 2);
+	assert_true(has_vertex(&m, 0.5f, 0, 1, NULL) && has_vertex(&m, -0.5f, 0, 0, NULL));
+	eco_model_free(&m);
+	snprintf(text, sizeof text, "%s70000%s", head, tail);
+	import_fails(input_text("model", "draco.gltf", text), ECO_UNSUPPORTED, "KHR_draco_mesh_compression");
+}
+
+static void vertex_colours_become_materials(void **state)
+{
+	struct eco_model m;
+
+	(void)state;
+	import_good(&m, input_text("model", "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
+		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
+	assert_int_equal(m.material_count, 3);       /* red, blue, and white, which changes nothing */
+	for (uint32_t i = 0; i < 3; i++) {
+		const uint8_t *rgb = m.materials[m.material[i]].rgb;
+
+		assert_true(rgb[0] == (i != 1 ? 153 : 0) && rgb[1] == (i == 2 ? 153 : 0) && rgb[2] == (i != 0 ? 153 : 0));
+	}
+	eco_model_free(&m);
+}
+
 static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
 {
 	static const struct { const char *list, *name; } cases[] = {
@@ -566,6 +607,8 @@ int main(void)
 		cmocka_unit_test(nodes_place_their_meshes),
 		cmocka_unit_test(alpha_modes_and_linear_colours_mean_what_gltf_says),
 		cmocka_unit_test(a_webp_texture_that_gltf_requires_is_read),
+		cmocka_unit_test(draco_meshes_are_read_while_16_bits_suffice),
+		cmocka_unit_test(vertex_colours_become_materials),
 		cmocka_unit_test(what_gltf_requires_and_is_not_read_is_refused_by_name),
 		cmocka_unit_test(files_that_are_no_models_are_refused),
 		cmocka_unit_test(more_triangles_than_allowed_are_refused),
