@@ -3,6 +3,7 @@
 #ifndef TESTS_PACK_RANDOM_H
 #define TESTS_PACK_RANDOM_H
 
+#include "ecofiles/view.h"
 #include "ecofiles/chunk.h"
 #include "tests/scene_random.h"
 
