@@ -33,7 +33,7 @@ const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_SKIP_UNKNOWN_SPECIES] = "a species that the map does not have",
 	[ECO_SKIP_LEFT_OUT] = "left out by the map",
 	[ECO_SKIP_SHORT_ROW] = "too few fields",
-	[ECO_SKIP_NO_HEIGHT] = "no usable height: placed with the plant's own",
+	[ECO_SKIP_NO_HEIGHT] = "no usable height",
 };
 
 enum column { X, Y, Z, SPECIES, HEIGHT, YAW, COLUMNS };
