@@ -137,7 +137,7 @@ deps:
 # -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
 test: deps
 	@mkdir -p $(B)
-	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(FUZZERS) || built=$$?; \
+	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(BENCHES) $(FUZZERS) || built=$$?; \
 		echo $$built >$(B)/built
 	@tests/run.sh $(B) $$(cat $(B)/built) $(TESTS) $(FUZZERS)
 
