@@ -28,6 +28,16 @@ static void add_validators(struct srv_answer *answer, const char *etag, const ch
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
 }
 
+/* A 304 is the 200 without its body: the library sends the head, with the length that the body would have, as RFC 9110 wants it (an
+ * empty response would claim a length of 0). */
+static void maybe_not_modified(struct srv_answer *answer, const char *etag, const char *if_none_match)
+{
+	if (!etag || !srv_etag_match(if_none_match, etag))
+		return;
+	answer->status = MHD_HTTP_NOT_MODIFIED;
+	answer->size_bytes = 0;
+}
+
 static void answer_empty(struct srv_answer *answer, unsigned status)
 {
 	*answer = (struct srv_answer){ .status = status,
@@ -62,20 +72,10 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag, const char *if_none_match,
 	const char *timing)
 {
-	if (etag && srv_etag_match(if_none_match, etag)) {
-		eco_writer_free(&json->out);
-		srv_answer_not_modified(answer, etag);
-		return;
-	}
 	answer_text(answer, MHD_HTTP_OK, json, "application/json");
 	add_validators(answer, etag, etag ? "no-cache" : "no-store");
 	add_header(answer, "Server-Timing", timing);
-}
-
-void srv_answer_not_modified(struct srv_answer *answer, const char *etag)
-{
-	answer_empty(answer, MHD_HTTP_NOT_MODIFIED);
-	add_validators(answer, etag, "no-cache");
+	maybe_not_modified(answer, etag, if_none_match);
 }
 
 /* ---- Streams ---- */
@@ -119,7 +119,8 @@ static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 /* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB, and where it does not fit
  * (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts later. One copy into a block costs little beside
  * the sending. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *timing)
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *if_none_match,
+	const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
 	struct body_reader *reader = malloc(sizeof *reader);
@@ -136,6 +137,7 @@ void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const c
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
 	add_validators(answer, etag, etag ? "no-cache" : "no-store");
 	add_header(answer, "Server-Timing", timing);
+	maybe_not_modified(answer, etag, if_none_match);
 }
 
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing)
@@ -235,8 +237,8 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 	}
 	srv_etag_of(etag, &scene->pack->scene.chunks[chunk].id);
 	if (srv_etag_match(framing->if_none_match, etag)) {
-		answer_empty(answer, MHD_HTTP_NOT_MODIFIED);
-		add_validators(answer, etag, IMMUTABLE);
+		answer_whole(answer, scene, chunk, bytes, size, etag);
+		maybe_not_modified(answer, etag, framing->if_none_match);
 		return;
 	}
 	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */

@@ -27,10 +27,10 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag, const char *if_none_match,
 	const char *timing);
 
-/* Takes *body. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *timing);
+/* Takes *body; the rest as srv_answer_json. */
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *if_none_match,
+	const char *timing);
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing);        /* 204 */
-void srv_answer_not_modified(struct srv_answer *answer, const char *etag);
 
 /* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only. */
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk, const struct srv_framing *framing,

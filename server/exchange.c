@@ -9,7 +9,6 @@
 
 #include "ecofiles/chunk.h"
 #include "ecofiles/wire.h"
-#include "server/condition.h"
 #include "server/describe.h"
 
 #define SEND_GRACE_MS 30000u
@@ -95,7 +94,7 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 				stream->steps[stream->step_count - 1].plan.cut_count);
 		}
 		timing_text(timing, sizeof timing, begun_us, planned_us);
-		srv_answer_json(&exchange->answer, &json, etag, NULL, timing);
+		srv_answer_json(&exchange->answer, &json, etag, exchange->framing.if_none_match, timing);
 		return ECO_OK;
 	}
 	if (!stream->fits) {
@@ -107,7 +106,7 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 	enum eco_code code = srv_stream_write(stream, &body, error);
 	timing_text(timing, sizeof timing, begun_us, planned_us);
 	if (!code)
-		srv_answer_stream(&exchange->answer, &body, etag, timing);
+		srv_answer_stream(&exchange->answer, &body, etag, exchange->framing.if_none_match, timing);
 	return code;
 }
 
@@ -160,10 +159,7 @@ static bool prepare_plan(struct srv_exchange *exchange)
 	}
 	if (exchange->method != SRV_METHOD_POST) {
 		srv_etag_request(exchange->etag, exchange->scene, exchange->raw);
-		if (!srv_etag_match(exchange->framing.if_none_match, exchange->etag))
-			return true;
-		srv_answer_not_modified(&exchange->answer, exchange->etag);
-		return false;
+		return true;
 	}
 	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings, &error);
 	if (!code)
