@@ -105,6 +105,9 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 	json_object_set_new(plant, "name", json_string(p->name));
 	json_object_set_new(plant, "triangles", json_integer(p->triangles));
 	json_object_set_new(plant, "area_m2", json_real((double)p->area));
+	const struct eco_anchor *whole = &s->anchors[p->anchor_first];
+	json_object_set_new(plant, "center_m", json_pack("[f,f,f]", (double)whole->center[0], (double)whole->center[1], (double)whole->center[2]));
+	json_object_set_new(plant, "radius_m", json_real((double)whole->radius));
 	json_object_set_new(plant, "cells", json_integer(p->anchor_count - 1));
 	json_object_set_new(plant, "ladders", json_integer(p->ladder_count));
 	json_object_set_new(plant, "bytes", json_integer((json_int_t)t->plant_bytes[id]));

@@ -39,6 +39,7 @@ struct make_plant {              /* a model as it will be in the pack */
 	bool cutout;
 	double reach, low, high;     /* body: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
+	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
 
 struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };

@@ -51,10 +51,10 @@ static const char *file_of(const char *path)
 
 static json_t *plant_json(const struct make_plant *plant)
 {
-	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I}", "name", plant->name, "model", file_of(plant->path),
+	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:[f,f,f], s:f}", "name", plant->name, "model", file_of(plant->path),
 		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in", (json_int_t)plant->built.triangles_in,
 		"triangles_stored", (json_int_t)plant->built.triangles_stored, "dropped", dropped_json(plant), "organs", organs_json(plant),
-		"grid_bits", (json_int_t)grid_bits(plant));
+		"grid_bits", (json_int_t)grid_bits(plant), "foot", plant->foot[0], plant->foot[1], plant->foot[2], "scale", plant->scale);
 }
 
 static json_t *rows_json(const struct make *m)

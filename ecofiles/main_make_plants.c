@@ -177,6 +177,8 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 		return code;
 	plant->triangles_in = model.triangles_in;
 	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
+	memcpy(plant->foot, model.foot, sizeof plant->foot);
+	plant->scale = model.scale;
 	job->from = IMPORTED;
 	job->to = BUILT;
 	code = lod_plant_build(&plant->built, &model, &options, error);

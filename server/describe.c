@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "ecofiles/wire.h"
 #include "lod/view.h"
 #include "server/query.h"
 
@@ -41,6 +42,16 @@ static void key_index(struct srv_json *json, const char *key, uint32_t index)
 		srv_json_null(json);
 	else
 		srv_json_count(json, index);
+}
+
+/* Of the PLAN frame's payload: what a view costs a client that holds every chunk. */
+static uint64_t plan_bytes(const struct eco_plan *plan)
+{
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, plan);
+	uint64_t size = w.size;
+	eco_writer_free(&w);
+	return size;
 }
 
 void srv_describe_health(struct srv_json *json, const struct srv_store *store)
@@ -266,6 +277,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 	srv_json_key_count(json, "chunk_bytes", stream->chunk_bytes);
 	srv_json_key_count(json, "vertices", plan->vertices);
 	srv_json_key_count(json, "visible_plants", plan->visible_plants);
+	srv_json_key_count(json, "plan_bytes", plan_bytes(plan));
 	srv_json_key_number(json, "sample_distance_rad", plan->sample_distance);
 	describe_prediction(json, &plan->prediction);
 	srv_json_key_bool(json, "ground", plan->ground);
