@@ -118,12 +118,12 @@ $(B)/obj/%.o: %.cpp
 # ---- Demonstrations: everything lands in $(B)/demo and $(B)/forest ----
 
 demo: deps
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/source_check
 	BUILD=$(B) sh tests/demo/demo.sh
 
 forest: deps
 	@test -n "$(DATA)" || { echo "make forest needs DATA=DIR, a folder with inventories/, terrain/ and models/" >&2; exit 2; }
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/forest.sh $(DATA)
 
 clean:

@@ -95,8 +95,12 @@ static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned m
 {
 	struct aiString path;
 	struct eco_error error = { 0 };
-	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL))
-		return;
+	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL)) {
+		/* assimp keeps a WebP image (EXT_texture_webp) but not which material it is for: clear where there is but one of each */
+		if (scene->mNumTextures != 1 || scene->mNumMaterials > 2)
+			return;
+		memcpy(path.data, "*0", 3);
+	}
 	if (path.data[0] == '*') {
 		const struct aiTexture *t = scene->mTextures[atoi(path.data + 1)];
 		if (t->mHeight == 0 && eco_image_read_memory(&skin->image, t->pcData, t->mWidth, path.data, &error))
