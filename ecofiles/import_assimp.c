@@ -5,7 +5,6 @@
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <math.h>
 #include <stdio.h>
@@ -159,12 +158,30 @@ static float bounded_uv(float value)
 	return fabsf(value) <= 65536 ? value : 0;
 }
 
+/* uv from the image's top left, in glTF's and our sense; assimp's v points up. */
+static void texture_coordinate(const struct eco_uv_transform *t, const struct aiVector3D *from, float to[2])
+{
+	double u = from->x, v = 1 - (double)from->y;
+
+	if (t != NULL && t->used) {
+		double x = u * t->scale[0], y = v * t->scale[1];
+
+		u = t->offset[0] + t->cosine * x + t->sine * y;
+		v = t->offset[1] - t->sine * x + t->cosine * y;
+	}
+	to[0] = bounded_uv((float)u);
+	to[1] = bounded_uv((float)v);
+}
+
 static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct aiMatrix4x4 *world)
 {
 	struct eco_model *m = s->model;
 	uint32_t channel = s->channel[mesh->mMaterialIndex];
+	const struct eco_uv_transform *t = mesh->mMaterialIndex < s->file->transform_count ? &s->file->transforms[mesh->mMaterialIndex] : NULL;
 	const struct aiVector3D *uv;
 
+	if (t != NULL && t->channel >= 0 && t->channel < AI_MAX_NUMBER_OF_TEXTURECOORDS)
+		channel = (uint32_t)t->channel;
 	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || mesh->mTextureCoords[channel] == NULL)
 		channel = 0;
 	uv = mesh->mTextureCoords[channel];
@@ -172,8 +189,9 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
 
 		transform(world, &mesh->mVertices[i], &m->position[((size_t)m->vertex_count + i) * 3]);
-		to[0] = uv != NULL ? bounded_uv(uv[i].x) : 0;
-		to[1] = uv != NULL ? bounded_uv(1 - uv[i].y) : 0;
+		to[0] = to[1] = 0;
+		if (uv != NULL)
+			texture_coordinate(t, &uv[i], to);
 	}
 }
 
@@ -441,8 +459,8 @@ enum eco_code eco_assimp_read(struct eco_model *model, const struct eco_model_fi
 
 	if (scene == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
-	if (!meshes_hold_together(scene) || aiApplyPostProcessing(scene, aiProcess_TransformUVCoords) == NULL)
-		code = eco_fail(error, ECO_DAMAGED, "%.200s: its meshes do not hold together: %.200s", file->path, aiGetErrorString());
+	if (!meshes_hold_together(scene))
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
 	else
 		code = read_scene(model, scene, file, triangles_max, notes, error);
 	aiReleaseImport(scene);

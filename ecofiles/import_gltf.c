@@ -5,14 +5,18 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "ecofiles/turn.h"
+
 #define GLTF_BYTES_MAX ((off_t)1 << 31)
 #define JSON_BYTES_MAX (256u << 20)
+#define MATERIALS_MAX 65536u
 #define CHUNK_JSON 0x4e4f534au
 
 struct extension { const char *name, *why; };
@@ -150,6 +154,56 @@ static enum eco_code narrow_draco_indices(json_t *document, const char *path, bo
 	return ECO_OK;
 }
 
+static void pair_of(const json_t *array, double out[2])
+{
+	for (size_t i = 0; i < 2; i++)
+		if (json_is_number(json_array_get(array, i)) && fabs(json_number_value(json_array_get(array, i))) <= 65536)
+			out[i] = json_number_value(json_array_get(array, i));
+}
+
+static bool read_transform(const json_t *material, struct eco_uv_transform *to)
+{
+	const json_t *texture = json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
+	const json_t *from = json_object_get(json_object_get(texture, "extensions"), "KHR_texture_transform");
+	double radians = json_number_value(json_object_get(from, "rotation"));
+	const json_t *channel = json_object_get(from, "texCoord");
+
+	*to = (struct eco_uv_transform){ .used = from != NULL, .scale = { 1, 1 }, .channel = -1 };
+	pair_of(json_object_get(from, "offset"), to->offset);
+	pair_of(json_object_get(from, "scale"), to->scale);
+	eco_turn_sincos(eco_turn_from_deg(fabs(radians) <= 1e6 ? radians * (180 / 3.14159265358979323846) : 0), &to->sine, &to->cosine);
+	if (json_is_integer(channel) && json_integer_value(channel) >= 0)
+		to->channel = json_integer_value(channel);
+	return to->used;
+}
+
+/* assimp 5.2 turns and scales about the middle of the image; the extension does so about its corner. It is also told to leave the
+ * extension alone: the entry is taken out of the document. */
+static enum eco_code take_transforms(json_t *document, struct eco_model_file *file, bool *changed, struct eco_error *error)
+{
+	const json_t *materials = json_object_get(document, "materials");
+	size_t count = json_array_size(materials);
+	bool any = false;
+
+	if (count > MATERIALS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu materials, at most %u are possible", file->path, count, MATERIALS_MAX);
+	file->transforms = calloc(count + 1, sizeof *file->transforms);
+	if (file->transforms == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
+	file->transform_count = (uint32_t)count;
+	for (size_t i = 0; i < count; i++) {
+		json_t *material = json_array_get(materials, i);
+		json_t *texture = json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
+
+		if (read_transform(material, &file->transforms[i])) {
+			json_object_del(json_object_get(texture, "extensions"), "KHR_texture_transform");
+			any = true;
+		}
+	}
+	*changed |= any;
+	return ECO_OK;
+}
+
 /* ---- The container ---- */
 
 /* JSON text within the file: all of a .gltf, the first chunk of a .glb. */
@@ -208,6 +262,8 @@ static enum eco_code prepare_document(struct eco_model_file *file, const uint8_t
 	changed = move_webp_sources(document);
 	if (code == ECO_OK)
 		code = narrow_draco_indices(document, file->path, &changed, error);
+	if (code == ECO_OK)
+		code = take_transforms(document, file, &changed, error);
 	if (code == ECO_OK && changed) {
 		char *json = json_dumps(document, JSON_COMPACT);
 

@@ -145,6 +145,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path, strerror(errno));
 	eco_model_free(&model);
 	free(file.bytes);
+	free(file.transforms);
 	free(notes);
 	return code;
 }

@@ -17,6 +17,13 @@ struct eco_notes {
 };
 void eco_note(struct eco_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* KHR_texture_transform of a material's base colour: uv' = offset + turned(scale * uv), v pointing down. */
+struct eco_uv_transform {
+	bool used;
+	double offset[2], scale[2], sine, cosine;
+	int64_t channel;             /* -1: as the texture says */
+};
+
 /* A model file as assimp shall see it. */
 struct eco_model_file {
 	const char *path;
@@ -24,10 +31,13 @@ struct eco_model_file {
 	bool linear_colors;          /* material colours are linear */
 	uint8_t *bytes;              /* instead of the file's own, malloc'ed; NULL: as on disk */
 	size_t size_bytes;
+	struct eco_uv_transform *transforms;     /* glTF: per material, malloc'ed; NULL: none has any */
+	uint32_t transform_count;
 };
 
 /* glTF and GLB: refuses by name what cannot be read; where textures come as an extension (WebP) writes a document that says the
- * same without it. Other files: only looks who wrote them. */
+ * same without it; notes texture transforms, which assimp gets wrong. Other files: only looks who wrote them. The caller frees
+ * bytes and transforms. */
 enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_error *error);
 
 /* Reads the scene: positions Z up, uv from the top left, materials and images; triangles_in and what assimp could not triangulate

@@ -443,6 +443,31 @@ static void vertex_colours_become_materials(void **state)
 	eco_model_free(&m);
 }
 
+static void texture_transforms_turn_about_the_images_corner(void **state)
+{
+	static const uint8_t rgba[] = { 9, 9, 9, 255 };
+	static const struct { const char *transform; float uv[3][2]; } cases[] = {
+		{ "\"offset\":[0.25,0.125],\"scale\":[0.5,2]", { { 0.25f, 0.125f }, { 0.75f, 0.125f }, { 0.25f, 2.125f } } },
+		/* the lower left quadrant, a quarter turn: the example of the extension's specification */
+		{ "\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5]", { { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
+	};
+
+	(void)state;
+	write_png("one.png", rgba, 1, 1);
+	for (size_t i = 0; i < 2; i++) {
+		struct eco_model m;
+		char rest[700];
+
+		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],\"extensionsRequired\":[\"KHR_texture_transform\"],"
+			"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{%s}}}}}],"
+			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"one.png\"}]", cases[i].transform);
+		import_good(&m, gltf("turn.gltf", "{\"mesh\":0}", rest), 0);
+		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0]) && has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
+			&& has_vertex(&m, -0.5f, 0, 1, cases[i].uv[2]));
+		eco_model_free(&m);
+	}
+}
+
 static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
 {
 	static const struct { const char *list, *name; } cases[] = {
@@ -609,6 +634,7 @@ int main(void)
 		cmocka_unit_test(a_webp_texture_that_gltf_requires_is_read),
 		cmocka_unit_test(draco_meshes_are_read_while_16_bits_suffice),
 		cmocka_unit_test(vertex_colours_become_materials),
+		cmocka_unit_test(texture_transforms_turn_about_the_images_corner),
 		cmocka_unit_test(what_gltf_requires_and_is_not_read_is_refused_by_name),
 		cmocka_unit_test(files_that_are_no_models_are_refused),
 		cmocka_unit_test(more_triangles_than_allowed_are_refused),
