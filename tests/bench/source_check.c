@@ -4,7 +4,7 @@
  *   source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR
  *
  * SCALE and FOOT are what the import did after turning Z up, (p - FOOT) * SCALE, as `ecopack info --json` says them. Prints one line a
- * frame and the least Q; exit 0. */
+ * frame and the least Q; exit 0; 3 where it cannot compare. */
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -95,12 +95,8 @@ static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned m
 {
 	struct aiString path;
 	struct eco_error error = { 0 };
-	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL)) {
-		/* assimp keeps a WebP image (EXT_texture_webp) but not which material it is for: clear where there is but one of each */
-		if (scene->mNumTextures != 1 || scene->mNumMaterials > 2)
-			return;
-		memcpy(path.data, "*0", 3);
-	}
+	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL))
+		return;
 	if (path.data[0] == '*') {
 		const struct aiTexture *t = scene->mTextures[atoi(path.data + 1)];
 		if (t->mHeight == 0 && eco_image_read_memory(&skin->image, t->pcData, t->mWidth, path.data, &error))
@@ -114,6 +110,24 @@ static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned m
 	}
 	for (size_t i = 0; skin->image.rgba && i < (size_t)skin->image.width * skin->image.height; i++)
 		skin->cutout = skin->cutout || skin->image.rgba[4 * i + 3] < 128;
+}
+
+/* assimp drops WebP textures (EXT_texture_webp) without a word, and an opaque card proves nothing about a cut-out one. */
+static void refuse_webp(const char *path)
+{
+	char *bytes = NULL;
+	size_t size = 0;
+	FILE *f = fopen(path, "rb"), *copy = open_memstream(&bytes, &size);
+	for (int c; f && copy && (c = fgetc(f)) != EOF;)
+		fputc(c, copy);
+	if (!f || !copy || fclose(copy))
+		fail(path, "cannot be read");
+	fclose(f);
+	if (memmem(bytes, size, "EXT_texture_webp", 16)) {
+		printf("%s cannot be compared: its textures are WebP, which this check does not read\n", path);
+		exit(3);
+	}
+	free(bytes);
 }
 
 static double check_frame(struct lod_raster *raster, const struct soup *soup, const struct skin *skins, const struct eco_view *view,
@@ -167,6 +181,7 @@ int main(int argc, char **argv)
 		fprintf(stderr, "usage: source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR\n");
 		return 2;
 	}
+	refuse_webp(argv[1]);
 	const struct aiScene *scene = aiImportFile(argv[1], aiProcess_Triangulate);
 	if (!scene)
 		fail(argv[1], aiGetErrorString());
