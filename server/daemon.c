@@ -1,7 +1,8 @@
 /* Wiring between the HTTP library's callbacks and exchanges, and the daemon's life.
  *
- * Order of stopping: quiesce (no connection is accepted, new requests get 503) -> work stopped (suspended connections are resumed with
- * an answer, since the library aborts on suspended ones) -> library stopped -> reaper, shared responses, listen socket. */
+ * Order of stopping: quiesce (new requests get 503, also on new connections) -> work stopped (suspended connections are resumed with
+ * an answer, since the library aborts on suspended ones) -> library stopped -> reaper, shared responses. MHD_quiesce_daemon is not
+ * used: with epoll and a pool, 0.9.75 may take the listening socket out of a set twice, and aborts. */
 #include "server/daemon.h"
 
 #include <errno.h>
@@ -22,8 +23,7 @@
 struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
-	int listen_fd;
-	bool listening;              /* the library still owns listen_fd */
+	int listen_fd;               /* -1 from when the library has it */
 	uint16_t port;
 	char url[NI_MAXHOST + 24];
 };
@@ -183,9 +183,9 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 		MHD_OPTION_NOTIFY_COMPLETED, on_completed, daemon,
 		MHD_OPTION_NOTIFY_CONNECTION, on_connection, daemon,
 		MHD_OPTION_END);
+	daemon->listen_fd = -1;
 	if (!daemon->http)
 		return eco_fail(error, ECO_IO, "cannot start the HTTP threads: %s", errno ? strerror(errno) : "not enough resources");
-	daemon->listening = true;
 	return ECO_OK;
 }
 
@@ -230,8 +230,6 @@ const char *srv_daemon_url(const struct srv_daemon *daemon)
 void srv_daemon_quiesce(struct srv_daemon *daemon)
 {
 	atomic_store(&daemon->host.draining, true);
-	if (daemon->listening && MHD_quiesce_daemon(daemon->http) != MHD_INVALID_SOCKET)
-		daemon->listening = false;       /* ours again, to be closed after the threads have ended */
 }
 
 uint32_t srv_daemon_busy(const struct srv_daemon *daemon)
@@ -243,8 +241,7 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 {
 	if (!daemon)
 		return;
-	if (daemon->http)
-		srv_daemon_quiesce(daemon);
+	srv_daemon_quiesce(daemon);
 	if (daemon->host.work)
 		srv_work_stop(daemon->host.work);
 	if (daemon->http)
@@ -252,7 +249,7 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	srv_work_free(daemon->host.work);
 	srv_reaper_stop(daemon->host.reaper);
 	srv_answer_drop_shared(daemon->host.store);
-	if (daemon->listen_fd >= 0 && !daemon->listening)
+	if (daemon->listen_fd >= 0)
 		close(daemon->listen_fd);
 	free(daemon);
 }

@@ -3,7 +3,7 @@
  *   srv_store_init(&store); srv_store_add(&store, ...);
  *   srv_daemon_start(&daemon, &config, &store, &error);
  *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
- *   srv_daemon_quiesce(daemon);               no new connections, no new requests
+ *   srv_daemon_quiesce(daemon);               new requests, /healthz too, are answered 503
  *   while (srv_daemon_busy(daemon)) wait;     what runs is finished, for as long as the caller cares to wait
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
