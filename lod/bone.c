@@ -6,6 +6,7 @@
 #include "lod/tube.h"
 
 #define SIMILAR 1.6              /* widths that may differ along one line */
+#define RING_SLACK 1.25          /* by which a line may be wider than its widest ring */
 #define CHAIN_MAX 64u            /* joints that one line may pass over */
 
 static double distance_to(struct lod_v3 p, struct lod_v3 a, struct lod_v3 b)
@@ -28,8 +29,8 @@ static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint3
 	double ring = 0;
 	for (uint32_t i = 0; i <= bones; i++)
 		ring = fmax(ring, tube->joints[chain[i]].ring);
-	double most = ring > 0 ? 1.5 * (strip ? ring : ring / LOD_PI) : sqrt(area), width = length > 0 ? area / (strip ? length : LOD_PI * length) : most;
-	return fmin(width, most);
+	double most = ring > 0 ? RING_SLACK * (strip ? ring : ring / LOD_PI) : sqrt(area);
+	return length > 0 ? fmin(area / (strip ? length : LOD_PI * length), most) : most;
 }
 
 /* May one line replace the joints of chain[0 .. bones]? Nothing passes by more than half its radius, and widths are similar. */
@@ -40,8 +41,11 @@ static bool straight(const struct lod_tube *tube, const uint32_t *chain, const u
 	for (uint32_t i = 0; i < bones; i++) {
 		const struct lod_raw_bone *raw = &tube->bones[bone[i]];
 		double length = bone_length(tube, raw), width = width_of(tube, chain + i, 1, raw->area, length, strip);
+		double ring = fmax(tube->joints[chain[i]].ring, tube->joints[chain[i + 1]].ring) / (strip ? 1 : LOD_PI);
 		if (bones > 1 && lod_v3_distance(a, b) < 0.5 * length)
 			return false;
+		if (length < ring)           /* shorter than wide: rings that tilt make its length, and so its width, a matter of chance */
+			width = ring;
 		low = fmin(low, width);
 		high = fmax(high, width);
 	}
@@ -102,8 +106,8 @@ static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t compo
 		const struct lod_joint *last = &tube->joints[chain[n]];
 		next = ECO_NONE;
 		if (last->degree == 2)
-			next = tube->bones[last->bone[0]].line == ECO_NONE ? last->bone[0] : tube->bones[last->bone[1]].line == ECO_NONE ? last->bone[1]
-				: ECO_NONE;
+			for (int k = 1; k >= 0; k--)
+				next = tube->bones[last->bone[k]].line == ECO_NONE ? last->bone[k] : next;
 	}
 }
 
@@ -118,9 +122,11 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 	/* Chains start at ends and forks; what is left afterwards are closed loops. */
 	for (int loops = 0; loops < 2; loops++)
 		for (uint32_t b = 0; b < tube->bone_count; b++)
-			for (int k = 0; k < 2; k++)
-				if (tube->bones[b].line == ECO_NONE && (loops || tube->joints[tube->bones[b].joint[k]].degree != 2))
-					lay_chain(tube, lines, component, tube->bones[b].joint[k], b, strip);
+			for (int k = 0; k < 2; k++) {
+				const struct lod_raw_bone *bone = &tube->bones[b];
+				if (bone->merged == ECO_NONE && bone->line == ECO_NONE && (loops || tube->joints[bone->joint[k]].degree != 2))
+					lay_chain(tube, lines, component, bone->joint[k], b, strip);
+			}
 }
 
 /* Each vertex counts for the nearest of the lines through its piece. */

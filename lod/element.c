@@ -35,7 +35,8 @@ static bool planar_quad(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c, struc
 {
 	struct lod_v3 normal = lod_v3_unit(lod_v3_cross(lod_v3_sub(c, a), lod_v3_sub(d, b)));
 	double size = lod_v3_distance(a, c) + lod_v3_distance(b, d);
-	bool flat = fabs(lod_v3_dot(normal, lod_v3_sub(b, a))) < PLANAR * size && fabs(lod_v3_dot(normal, lod_v3_sub(c, b))) < PLANAR * size;
+	bool flat = fabs(lod_v3_dot(normal, lod_v3_sub(b, a))) < PLANAR * size
+		&& fabs(lod_v3_dot(normal, lod_v3_sub(c, b))) < PLANAR * size;
 	double abd = lod_v3_dot(normal, lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(d, a)));
 	double bcd = lod_v3_dot(normal, lod_v3_cross(lod_v3_sub(c, b), lod_v3_sub(d, b)));
 	return flat && abd > 0 && bcd > 0;
@@ -76,7 +77,8 @@ static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 	memcpy(uv[1], mesh->uv + 6 * (size_t)u + 2 * ((j + 2) % 3), sizeof uv[1]);
 	memcpy(uv[2], mesh->uv + 6 * (size_t)t + 2 * ((k + 1) % 3), sizeof uv[2]);
 	memcpy(uv[3], mesh->uv + 6 * (size_t)t + 2 * ((k + 2) % 3), sizeof uv[3]);
-	const int32_t *ua = mesh->uv + 6 * (size_t)u + 2 * (alike ? (j + 1) % 3 : j), *uc = mesh->uv + 6 * (size_t)u + 2 * (alike ? j : (j + 1) % 3);
+	const int32_t *ua = mesh->uv + 6 * (size_t)u + 2 * (alike ? (j + 1) % 3 : j);
+	const int32_t *uc = mesh->uv + 6 * (size_t)u + 2 * (alike ? j : (j + 1) % 3);
 	struct lod_v3 p[4] = { place(mesh, a), place(mesh, b), place(mesh, c), place(mesh, d) };
 	const int32_t *corners[4] = { uv[0], uv[1], uv[2], uv[3] };
 	if (memcmp(ua, uv[0], sizeof uv[0]) || memcmp(uc, uv[2], sizeof uv[2]) || !planar_quad(p[0], p[1], p[2], p[3])
@@ -350,8 +352,10 @@ struct lod_v3 lod_element_center(const struct lod_element *element, const struct
 struct lod_v3 lod_element_normal(const struct lod_element *element, const struct lod_mesh *mesh)
 {
 	struct lod_v3 sum = { 0, 0, 0 }, a = place(mesh, element->vertex[0]);
-	for (uint32_t i = 1; i + 1 < element->corners; i++)
-		sum = lod_v3_add(sum, lod_v3_cross(lod_v3_sub(place(mesh, element->vertex[i]), a), lod_v3_sub(place(mesh, element->vertex[i + 1]), a)));
+	for (uint32_t i = 1; i + 1 < element->corners; i++) {
+		struct lod_v3 u = lod_v3_sub(place(mesh, element->vertex[i]), a), v = lod_v3_sub(place(mesh, element->vertex[i + 1]), a);
+		sum = lod_v3_add(sum, lod_v3_cross(u, v));
+	}
 	return lod_v3_scale(sum, 0.5);
 }
 

@@ -7,7 +7,7 @@
 #include "lod/sort.h"
 
 #define PAYS 0.7                 /* a level has at most this share of the next one's triangles */
-#define ERROR_MAX 0.1f           /* of the extent of what is simplified: the count decides, this only keeps it sane */
+#define LEAST 96u                /* triangles of a level: with fewer, lines tell more */
 
 /* Corners of triangles as a mesh for meshoptimizer: what differs in texture or component is a vertex of its own. */
 struct wedges {
@@ -30,10 +30,10 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	w->index = lod_arena_take(arena, 3 * (size_t)count, sizeof *w->index);
 	for (uint32_t i = 0; i < 3 * count; i++) {
 		uint32_t t = triangles[i / 3];
-		struct lod_corner c = { mesh->index[3 * (size_t)t + i % 3], mesh->component[t], { mesh->uv[6 * (size_t)t + 2 * (i % 3)],
-			mesh->uv[6 * (size_t)t + 2 * (i % 3) + 1] } };
-		uint32_t at = (uint32_t)lod_mix(c.vertex + lod_mix(c.component + lod_mix((uint64_t)(uint32_t)c.uv[0] << 32 | (uint32_t)c.uv[1])))
-			& (size - 1);
+		const int32_t *uv = mesh->uv + 6 * (size_t)t + 2 * (i % 3);
+		struct lod_corner c = { mesh->index[3 * (size_t)t + i % 3], mesh->component[t], { uv[0], uv[1] } };
+		uint64_t hash = lod_mix((uint64_t)(uint32_t)c.uv[0] << 32 | (uint32_t)c.uv[1]);
+		uint32_t at = (uint32_t)lod_mix(c.vertex + lod_mix(c.component + hash)) & (size - 1);
 		while (table[at] != ECO_NONE && memcmp(&w->corner[table[at]], &c, sizeof c))
 			at = (at + 1) & (size - 1);
 		if (table[at] == ECO_NONE) {
@@ -60,7 +60,7 @@ static bool has_area(const struct lod_mesh *mesh, const struct lod_corner *c)
 
 /* Simplifies to 1 / divisor of the triangles and appends what has area to `out`, which has room for all. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const uint32_t *triangles, uint32_t count, uint32_t divisor,
-	bool lock_border, struct lod_arena *arena)
+	double reach, bool lock_border, struct lod_arena *arena)
 {
 	if (count == 0)
 		return 0;
@@ -69,8 +69,10 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	uint32_t kept = 0;
 	make_wedges(&w, mesh, triangles, count, arena);
 	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)count, sizeof *simple);
+	float extent = meshopt_simplifyScale(w.position, w.count, 3 * sizeof(float));
+	float error = extent > 0 ? (float)(reach / mesh->step / extent) : 1;
 	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)count, w.position, w.count, 3 * sizeof(float),
-		3 * (size_t)(count / divisor), ERROR_MAX, lock_border ? meshopt_SimplifyLockBorder : 0, NULL);
+		3 * (size_t)(count / divisor), error, lock_border ? meshopt_SimplifyLockBorder : 0, NULL);
 	for (size_t i = 0; i + 2 < indices; i += 3) {
 		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]], w.corner[simple[i + 2]] };
 		if (!has_area(mesh, c))
@@ -91,11 +93,12 @@ void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, con
 	*levels = (struct lod_levels){ 0 };
 	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
 		made[i].corner = lod_arena_take(arena, 3 * (size_t)all, sizeof *made[i].corner);
-		made[i].count = simplify(made[i].corner, mesh, in->whole, in->whole_count, divisors[i], false, arena);
-		made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, in->cut, in->cut_count, divisors[i], true, arena);
+		made[i].count = simplify(made[i].corner, mesh, in->whole, in->whole_count, divisors[i], in->reach, false, arena);
+		made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, in->cut, in->cut_count, divisors[i], in->reach,
+			true, arena);
 	}
 	for (uint32_t i = LOD_LEVELS_SIMPLE; i-- > 0;) {
-		pays[i] = made[i].count > 0 && made[i].count <= PAYS * finer;
+		pays[i] = made[i].count >= LEAST && made[i].count <= PAYS * finer;
 		finer = pays[i] ? made[i].count : finer;
 	}
 	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {

@@ -20,6 +20,7 @@ struct lod_levels {
 struct lod_levels_input {
 	const uint32_t *whole, *cut; /* triangles of the mesh: of components that lie here as a whole, and of others */
 	uint32_t whole_count, cut_count;
+	double reach;                /* metres by which the surface may move; a tube's radius is where it becomes another thing */
 };
 
 /* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from `arena`. */

@@ -64,8 +64,8 @@ static void add_ball(struct field *f, struct lod_v3 p)
 	for (uint32_t z = first[2]; z <= last[2]; z++)
 		for (uint32_t y = first[1]; y <= last[1]; y++)
 			for (uint32_t x = first[0]; x <= last[0]; x++) {
-				double dx = f->low.x + x * f->cell - p.x, dy = f->low.y + y * f->cell - p.y, dz = f->low.z + z * f->cell - p.z;
-				double left = 1 - (dx * dx + dy * dy + dz * dz) * reach;
+				struct lod_v3 d = { f->low.x + x * f->cell - p.x, f->low.y + y * f->cell - p.y, f->low.z + z * f->cell - p.z };
+				double left = 1 - lod_v3_dot(d, d) * reach;
 				if (left > 0)
 					f->density[node_at(f, x, y, z)] += (float)(left * left);
 			}

@@ -220,7 +220,8 @@ static bool stands_out(const uint8_t rgb[3], struct lod_v3 majority)
 	int most = rgb[0] > rgb[1] ? rgb[0] : rgb[1], least = rgb[0] < rgb[1] ? rgb[0] : rgb[1];
 	most = most > rgb[2] ? most : rgb[2];
 	least = least < rgb[2] ? least : rgb[2];
-	bool vivid = 10 * (most - least) > 4 * most && most > 60, pale = least > 140, green = most == rgb[1] && rgb[1] > rgb[0] && rgb[1] > rgb[2];
+	bool vivid = 10 * (most - least) > 4 * most && most > 60, pale = least > 140;
+	bool green = rgb[1] > rgb[0] && rgb[1] > rgb[2];
 	return lod_v3_distance(chroma(rgb), majority) > 0.15 && !green && (vivid || pale);
 }
 

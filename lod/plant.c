@@ -82,8 +82,10 @@ static void find_groups(struct lod_build *b)
 	b->groups = lod_arena_take(&b->arena, ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1), sizeof *b->groups);
 	b->group_of_component = lod_arena_take(&b->arena, mesh->component_count, sizeof *b->group_of_component);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
-		if (b->organs.components[c].organ == ECO_ORGAN_WOOD)
-			b->group_of_component[c] = (uint32_t)(find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material)) - b->groups);
+		if (b->organs.components[c].organ == ECO_ORGAN_WOOD) {
+			struct lod_group *group = find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material));
+			b->group_of_component[c] = (uint32_t)(group - b->groups);
+		}
 	for (uint32_t i = 0; i < b->elements.count; i++) {
 		const struct lod_component *c = &b->organs.components[mesh->component[b->elements.items[b->order[i]].triangle[0]]];
 		struct lod_group *group = find_group(b, c->organ, image_of(b, c->material));
@@ -266,7 +268,8 @@ static void count_everything(struct lod_build *b)
 
 static void build_ladders(struct lod_build *b)
 {
-	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh, .organs = &b->organs, .palette = &b->palette };
+	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh, .organs = &b->organs,
+		.palette = &b->palette };
 	for (int cells = 0; cells <= (b->cells.count > 0); cells++)
 		for (uint32_t g = 0; g < b->group_count; g++) {
 			if (b->groups[g].organ == ECO_ORGAN_WOOD)

@@ -154,7 +154,8 @@ void lod_leaves_represent(struct lod_build *b)
 /* ---- Ladders ---- */
 
 /* Lists of items[0..count) under `ladder`. */
-static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items, uint32_t count)
+static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items,
+	uint32_t count)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);

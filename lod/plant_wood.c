@@ -5,6 +5,7 @@
 #include "lod/plant_state.h"
 
 #define FAR_LINES 1024u          /* of the whole plant, the largest */
+#define LEVEL_RADII 0.75         /* mean radii of the tubes by which simplified levels may differ from them */
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
@@ -64,7 +65,7 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 	const struct lod_mesh *mesh = &b->mesh;
 	uint32_t *whole = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *whole), whole_count = 0;
 	uint32_t *cut = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *cut), cut_count = 0;
-	double area = 0;
+	double area = 0, surface = 0, length = 0;
 	for (uint32_t c = 0; c < mesh->component_count; c++) {
 		bool same = true;
 		uint32_t from = whole_count;
@@ -78,6 +79,10 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 			whole[whole_count++] = t;
 			area += b->organs.area[t];
 		}
+		if (whole_count > from) {
+			surface += b->organs.components[c].area;
+			length += b->organs.components[c].length;
+		}
 		if (!same) {
 			memcpy(cut + cut_count, whole + from, (whole_count - from) * sizeof *cut);
 			cut_count += whole_count - from;
@@ -87,7 +92,8 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 	ladder->area = (float)area;
 	if (whole_count + cut_count) {
 		struct lod_levels levels;
-		lod_levels_make(&levels, mesh, &(struct lod_levels_input){ whole, cut, whole_count, cut_count }, &b->arena);
+		lod_levels_make(&levels, mesh, &(struct lod_levels_input){ whole, cut, whole_count, cut_count,
+			length > 0 ? LEVEL_RADII * surface / (2 * LOD_PI * length) : 0 }, &b->arena);
 		memcpy(whole + whole_count, cut, cut_count * sizeof *cut);
 		ladder->triangles = lod_draft_wood(&b->draft, &levels, whole, whole_count + cut_count, group->image, ladder);
 	}
@@ -99,7 +105,8 @@ static double whole_area(const struct lod_build *b, const struct lod_group *grou
 	double area = 0;
 	for (uint32_t t = 0; t < b->mesh.triangle_count; t++) {
 		uint32_t c = b->mesh.component[t];
-		if (!b->mesh.collapsed[t] && b->organs.components[c].organ == ECO_ORGAN_WOOD && &b->groups[b->group_of_component[c]] == group)
+		bool wood = b->organs.components[c].organ == ECO_ORGAN_WOOD;
+		if (wood && !b->mesh.collapsed[t] && &b->groups[b->group_of_component[c]] == group)
 			area += b->organs.area[t];
 	}
 	return area;

@@ -89,7 +89,8 @@ void lod_sample_triangle(const struct lod_sample_input *in, int32_t position[2][
 	for (int half = 0; half < 2; half++) {
 		struct weights at = choose(in, apex, half);
 		for (int k = 0; k < 3; k++)
-			position[half][k] = (int32_t)floor(at.w[0] * in->corner[0][k] + at.w[1] * in->corner[1][k] + at.w[2] * in->corner[2][k] + 0.5);
+			position[half][k] = (int32_t)floor(0.5 + at.w[0] * in->corner[0][k] + at.w[1] * in->corner[1][k]
+				+ at.w[2] * in->corner[2][k]);
 		if (in->image)
 			lod_texel_tint(texel(in, at), in->tint, rgb[half]);
 		else

@@ -53,7 +53,8 @@ bool lod_texel_hidden(const struct eco_image *image, const int32_t uv[6])
 	double area = side(p[0], p[1], p[2][0], p[2][1]), sign = area < 0 ? -1 : 1;
 	for (double y = low[1]; y <= high[1]; y++)
 		for (double x = low[0]; x <= high[0]; x++) {
-			const uint8_t *texel = image->rgba + 4 * ((size_t)wrap(y, image->height) * image->width + wrap(x, image->width));
+			size_t at = (size_t)wrap(y, image->height) * image->width + wrap(x, image->width);
+			const uint8_t *texel = image->rgba + 4 * at;
 			if (texel[3] >= 128 && (area == 0 || near_triangle(p, sign, x + 0.5, y + 0.5)))
 				return false;
 		}

@@ -8,6 +8,8 @@
 #define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
 #define FRAGMENTS_PER_TRIANGLE 8.0
 #define RING_RADII 4.0           /* how far a ring of border may reach from its centre */
+#define FOOT 0.03                /* of a component's height: the foot of a closed trunk, */
+#define FOOT_WIDTH 0.2           /* and how far across */
 #define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
 #define TIP_DEPTH 0.2            /* of a slab: what counts as a piece's end */
 
@@ -99,20 +101,32 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-struct spread { uint32_t *first, *around; struct heap heap; };
+struct spread { uint32_t *first, *around; struct heap heap; bool *source; };
 
-/* Distances along edges from a vertex, or from all of the ring that it is on: a tube starts with a ring, not with a corner. */
-static void spread_from(struct lod_tube *tube, struct spread *s, uint32_t source)
+static void start_spread(struct spread *s, const struct lod_tube *tube, struct lod_arena *arena)
+{
+	uint32_t n = tube->vertex_count;
+	*s = (struct spread){ lod_arena_take(arena, (size_t)n + 2, sizeof *s->first),
+		lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *s->around), { .item = lod_arena_take(arena, n, sizeof(uint32_t)), .at = lod_arena_take(arena, n, sizeof(uint32_t)),
+		.key = tube->level }, lod_arena_take(arena, n, sizeof *s->source) };
+	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
+		s->first[tube->corner[i] + 2]++;
+	for (uint32_t v = 2; v <= n + 1; v++)
+		s->first[v] += s->first[v - 1];
+	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
+		s->around[s->first[tube->corner[i] + 1]++] = i;
+}
+
+/* Distances along edges from all sources. */
+static void spread(struct lod_tube *tube, struct spread *s)
 {
 	for (uint32_t v = 0; v < tube->vertex_count; v++) {
-		tube->level[v] = INFINITY;
+		tube->level[v] = s->source[v] ? 0 : INFINITY;
 		s->heap.at[v] = ECO_NONE;
 	}
 	for (uint32_t v = 0; v < tube->vertex_count; v++)
-		if (v == source || (tube->ring[source] != ECO_NONE && tube->ring[v] == tube->ring[source])) {
-			tube->level[v] = 0;
+		if (s->source[v])
 			heap_set(&s->heap, v);
-		}
 	while (s->heap.count) {
 		uint32_t v = heap_pop(&s->heap);
 		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
@@ -127,31 +141,51 @@ static void spread_from(struct lod_tube *tube, struct spread *s, uint32_t source
 	}
 }
 
-/* From the lowest vertex if a tube ends there, else (a closed tube, or one that hangs with both ends up) from whatever is farthest
- * from it: that is an end. */
-static void find_distances(struct lod_tube *tube, struct lod_arena *arena)
+/* Tubes start with a ring, not with a corner: with all of the ring of border that `vertex` is on, or else, as the foot of a closed
+ * trunk, with what hangs together with it and is not higher than FOOT times `height` above it, nor farther than FOOT_WIDTH times. */
+static void set_sources(const struct lod_tube *tube, struct spread *s, uint32_t vertex, double height)
 {
-	uint32_t n = tube->vertex_count, lowest = 0, farthest = 0;
-	tube->level = lod_arena_take(arena, n, sizeof *tube->level);
+	struct lod_v3 foot = lod_tube_place(tube, vertex);
+	uint32_t *stack = s->heap.item, depth = 1;       /* the heap is empty */
+	memset(s->source, 0, tube->vertex_count * sizeof *s->source);
+	for (uint32_t v = 0; v < tube->vertex_count; v++)
+		s->source[v] = v == vertex || (tube->ring[vertex] != ECO_NONE && tube->ring[v] == tube->ring[vertex]);
+	stack[0] = vertex;
+	while (depth && tube->ring[vertex] == ECO_NONE) {
+		uint32_t v = stack[--depth];
+		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
+			for (uint32_t k = 1; k < 3; k++) {
+				uint32_t t = s->around[i] / 3, u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
+				struct lod_v3 p = lod_tube_place(tube, u);
+				if (s->source[u] || p.z > foot.z + FOOT * height || lod_v3_distance(p, foot) > FOOT_WIDTH * height)
+					continue;
+				s->source[u] = true;
+				stack[depth++] = u;
+			}
+	}
+}
+
+/* Distances from the lowest vertex, or else from what is farthest from that. */
+static void find_distances(struct lod_tube *tube, bool from_farthest, struct lod_arena *arena)
+{
+	uint32_t start = 0, farthest = 0;
+	tube->level = lod_arena_take(arena, tube->vertex_count, sizeof *tube->level);
 	struct lod_arena_piece *mark = arena->last;
-	struct spread s = { lod_arena_take(arena, (size_t)n + 2, sizeof *s.first), lod_arena_take(arena, 3 * (size_t)tube->triangle_count,
-		sizeof *s.around), { .item = lod_arena_take(arena, n, sizeof(uint32_t)), .at = lod_arena_take(arena, n, sizeof(uint32_t)),
-		.key = tube->level } };
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		s.first[tube->corner[i] + 2]++;
-	for (uint32_t v = 2; v <= n + 1; v++)
-		s.first[v] += s.first[v - 1];
-	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
-		s.around[s.first[tube->corner[i] + 1]++] = i;
-	for (uint32_t v = 1; v < n; v++)
-		lowest = lod_tube_place(tube, v).z < lod_tube_place(tube, lowest).z ? v : lowest;
-	spread_from(tube, &s, lowest);
-	if (tube->ring[lowest] == ECO_NONE) {
-		for (uint32_t v = 1; v < n; v++)
+	struct spread s;
+	start_spread(&s, tube, arena);
+	for (uint32_t v = 1; v < tube->vertex_count; v++)
+		start = lod_tube_place(tube, v).z < lod_tube_place(tube, start).z ? v : start;
+	set_sources(tube, &s, start, (double)tube->component->high[2] - tube->component->low[2]);
+	spread(tube, &s);
+	if (from_farthest) {
+		for (uint32_t v = 1; v < tube->vertex_count; v++)
 			farthest = tube->level[v] > tube->level[farthest] ? v : farthest;
-		spread_from(tube, &s, farthest);
+		start = farthest;
+		set_sources(tube, &s, start, 0);
+		spread(tube, &s);
 	}
 	lod_arena_release(arena, mark);
+	tube->closed_start = tube->ring[start] == ECO_NONE;
 }
 
 /* Levels in slabs instead of metres; slabs as thick as a few radii, thicker where triangles would fall into too many pieces. */
@@ -280,7 +314,7 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 
 /* ---- Joints ---- */
 
-struct crossing { struct lod_v3 middle; double length; bool open; };
+struct crossing { struct lod_v3 middle; double length; uint32_t slab; bool open; };
 
 /* Where level s crosses edge k of t. */
 static bool cross_edge(const struct lod_tube *tube, uint32_t t, uint32_t k, uint32_t s, struct lod_v3 *at)
@@ -317,6 +351,7 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 			assert(n == 2);
 			c->middle = lod_v3_mix(p[0], p[1], 0.5);
 			c->length = lod_v3_distance(p[0], p[1]);
+			c->slab = s;
 			by[count] = (struct lod_keyed){ (uint64_t)piece_of(tube, fragment(tube, t, s - 1)) << 32
 				| piece_of(tube, fragment(tube, t, s)), count };
 			count++;
@@ -327,7 +362,7 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 	tube->joints = lod_arena_take(arena, (size_t)count + 2 * (size_t)most, sizeof *tube->joints);
 	for (uint32_t i = 0, end; i < count; i = end) {
 		struct lod_joint *j = &tube->joints[tube->joint_count++];
-		*j = (struct lod_joint){ .piece = { (uint32_t)(by[i].key >> 32), (uint32_t)by[i].key } };
+		*j = (struct lod_joint){ .piece = { (uint32_t)(by[i].key >> 32), (uint32_t)by[i].key }, .slab = crossings[by[i].value].slab };
 		double weight = 0;
 		for (end = i; end < count && by[end].key == by[i].key; end++) {
 			const struct crossing *c = &crossings[by[end].value];
@@ -339,6 +374,16 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 		}
 		j->place = lod_v3_scale(j->place, 1 / weight);
 	}
+}
+
+/* Does the surface part in two within the first slabs? Then the start is in the middle of a tube that hangs with both ends up, not at
+ * an end. */
+static bool starts_in_the_middle(const struct lod_tube *tube)
+{
+	for (uint32_t i = 1; i < tube->joint_count; i++)     /* sorted by the piece below */
+		if (tube->joints[i].piece[0] == tube->joints[i - 1].piece[0] && tube->joints[i].slab <= 2)
+			return true;
+	return false;
 }
 
 struct tip { double level; struct lod_v3 sum; uint32_t count; bool open; };
@@ -375,7 +420,7 @@ static struct tip *find_tips(struct lod_tube *tube, int sign, struct lod_arena *
 static uint32_t add_end(struct lod_tube *tube, uint32_t piece, const struct tip *tip, bool top)
 {
 	tube->joints[tube->joint_count] = (struct lod_joint){ .place = lod_v3_scale(tip->sum, 1.0 / tip->count),
-		.piece = { top ? piece : ECO_NONE, top ? ECO_NONE : piece } };
+		.piece = { top ? piece : ECO_NONE, top ? ECO_NONE : piece }, .fixed = tip->open };
 	return tube->joint_count++;
 }
 
@@ -411,12 +456,16 @@ static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_k
 			add_bone(tube, root, by[i].value, piece);
 	if (!above && root != ECO_NONE && tops[piece].count)
 		add_bone(tube, root, add_end(tube, piece, &tops[piece], true), piece);
-	for (uint32_t b = start; b < tube->bone_count; b++)
-		total += lod_v3_distance(tube->joints[tube->bones[b].joint[0]].place, tube->joints[tube->bones[b].joint[1]].place);
-	for (uint32_t b = start; b < tube->bone_count; b++) {
-		double length = lod_v3_distance(tube->joints[tube->bones[b].joint[0]].place, tube->joints[tube->bones[b].joint[1]].place);
-		tube->bones[b].area = tube->area[piece] * (total > 0 ? length / total : 1.0 / (tube->bone_count - start));
-	}
+	/* Each bone gets area by its length and its rings. */
+	for (int pass = 0; pass < 2; pass++)
+		for (uint32_t b = start; b < tube->bone_count; b++) {
+			const struct lod_joint *from = &tube->joints[tube->bones[b].joint[0]], *to = &tube->joints[tube->bones[b].joint[1]];
+			double share = lod_v3_distance(from->place, to->place) * (from->ring + 2 * to->ring + tube->component->radius);
+			if (pass == 0)
+				total += share;
+			else
+				tube->bones[b].area = tube->area[piece] * (total > 0 ? share / total : 1.0 / (tube->bone_count - start));
+		}
 }
 
 static void find_bones(struct lod_tube *tube, struct lod_arena *arena)
@@ -439,28 +488,94 @@ static void find_bones(struct lod_tube *tube, struct lod_arena *arena)
 	}
 }
 
-/* Rings tilt where a tube bends, since its inner side is shorter. At an open end that leaves a stub, shorter than wide: the bone before
- * it takes over its end and area. */
-static void merge_stubs(struct lod_tube *tube)
+/* ---- Stubs ---- */
+
+static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone *bone)
 {
-	for (uint32_t b = 0; b < tube->bone_count; b++) {
-		struct lod_raw_bone *stub = &tube->bones[b];
-		for (int k = 0; k < 2; k++) {
-			struct lod_joint *end = &tube->joints[stub->joint[k]], *inner = &tube->joints[stub->joint[1 - k]];
-			double wide = fmax(tube->component->radius, STUB / LOD_PI * fmax(inner->ring, end->ring));
-			if (end->degree != 1 || inner->degree != 2 || lod_v3_distance(end->place, inner->place) > wide)
-				continue;
-			uint32_t other = inner->bone[0] == b ? inner->bone[1] : inner->bone[0];
-			struct lod_raw_bone *before = &tube->bones[other];
-			before->joint[before->joint[0] == stub->joint[k ? 0 : 1] ? 0 : 1] = stub->joint[k];
-			before->area += stub->area;
-			end->bone[0] = other;
-			end->ring = inner->ring;
-			inner->degree = 0;
-			stub->merged = other;
-			stub->line = UINT32_MAX - 1;
-			break;
+	return lod_v3_distance(tube->joints[bone->joint[0]].place, tube->joints[bone->joint[1]].place);
+}
+
+/* Degrees and bones of joints, without the bones that were merged. */
+static void link_joints(struct lod_tube *tube)
+{
+	for (uint32_t j = 0; j < tube->joint_count; j++)
+		tube->joints[j].degree = 0;
+	for (uint32_t b = 0; b < tube->bone_count; b++)
+		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
+			struct lod_joint *j = &tube->joints[tube->bones[b].joint[k]];
+			if (j->degree < 2)
+				j->bone[j->degree] = b;
+			j->degree++;
 		}
+}
+
+/* A bone that ends in nothing and is shorter than it is wide: the inner joint, or ECO_NONE. */
+static uint32_t stub_at(const struct lod_tube *tube, uint32_t b, int k)
+{
+	const struct lod_raw_bone *bone = &tube->bones[b];
+	const struct lod_joint *end = &tube->joints[bone->joint[k]], *inner = &tube->joints[bone->joint[1 - k]];
+	double wide = fmax(tube->component->radius, STUB / LOD_PI * fmax(inner->ring, end->ring));
+	return end->degree == 1 && inner->degree > 1 && bone_length(tube, bone) <= wide ? bone->joint[1 - k] : ECO_NONE;
+}
+
+static void merge(struct lod_tube *tube, uint32_t stub, uint32_t into)
+{
+	tube->bones[into].area += tube->bones[stub].area;
+	tube->bones[stub].merged = into;
+}
+
+/* At a fork a stub is a bump of the surface: it goes, and the longest bone there gets its area. */
+static void drop_bumps(struct lod_tube *tube)
+{
+	for (uint32_t j = 0; j < tube->joint_count; j++)
+		tube->joints[j].longest = ECO_NONE;
+	for (uint32_t b = 0; b < tube->bone_count; b++)
+		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
+			struct lod_joint *j = &tube->joints[tube->bones[b].joint[k]];
+			if (j->longest == ECO_NONE || bone_length(tube, &tube->bones[b]) > bone_length(tube, &tube->bones[j->longest]))
+				j->longest = b;
+		}
+	for (uint32_t b = 0; b < tube->bone_count; b++)
+		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
+			uint32_t inner = stub_at(tube, b, k);
+			if (inner == ECO_NONE || tube->joints[inner].degree < 3 || tube->joints[inner].longest == b)
+				continue;
+			merge(tube, b, tube->joints[inner].longest);
+			tube->joints[inner].degree--;
+		}
+}
+
+/* Rings tilt where a tube bends, since its inner side is shorter, and that leaves a stub at its end: the bone before it takes over its
+ * area, and reaches as far along its own axis. */
+static void drop_ends(struct lod_tube *tube)
+{
+	for (uint32_t b = 0; b < tube->bone_count; b++)
+		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
+			uint32_t inner = stub_at(tube, b, k), end = tube->bones[b].joint[k];
+			if (inner == ECO_NONE || tube->joints[inner].degree != 2)
+				continue;
+			struct lod_joint *j = &tube->joints[inner];
+			uint32_t other = j->bone[0] == b ? j->bone[1] : j->bone[0];
+			struct lod_raw_bone *before = &tube->bones[other];
+			struct lod_v3 far = tube->joints[before->joint[before->joint[0] == inner]].place;
+			struct lod_v3 axis = lod_v3_unit(lod_v3_sub(j->place, far)), *tip = &tube->joints[end].place;
+			if (!tube->joints[end].fixed && bone_length(tube, before) > bone_length(tube, &tube->bones[b]))
+				*tip = lod_v3_add(j->place, lod_v3_scale(axis, fmax(0, lod_v3_dot(axis, lod_v3_sub(*tip, j->place)))));
+			tube->joints[end].ring = j->ring;
+			tube->joints[end].bone[0] = other;
+			before->joint[before->joint[0] == inner ? 0 : 1] = end;
+			j->degree = 0;
+			merge(tube, b, other);
+		}
+}
+
+static void drop_stubs(struct lod_tube *tube)
+{
+	for (int round = 0; round < 3; round++) {
+		drop_bumps(tube);
+		link_joints(tube);
+		drop_ends(tube);
+		link_joints(tube);
 	}
 }
 
@@ -486,14 +601,18 @@ static void open_tube(struct lod_tube *tube, const struct lod_mesh *mesh, const 
 void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
 	struct lod_arena *arena)
 {
-	open_tube(tube, mesh, organs, c, local, arena);
-	find_rings(tube, arena);
-	find_distances(tube, arena);
-	scale_levels(tube);
-	cut_slabs(tube, arena);
-	find_joints(tube, arena);
+	for (int from_farthest = 0; from_farthest < 2; from_farthest++) {
+		open_tube(tube, mesh, organs, c, local, arena);
+		find_rings(tube, arena);
+		find_distances(tube, from_farthest, arena);
+		scale_levels(tube);
+		cut_slabs(tube, arena);
+		find_joints(tube, arena);
+		if (!tube->closed_start || !starts_in_the_middle(tube))
+			break;
+	}
 	find_bones(tube, arena);
-	merge_stubs(tube);
+	drop_stubs(tube);
 }
 
 uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k)

@@ -20,6 +20,7 @@ struct lod_tube {
 	uint32_t *offset;            /* per triangle: its fragments are offset[t] .. offset[t + 1), one for each slab it reaches into */
 	uint32_t *parent;            /* per fragment: union-find, the roots are slab pieces */
 	double *area;                /* per fragment, summed into roots */
+	bool closed_start;           /* distances do not start from a ring of border */
 	uint32_t joint_count, bone_count;
 	struct lod_joint *joints;
 	struct lod_raw_bone *bones;
@@ -29,7 +30,10 @@ struct lod_joint {
 	struct lod_v3 place;
 	double ring, open;           /* length of the ring (0 at an end), and whether it is a strip's (open) */
 	uint32_t piece[2];           /* below and above; ECO_NONE beyond an end */
+	uint32_t slab;               /* of the piece above */
+	bool fixed;                  /* the centre of an open end */
 	uint32_t degree, bone[2];    /* of the first two bones */
+	uint32_t longest;            /* bone */
 };
 
 struct lod_raw_bone {

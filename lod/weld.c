@@ -181,7 +181,8 @@ static bool same(const struct lod_mesh *mesh, uint32_t s, uint32_t t)
 	ascending(a, i);
 	ascending(b, j);
 	for (int k = 0; k < 3; k++)
-		if (a[i[k]] != b[j[k]] || memcmp(mesh->uv + 6 * (size_t)s + 2 * i[k], mesh->uv + 6 * (size_t)t + 2 * j[k], 2 * sizeof(int32_t)))
+		if (a[i[k]] != b[j[k]]
+			|| memcmp(mesh->uv + 6 * (size_t)s + 2 * i[k], mesh->uv + 6 * (size_t)t + 2 * j[k], 2 * sizeof(int32_t)))
 			return false;
 	return mesh->material[s] == mesh->material[t];
 }
@@ -215,7 +216,8 @@ static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model,
 			at = (at + 1) & (size - 1);
 		if (table[at] != ECO_NONE) {
 			mesh->dropped[ECO_DROP_DUPLICATE]++;
-		} else if (image && lod_mesh_material(model, mesh->material[t])->cutout && lod_texel_hidden(image, mesh->uv + 6 * (size_t)t)) {
+		} else if (image && lod_mesh_material(model, mesh->material[t])->cutout
+			&& lod_texel_hidden(image, mesh->uv + 6 * (size_t)t)) {
 			mesh->dropped[ECO_DROP_TRANSPARENT]++;
 		} else {
 			move_triangle(mesh, t, kept);
