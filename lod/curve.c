@@ -145,9 +145,10 @@ static enum eco_code loss_at(struct search *search, int step, double *loss, stru
 			return code;
 		struct lod_probe_result result;
 		lod_probe_compare(search->curve->probe, search->stride, &result);
-		/* more wrong pixels than there are to cover: worse than nothing, whatever Q says (a few leaves of a sparse crown, blown up) */
-		double wrong = result.fp + result.fn;
-		*known = wrong > 1 ? wrong : result.loss;
+		/* Minimising 1 - Q may accept more wrong pixels than there are to cover (a few leaves of a sparse crown, blown up). Capping
+		 * fp + fn at 1 was tried: plants hide each other's false positives, so scenes lose by it (a meadow at 200,000 vertices Q 0.28
+		 * instead of 0.30, a forest skill 0.80 instead of 0.84). */
+		*known = result.loss;
 	}
 	*loss = *known;
 	return ECO_OK;
