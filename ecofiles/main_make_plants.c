@@ -223,16 +223,29 @@ static void *work_on(void *ctx)
 	}
 }
 
+/* Importers fork. The C library's allocator allows for that while other threads run; that of the address sanitizer does not, and a
+ * child may wait for its lock for good: under it there is one thread. */
+static uint32_t thread_count(const struct make *m)
+{
+#ifdef __SANITIZE_ADDRESS__
+	uint32_t most = 1;
+#else
+	uint32_t most = 64;
+#endif
+	long processors = sysconf(_SC_NPROCESSORS_ONLN);
+	uint32_t jobs = m->options->jobs ? m->options->jobs : processors > 0 ? (uint32_t)processors : 1;
+	jobs = jobs > most ? most : jobs;
+	return jobs > m->plant_count ? m->plant_count : jobs;
+}
+
 static enum eco_code build_plants(struct make *m)
 {
-	long processors = sysconf(_SC_NPROCESSORS_ONLN);
-	uint32_t jobs = m->options->jobs ? m->options->jobs : processors > 0 ? (uint32_t)processors : 1, started = 0;
+	uint32_t jobs = thread_count(m), started = 0;
 	struct work work = { .m = m, .lock = PTHREAD_MUTEX_INITIALIZER,
 		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
 	pthread_t threads[64];
 	if (!work.share)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
-	jobs = jobs > 64 ? 64 : jobs > m->plant_count ? m->plant_count : jobs;
 	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
 		started++;
 	work_on(&work);
