@@ -109,7 +109,7 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 		struct gen_v3 side = gen_unit(gen_cross(way, gen_v3(0, 0, 1)));
 		struct gen_v3 out = i + 1 == sprays ? way : gen_add(gen_mul(side, i % 2 ? 1 : -1), gen_mul(way, gen_random_in(random, 0.5, 0.9)));
 		out.z += gen_random_in(random, -0.35, 0.10);
-		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8, 1.2) * (0.3 + 0.7 * gen_clamp(length, 0, 1));
+		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8, 1.2) * (0.4 + 0.6 * gen_clamp(length, 0, 1));
 		gen_leaf(mesh, (uint8_t)(w->leaf + shade_of(0.25 + 0.55 * t, w->shades, random)), &(struct gen_leaf){ .at = foot, .along = out,
 			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)), .length = size, .width = w->needle_width,
 			.bend = 0.2, .shape = GEN_LEAF_RHOMB });
@@ -129,14 +129,14 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, RINGS, 8 });
 	for (uint32_t ring = 0; z < w->height - 0.12; ring++) {
 		double t = (z - w->base) / (w->height - w->base), left = 1 - t;
-		uint32_t n = w->branches - (t > 0.8) + (uint32_t)(gen_random_bits(random) % 2);
+		uint32_t n = (uint32_t)(w->branches * (0.55 + 0.45 * left) + gen_random_unit(random));
 		for (uint32_t i = 0; i < n; i++) {
 			double length = w->radius * (0.10 + 0.90 * left) * gen_smooth(-0.18, 0.14, t) * gen_random_in(random, 0.78, 1.06);
 			double azimuth = 137.5 * ring + 360.0 * i / n + gen_random_in(random, -12, 12);
 			grow_bough(mesh, w, gen_v3(0, 0, z + gen_random_in(random, -0.06, 0.06)), azimuth,
 				w->droop_deg + (w->rise_deg - w->droop_deg) * t * t + gen_random_in(random, -5, 5), length, random);
 		}
-		z += w->gap_m * (0.45 + 0.75 * left);
+		z += w->gap_m * (0.70 + 0.50 * left);
 	}
 }
 

@@ -411,7 +411,7 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 	struct text text;
 	enum eco_code code = write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, half_m + 60, 4, error);
+		code = write_ground(layout, &terrain, half_m + 200, 5, error);
 	const struct look looks[] = {
 		{ 0, { 0.6 * half_m, -half_m - 60, 0.55 * half_m + 45 }, { 0, -0.1 * half_m, 8 }, 45 },
 		{ 3, { 0.25 * half_m, -0.8 * half_m - 20, 32 }, { 0, 0.1 * half_m, 6 }, 48 },
@@ -438,7 +438,7 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 /* ---- Meadow ---- */
 
 #define PATCH_M 5.0
-#define PATCH_PLANTS 42
+#define PATCH_PLANTS 52
 
 /* An eco file of its own, around its origin: grasses of two kinds, and flowers as its kind has them. */
 static enum eco_code write_patch(struct gen_layout *layout, const char *name, const char *const plants[], const double shares[],
@@ -448,11 +448,13 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 	struct stand stand;
 	struct text text;
 	char path[64];
-	enum eco_code code = stand_open(&stand, PATCH_PLANTS, PATCH_M / 2, 1, error);
+	enum eco_code code = stand_open(&stand, PATCH_PLANTS, PATCH_M, 1, error);
 	if (code)
 		return code;
 	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
-		double x = gen_random_in(&layout->random, -PATCH_M / 2, PATCH_M / 2), y = gen_random_in(&layout->random, -PATCH_M / 2, PATCH_M / 2);
+		/* a disc a little larger than its share of the meadow, so that turned patches close up */
+		double azimuth = gen_random_in(&layout->random, 0, 360), r = 0.66 * PATCH_M * sqrt(gen_random_unit(&layout->random));
+		double x = r * gen_heading(azimuth, 0).x, y = r * gen_heading(azimuth, 0).y;
 		double pick = gen_random_unit(&layout->random);
 		uint32_t kind = 0, at = stand.count;
 		while (plants[kind + 1] && (pick -= shares[kind]) >= 0)
@@ -510,14 +512,14 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 	static const char *const names[] = { "oak", "birch", "shrub", "grass", "turf", "daisy", "poppy", "cornflower", NULL };
 	static const char *const trees[] = { "oak", "birch", "shrub", NULL };
 	double half_m = 0.5 * PATCH_M * ceil(sqrt((double)layout->plants / PATCH_PLANTS));
-	struct gen_terrain terrain = { layout->options->seed + 17, 0.035 * (2 * half_m > 120 ? 120 : 2 * half_m), 60, 0.15, 25 };
+	struct gen_terrain terrain = { layout->options->seed + 17, 4, 95, 0.15, 25 };
 	struct gen_instance standing[48];
 	struct stand stand;
 	struct text text;
 	uint32_t count = 0, wanted = (uint32_t)gen_clamp(6 + layout->plants / 2000.0, 6, 48);
 	enum eco_code code = write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, half_m + 20, 2, error);
+		code = write_ground(layout, &terrain, half_m + 160, 4, error);
 	const struct look looks[] = {
 		{ 0, { 0.7 * half_m, -1.5 * half_m - 8, 0.6 * half_m + 6 }, { 0, 0, 0 }, 45 }, { 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
 		{ 6, { 0, -0.6 * half_m, 1.2 }, { -1, -0.6 * half_m + 9, 0.5 }, 55 } };
