@@ -78,6 +78,25 @@ static void linden(struct gen_mesh *mesh, struct gen_random *random)
 		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
 }
 
+/* Grown in a stand: a long stem, a narrow crown above its neighbours' shade. */
+static void beech(struct gen_mesh *mesh, struct gen_random *random)
+{
+	uint8_t bark = gen_material(mesh, "bark", 128, 124, 114, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 36, 64, 24 }, (uint8_t[]){ 124, 160, 58 }, 6);
+	grow_broad(mesh, &(struct gen_crown){ .height = 22, .base = 8.5, .radius = 3.6, .trunk_radius = 0.24, .lean = 0.8, .lobes = 13,
+		.shoots = 200, .cone = 0.2 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.8,
+		.leaf_m = 0.36, .width_m = 0.24, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
+}
+
+static void maple(struct gen_mesh *mesh, struct gen_random *random)
+{
+	uint8_t bark = gen_material(mesh, "bark", 104, 94, 80, NULL);
+	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
+	grow_broad(mesh, &(struct gen_crown){ .height = 20, .base = 7, .radius = 3.2, .trunk_radius = 0.2, .lean = 0.6, .lobes = 12,
+		.shoots = 170, .cone = 0.35 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
+		.twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
+}
+
 /* ---- Conifers ---- */
 
 struct whorls {
@@ -343,7 +362,8 @@ static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
 }
 
 const struct gen_plant gen_plants[] = {
-	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden }, { "spruce", NULL, spruce }, { "pine", NULL, pine },
+	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden }, { "beech", NULL, beech },
+	{ "maple", "spray.png", maple }, { "spruce", NULL, spruce }, { "pine", NULL, pine },
 	{ "palm", NULL, palm }, { "fern", NULL, fern }, { "shrub", "leaf.png", shrub }, { "azalea", NULL, azalea }, { "grass", NULL, grass },
 	{ "turf", NULL, turf }, { "daisy", NULL, daisy }, { "poppy", NULL, poppy }, { "cornflower", NULL, cornflower },
 };

@@ -309,7 +309,7 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 /* ---- Forest ---- */
 
 static const struct species { const char *code, *plant; double niche; } forest_species[] = {
-	{ "QURO", "oak", 0.15 }, { "TICO", "linden", 0.35 }, { "BEPE", "birch", 0.55 }, { "PISY", "pine", 0.72 }, { "PIAB", "spruce", 0.9 },
+	{ "FASY", "beech", 0.15 }, { "ACPS", "maple", 0.35 }, { "BEPE", "birch", 0.55 }, { "PISY", "pine", 0.72 }, { "PIAB", "spruce", 0.9 },
 };
 #define SPECIES (sizeof forest_species / sizeof *forest_species)
 
@@ -344,7 +344,7 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 		return code;
 	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
-		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08), room = 1.0 + 0.0078 * dbh;
+		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08), room = 1.3 + 0.0080 * dbh;
 		for (int attempt = 0; attempt < 24; attempt++) {
 			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!stand_add(stand, x, y, room))
@@ -402,9 +402,9 @@ static void print_forest(FILE *out, const char *const names[])
 
 enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 {
-	static const char *const names[] = { "oak", "linden", "birch", "pine", "spruce", "shrub", "fern", NULL };
+	static const char *const names[] = { "beech", "maple", "birch", "pine", "spruce", "shrub", "fern", NULL };
 	uint32_t low = layout->plants / 3, trees = layout->plants - low;
-	double half_m = 0.5 * sqrt(trees / 0.075);           /* 750 stems a hectare */
+	double half_m = 0.5 * sqrt(trees / 0.060);           /* 600 stems a hectare */
 	half_m = half_m < 8 ? 8 : half_m;
 	struct gen_terrain terrain = { layout->options->seed + 13, 38, 170, 5, 48 };
 	struct stand stand;
@@ -414,12 +414,12 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 		code = write_ground(layout, &terrain, half_m + 200, 5, error);
 	const struct look looks[] = {
 		{ 0, { 0.6 * half_m, -half_m - 60, 0.55 * half_m + 45 }, { 0, -0.1 * half_m, 8 }, 45 },
-		{ 3, { 0.25 * half_m, -0.8 * half_m - 20, 32 }, { 0, 0.1 * half_m, 6 }, 48 },
-		{ 6, { 0, -0.15 * half_m, 1.7 }, { -2, 0.15 * half_m + 12, 5 }, 60 } };
+		{ 3, { 0.25 * half_m, -1.0 * half_m - 30, 18 }, { 0, 0, 10 }, 48 },
+		{ 6, { 0, -half_m - 4, 1.7 }, { -4, -half_m + 26, 6 }, 60 } };
 	if (!code)
 		code = write_camera(layout, &terrain, looks, 3, error);
 	if (!code)
-		code = stand_open(&stand, layout->plants, half_m, 6.5, error);
+		code = stand_open(&stand, layout->plants, half_m, 6.9, error);
 	if (code)
 		return code;
 	code = progress(layout, "stems", 0.85, error);
