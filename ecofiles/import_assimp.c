@@ -128,6 +128,7 @@ struct soup {
 	uint32_t *tint_key, tint_count;      /* of the materials from base_materials on */
 	uint32_t base_materials;
 	uint64_t hidden;
+	uint32_t averaged;                   /* textured meshes whose vertex colours differ */
 	double *corners;                     /* scratch of one polygon: 3 each */
 	uint32_t *split;                     /* its ring, then its triangles */
 	struct eco_error *error;
@@ -195,8 +196,7 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 	}
 }
 
-/* The material of a triangle with vertex colours: the mesh's material times the mean colour, in eight steps a channel, or exactly
- * where the whole mesh has one colour. White changes nothing. */
+/* A material times a colour. White changes nothing. */
 static uint32_t tinted(struct soup *s, uint32_t material, const uint8_t rgb[3])
 {
 	struct eco_model *m = s->model;
@@ -253,32 +253,57 @@ static bool one_color(const struct aiMesh *mesh)
 	return true;
 }
 
-static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, bool uniform)
+/* The one material of all the mesh's triangles; ECO_NONE where their vertex colours make several. A textured mesh gets the mean of its
+ * colours: every other colour would be another image, and would cut leaves and branches into pieces. */
+static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
+{
+	const struct aiColor4D *colors = mesh->mColors[0];
+	bool one = colors == NULL || one_color(mesh);
+	double sum[3] = { 0, 0, 0 };
+	uint8_t rgb[3];
+
+	if (colors == NULL || mesh->mNumVertices == 0)
+		return mesh->mMaterialIndex;
+	if (!one && s->model->materials[mesh->mMaterialIndex].image == ECO_NONE)
+		return ECO_NONE;
+	s->averaged += !one;
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		sum[0] += colors[i].r;
+		sum[1] += colors[i].g;
+		sum[2] += colors[i].b;
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = color_byte(s, (float)(sum[k] / mesh->mNumVertices));
+	return tinted(s, mesh->mMaterialIndex, rgb);
+}
+
+/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps a channel. */
+static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
 {
 	uint8_t rgb[3];
 
-	if (mesh->mColors[0] == NULL)
-		return mesh->mMaterialIndex;
+	if (whole != ECO_NONE)
+		return whole;
 	for (int c = 0; c < 3; c++)
 		if (v[c] >= mesh->mNumVertices)
 			return mesh->mMaterialIndex;
 	mean_color(s, mesh->mColors[0], v, rgb);
-	for (int k = 0; k < 3 && !uniform; k++)
+	for (int k = 0; k < 3; k++)
 		rgb[k] = (uint8_t)((rgb[k] * 7 + 127) / 255 * 255 / 7);
 	return tinted(s, mesh->mMaterialIndex, rgb);
 }
 
-static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], bool uniform)
+static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
 {
 	struct eco_model *m = s->model;
 
 	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not become one into the next */
 		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
-	m->material[m->triangle_count++] = face_material(s, mesh, v, uniform);
+	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
 }
 
 /* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
-static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, bool uniform)
+static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t whole)
 {
 	unsigned n = face->mNumIndices;
 	uint32_t *triangles = s->split + n;
@@ -298,7 +323,7 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 		const uint32_t fan[3] = { 0, i + 1, i + 2 }, *t = sound ? &triangles[i * 3] : fan;
 		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
 
-		add_triangle(s, mesh, v, uniform);
+		add_triangle(s, mesh, v, whole);
 	}
 }
 
@@ -307,7 +332,7 @@ static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *w
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	struct eco_model *m = s->model;
 	uint64_t triangles = mesh_triangles(mesh);
-	bool uniform = mesh->mColors[0] != NULL && one_color(mesh);
+	uint32_t whole;
 
 	m->triangles_in += (uint32_t)triangles;
 	if (s->invisible[mesh->mMaterialIndex]) {
@@ -315,12 +340,13 @@ static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *w
 		s->hidden += triangles;
 		return;
 	}
+	whole = mesh_material(s, mesh);
 	add_vertices(s, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		if (mesh->mFaces[i].mNumIndices == 3)
-			add_triangle(s, mesh, mesh->mFaces[i].mIndices, uniform);
+			add_triangle(s, mesh, mesh->mFaces[i].mIndices, whole);
 		else if (mesh->mFaces[i].mNumIndices > 3)
-			add_polygon(s, mesh, &mesh->mFaces[i], uniform);
+			add_polygon(s, mesh, &mesh->mFaces[i], whole);
 	m->vertex_count += mesh->mNumVertices;
 }
 
@@ -442,6 +468,8 @@ static enum eco_code read_scene(struct eco_model *model, const struct aiScene *s
 	if (soup.hidden > 0)
 		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
 			(unsigned long long)soup.hidden);
+	if (soup.averaged > 0)
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", soup.averaged);
 	free(soup.tint_key);
 	free(soup.corners);
 	free(soup.split);

@@ -1,7 +1,9 @@
 /* Materials and their images: one colour, one base colour image, cut out or not. All shading beyond that is left behind.
  *
  * Alpha: a glTF material says OPAQUE (alpha does not count), MASK with a cutoff, or BLEND; other formats count alpha wherever there
- * is some. Cutoff and the material's own alpha go into the texels, so that 128 is the threshold everywhere after this. */
+ * is some. Cutoff and the material's own alpha go into the texels, so that 128 is the threshold everywhere after this. Lists of
+ * triangles say which image they have, not whether its alpha counts: an image that is not cut out is 255 all over, and a texture
+ * that is used both ways becomes two images. */
 #include "ecofiles/import_model.h"
 
 #include <assimp/GltfMaterial.h>
@@ -15,7 +17,7 @@
 
 #include "ecofiles/image.h"
 
-#define IMAGES_MAX 1024u
+#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, however the two were rounded */
 #define ALL_PIXELS_MAX ((uint64_t)1 << 28)
 
 enum alpha { ALPHA_BY_IMAGE, ALPHA_OPAQUE, ALPHA_MASK };
@@ -158,7 +160,7 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 		}
 }
 
-/* Applies the key's alpha rule; returns whether any texel is cut out. */
+/* Applies the key's alpha rule; returns whether any texel is cut out. Where none is, alpha is 255. */
 static bool apply_alpha(struct eco_image *image, const struct image_key *key)
 {
 	size_t count = (size_t)image->width * image->height;
@@ -166,14 +168,14 @@ static bool apply_alpha(struct eco_image *image, const struct image_key *key)
 	bool cutout = false;
 
 	for (int i = 0; i < 256; i++) {
-		double alpha = i * (double)key->gain;
+		double alpha = i * (double)key->gain + ALPHA_SLACK;
 
 		table[i] = key->alpha == ALPHA_OPAQUE ? 255 : alpha < 255 ? (uint8_t)(alpha + 0.5) : 255;
 	}
-	for (size_t i = 0; i < count; i++) {
-		image->rgba[i * 4 + 3] = table[image->rgba[i * 4 + 3]];
-		cutout |= image->rgba[i * 4 + 3] < 128;
-	}
+	for (size_t i = 0; i < count && !cutout; i++)
+		cutout = table[image->rgba[i * 4 + 3]] < 128;
+	for (size_t i = 0; i < count; i++)
+		image->rgba[i * 4 + 3] = cutout ? table[image->rgba[i * 4 + 3]] : 255;
 	return cutout;
 }
 
@@ -220,7 +222,7 @@ static uint32_t image_for(struct reader *r, struct image_key *key)
 
 	while (i < m->image_count && !same_key(&r->keys[i], key))
 		i++;
-	if (i < m->image_count || m->image_count == IMAGES_MAX) {
+	if (i < m->image_count || m->image_count == ECO_MODEL_IMAGES_MAX) {
 		free(key->texture);
 		free(key->opacity);
 	} else {
@@ -269,7 +271,9 @@ static enum alpha alpha_mode(const struct reader *r, const struct aiMaterial *fr
 	if (strcmp(mode.data, "MASK") == 0) {
 		float cutoff = number_of(from, "$mat.gltf.alphaCutoff", 0.5f);
 
-		*gain = cutoff > 0.001f ? 0.5f / cutoff : 512;
+		if (cutoff <= 0)             /* nothing is below it */
+			return ALPHA_OPAQUE;
+		*gain = 0.5f / fmaxf(cutoff, 1e-6f);
 		return ALPHA_MASK;
 	}
 	return ALPHA_BY_IMAGE;
@@ -331,7 +335,7 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	key.alpha = alpha_mode(r, from, &key.gain);
 	if (key.alpha != ALPHA_OPAQUE)
 		key.gain *= color.a;
-	*invisible = key.alpha != ALPHA_OPAQUE && key.gain < 0.5f;
+	*invisible = key.alpha != ALPHA_OPAQUE && key.gain * 255 + ALPHA_SLACK < 127.5;
 	to->image = ECO_NONE;
 	key.texture = *invisible ? NULL : texture_name(from, aiTextureType_BASE_COLOR, channel);
 	if (key.texture == NULL && !*invisible)
@@ -361,8 +365,8 @@ enum eco_code eco_assimp_materials(struct eco_model *model, const struct aiScene
 	struct reader r = { .model = model, .scene = scene, .file = file, .notes = notes };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
-	model->images = calloc(IMAGES_MAX, sizeof *model->images);
-	r.keys = calloc(IMAGES_MAX, sizeof *r.keys);
+	model->images = calloc(ECO_MODEL_IMAGES_MAX, sizeof *model->images);
+	r.keys = calloc(ECO_MODEL_IMAGES_MAX, sizeof *r.keys);
 	if (model->materials == NULL || model->images == NULL || r.keys == NULL) {
 		free(r.keys);
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);

@@ -1,5 +1,5 @@
 /* Reading a model: in a child process, for assimp and the image readers have open vulnerabilities; the soup comes back as bytes, is
- * checked like any other input, and is cleaned. */
+ * checked like any other input, and is cleaned, its textures coloured. */
 #include "ecofiles/import_model.h"
 
 #include <errno.h>
@@ -14,7 +14,6 @@
 
 #define TRIANGLES_MAX 20000000u
 #define MATERIALS_MAX (1u << 20)
-#define IMAGES_MAX 1024u
 
 void eco_note(struct eco_notes *notes, const char *format, ...)
 {
@@ -105,7 +104,7 @@ static bool counts_fit(const struct eco_model *m, uint32_t triangles_max)
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
 	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3 && m->material_count <= MATERIALS_MAX
-		&& m->image_count <= IMAGES_MAX && accounted == m->triangles_in;
+		&& m->image_count <= ECO_MODEL_IMAGES_MAX && accounted == m->triangles_in;
 }
 
 static bool get_model(FILE *in, struct eco_model *m, struct eco_notes *notes, uint32_t triangles_max)
@@ -189,8 +188,10 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	fclose(result);
 	if (code == ECO_OK) {
 		drop_unused_uv(model);
-		tell(options, notes);
 		code = eco_model_clean(model, options->height_m, options->path, error);
+		if (code == ECO_OK)          /* of what is left only */
+			code = eco_model_bake_tints(model, options->path, notes, error);
+		tell(options, notes);
 	}
 	free(notes);
 	if (code != ECO_OK)

@@ -8,6 +8,8 @@
 
 #include "ecofiles/model.h"
 
+#define ECO_MODEL_IMAGES_MAX 1024u
+
 struct aiScene;
 
 /* Sentences for the user that are not errors, one a line; what does not fit is left out. */
@@ -45,10 +47,15 @@ enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_err
 enum eco_code eco_assimp_read(struct eco_model *model, const struct eco_model_file *file, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
 
-/* Fills model->materials and images from the scene's materials. `channel` receives the uv set of each material's image,
- * `invisible` whether alpha leaves nothing of it. */
+/* Fills model->materials and images from the scene's materials; one image per texture and alpha rule: with alpha 255 all over unless
+ * some of it is cut out, else with 128 as the threshold. The material's colour is not in the image yet. `channel` receives the
+ * uv set of each material's image, `invisible` whether alpha leaves nothing of it. */
 enum eco_code eco_assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
 	uint32_t *channel, bool *invisible, struct eco_notes *notes, struct eco_error *error);
+
+/* Multiplies images by the colours of their materials, which become white; equal images become one. Materials may name the images of
+ * the model only, at most ECO_MODEL_IMAGES_MAX of them, or none. Fails only for lack of memory. */
+enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes, struct eco_error *error);
 
 uint8_t eco_srgb_from_linear(double linear);
 double eco_linear_from_srgb(uint8_t srgb);

@@ -33,7 +33,7 @@ struct eco_image {           /* 8-bit RGBA, straight alpha, sRGB, first row at t
 
 struct eco_material {
 	char name[64];
-	uint8_t rgb[3];          /* sRGB base colour; multiplies the image where there is one */
+	uint8_t rgb[3];          /* sRGB base colour; multiplies the image where there is one: white after an import */
 	bool cutout;             /* alpha of the image matters: a sample is opaque where alpha >= 0.5 */
 	uint32_t image;          /* index into images or ECO_NONE */
 };
@@ -59,7 +59,8 @@ struct eco_model_options {
 	void *ctx;
 };
 
-/* Imports OBJ, glTF or GLB through assimp (textures through the image module). Y-up formats are turned to Z-up. The foot (the
+/* Imports OBJ, glTF or GLB through assimp (textures through the image module, multiplied by
+ * their materials' colours). Y-up formats are turned to Z-up. The foot (the
  * centre of the lowest 2 % of the wood-like, else of all, vertices) goes to x = y = 0, the lowest vertex to z = 0. Errors name
  * file and reason. On failure *model is empty. */
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);

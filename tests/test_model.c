@@ -11,6 +11,7 @@
 
 #include "ecofiles/guard.h"
 #include "ecofiles/image.h"
+#include "ecofiles/import_model.h"
 #include "ecofiles/model.h"
 #include "ecofiles/model_clean.h"
 #include "ecofiles/polygon.h"
@@ -361,8 +362,12 @@ static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 	static const uint8_t rgba[] = { 255, 0, 0, 100, 0, 255, 0, 200 };
 	static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[] = {
 		{ "\"alphaMode\":\"OPAQUE\",", false, { 255, 255 } }, { "", false, { 255, 255 } }, { "\"alphaMode\":\"BLEND\",", true, { 100, 200 } },
-		{ "\"alphaMode\":\"MASK\",", true, { 100, 200 } }, { "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,", false, { 200, 255 } },
+		{ "\"alphaMode\":\"MASK\",", true, { 100, 200 } }, { "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,", false, { 255, 255 } },
 		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.9,", true, { 56, 111 } },
+		/* equal to the cutoff is opaque: 200/255, 100/255, and whatever there is */
+		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.78431373,", true, { 64, 128 } },
+		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.39215687,", false, { 255, 255 } },
+		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
 	};
 
 	(void)state;
@@ -378,10 +383,150 @@ static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 		assert_int_equal(m.materials[0].cutout, modes[i].cutout);
 		assert_int_equal(m.images[0].rgba[3], modes[i].alpha[0]);
 		assert_int_equal(m.images[0].rgba[7], modes[i].alpha[1]);
-		assert_true(m.materials[0].rgb[0] == 188 && m.materials[0].rgb[1] == 255 && m.materials[0].rgb[2] == 0);
+		assert_memory_equal(m.materials[0].rgb, "\377\377\377", 3);
+		assert_true(m.images[0].rgba[0] == 188 && m.images[0].rgba[1] == 0 && m.images[0].rgba[5] == 255);
 		assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 0 }));       /* glTF's v points down */
 		eco_model_free(&m);
 	}
+}
+
+/* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one row. */
+static void import_textured(struct eco_model *m, const char *materials, const uint8_t *rgba, uint32_t width)
+{
+	char meshes[2000] = "", nodes[2000] = "", text[8000];
+	size_t mesh = 0, node = 0;
+
+	write_png("row.png", rgba, width, 1);
+	for (uint32_t i = 0; i < 3; i++) {
+		mesh += (size_t)snprintf(meshes + mesh, sizeof meshes - mesh, "%s{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
+			"\"indices\":2,\"material\":%u}]}", i > 0 ? "," : "", i);
+		node += (size_t)snprintf(nodes + node, sizeof nodes - node, ",{\"mesh\":%u,\"translation\":[%u,0,0]}", i, 2 * i);
+	}
+	snprintf(text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"buffers\":[" BUFFER "]," VIEWS
+		",\"meshes\":[%s],\"nodes\":[{}%s],\"materials\":[%s],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"row.png\"}]}", meshes, nodes,
+		materials);
+	import_good(m, input_text("model", "row.gltf", text), 0);
+}
+
+static void assert_texel(const struct eco_model *m, const char *material, uint32_t x, const uint8_t wanted[4])
+{
+	const struct eco_material *of = material_named(m, material);
+	const uint8_t *texel;
+
+	assert_true(of->image < m->image_count);
+	assert_memory_equal(of->rgb, "\377\377\377", 3);
+	texel = &m->images[of->image].rgba[x * 4];
+	if (memcmp(texel, wanted, 4) != 0)
+		fail_msg("%s, texel %u: %u %u %u %u", material, x, texel[0], texel[1], texel[2], texel[3]);
+}
+
+static void a_texture_takes_each_colour_it_is_used_with(void **state)
+{
+	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
+	struct eco_model m;
+
+	(void)state;
+	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
+	assert_int_equal(m.triangle_count, 3);
+	assert_int_equal(m.image_count, 2);
+	assert_int_equal(material_named(&m, "half")->image, material_named(&m, "also")->image);
+	assert_texel(&m, "plain", 0, rgba);
+	assert_texel(&m, "plain", 1, rgba + 4);
+	/* half the light: (128/255)^2.2 is 0.216, its half 0.108 */
+	assert_texel(&m, "half", 0, (const uint8_t[]){ 188, 93, 0, 255 });
+	assert_texel(&m, "half", 1, (const uint8_t[]){ 138, 138, 188, 255 });
+	eco_model_free(&m);
+}
+
+static void a_texture_cut_out_here_is_opaque_there(void **state)
+{
+	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
+	struct eco_model m;
+
+	(void)state;
+	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
+		"{\"index\":0}}}", rgba, 3);
+	assert_int_equal(m.image_count, 3);
+	assert_true(material_named(&m, "leaf")->cutout && material_named(&m, "veil")->cutout && !material_named(&m, "bark")->cutout);
+	for (uint32_t x = 0; x < 3; x++) {
+		uint8_t level = (uint8_t)(9 - x);
+
+		assert_texel(&m, "leaf", x, (const uint8_t[]){ level, level, level, rgba[x * 4 + 3] });
+		assert_texel(&m, "bark", x, (const uint8_t[]){ level, level, level, 255 });
+		assert_texel(&m, "veil", x, (const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
+	}
+	eco_model_free(&m);
+}
+
+static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
+{
+	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
+	struct eco_model m;
+
+	(void)state;
+	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
+		"{\"index\":0}}}", rgba, 2);
+	assert_int_equal(m.image_count, 1);
+	assert_false(material_named(&m, "leaf")->cutout);
+	assert_texel(&m, "leaf", 1, (const uint8_t[]){ 8, 8, 8, 255 });
+	assert_int_equal(material_named(&m, "bark")->image, 0);
+	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);        /* 0.4 of 1 is below 0.5 everywhere */
+	eco_model_free(&m);
+}
+
+/* A model in memory of `count` triangles, each with its own colour of the one image, which has one white texel. */
+static void make_motley(struct eco_model *m, uint32_t count)
+{
+	*m = (struct eco_model){ .material_count = count, .image_count = 1 };
+	m->materials = calloc(count, sizeof *m->materials);
+	m->images = calloc(1, sizeof *m->images);
+	m->images[0] = (struct eco_image){ .width = 1, .height = 1, .rgba = malloc(4) };
+	memset(m->images[0].rgba, 255, 4);
+	for (uint32_t i = 0; i < count; i++) {
+		m->materials[i].image = 0;
+		memset(m->materials[i].rgb, (int)(255 - i), 3);
+	}
+}
+
+static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
+{
+	struct eco_notes notes = { .used = 0 };
+	struct eco_model m;
+
+	(void)state;
+	make_motley(&m, 200);
+	assert_int_equal(eco_model_bake_tints(&m, "memory", &notes, NULL), ECO_OK);
+	assert_int_equal(m.image_count, 32);
+	for (uint32_t i = 0; i < 200; i++) {
+		const uint8_t *texel = m.images[m.materials[i].image].rgba;
+
+		assert_true(texel[0] == (i < 32 ? 255 - i : 224) && texel[2] == texel[0] && texel[3] == 255 && m.materials[i].rgb[1] == 255);
+	}
+	assert_non_null(strstr(notes.text, "168 materials are drawn in the nearest"));
+	eco_model_free(&m);
+}
+
+static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
+{
+	static const uint8_t white[] = { 255, 255, 255, 255 };
+	struct eco_model m;
+
+	(void)state;
+	write_png("white.png", white, 1, 1);
+	input_text("model", "vt.mtl", "newmtl m\nmap_Kd white.png\n");
+	import_good(&m, input_text("model", "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv 0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+		"usemtl m\nf 1/1 2/2 3/3\n"), 0);
+	assert_int_equal(m.image_count, 1);
+	assert_int_equal(m.material_count, 1);
+	assert_texel(&m, "m", 0, (const uint8_t[]){ 153, 255, 0, 255 });
+	assert_non_null(strstr(warnings, "1 textured meshes have vertex colours that differ"));
+	eco_model_free(&m);
 }
 
 static void a_webp_texture_that_gltf_requires_is_read(void **state)
@@ -631,6 +776,11 @@ int main(void)
 		cmocka_unit_test(invisible_materials_are_left_out_and_counted),
 		cmocka_unit_test(nodes_place_their_meshes),
 		cmocka_unit_test(alpha_modes_and_linear_colours_mean_what_gltf_says),
+		cmocka_unit_test(a_texture_takes_each_colour_it_is_used_with),
+		cmocka_unit_test(a_texture_cut_out_here_is_opaque_there),
+		cmocka_unit_test(alpha_that_cuts_nothing_out_makes_no_other_image),
+		cmocka_unit_test(beyond_what_is_kept_the_nearest_colour_stands_in),
+		cmocka_unit_test(vertex_colours_of_a_textured_mesh_become_their_mean),
 		cmocka_unit_test(a_webp_texture_that_gltf_requires_is_read),
 		cmocka_unit_test(draco_meshes_are_read_while_16_bits_suffice),
 		cmocka_unit_test(vertex_colours_become_materials),
