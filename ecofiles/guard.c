@@ -44,6 +44,7 @@ static _Noreturn void child(eco_guard_work *work, void *ctx, FILE *out, struct e
 	signal(SIGTERM, SIG_DFL);
 	limit(RLIMIT_CORE, 0);
 	limit(RLIMIT_CPU, ECO_GUARD_CPU_S);
+	alarm(2 * ECO_GUARD_CPU_S);          /* a file that never comes, a lock that is never given */
 	if (!SANITIZED)
 		limit(RLIMIT_AS, ECO_GUARD_MEMORY);
 	code = work(ctx, out, &error);
@@ -63,7 +64,7 @@ static enum eco_code verdict(int status, const struct eco_error *shared, const c
 	}
 	if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
 		return eco_fail(error, ECO_INTERRUPTED, "%.300s: interrupted", what);
-	if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+	if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGALRM))
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: not read within %u s", what, ECO_GUARD_CPU_S);
 	if (WIFSIGNALED(status))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: reading it ended with signal %d (%s): it is damaged, too large, or meets a bug in the "

@@ -7,7 +7,7 @@
 
 #include "ecofiles/status.h"
 
-#define ECO_GUARD_CPU_S 1800u            /* processor time of the child */
+#define ECO_GUARD_CPU_S 1800u            /* processor time of the child; twice as long by the clock */
 #define ECO_GUARD_MEMORY (24ull << 30)   /* bytes of address space (not limited under sanitizers) */
 
 /* What the child does: writes its result to `out`. Its return value and error travel back. */

@@ -1,6 +1,6 @@
 #!/bin/sh
-# make forest DATA=DIR: the SCBI forest plot. Every live stem of the 2018 census (CSV, UTM 17N) on the plot's elevation model, with eleven
-# plant models chosen by species and heights from trunk diameters; one aerial and one eye-level picture at 1,000,000 vertices.
+# make forest DATA=DIR: the SCBI forest plot. Every live stem of the 2018 census (CSV, UTM 17N) on the plot's elevation model, with ten
+# plant models chosen by species and heights from trunk diameters, trees and shrubs each by their own allometry; one aerial and one eye-level picture at 1,000,000 vertices.
 # DATA is the folder with models/, inventories/ and terrain/ (models may be packed as .xz). Everything lands in build/forest/.
 set -eu
 BUILD=${BUILD:-build}
@@ -45,10 +45,13 @@ cat >"$OUT/scene.json" <<JSON
              "cato": "hickory", "casp": "hickory", "cade": "hickory", "juni": "hickory", "juci": "hickory", "fram": "ash",
              "frni": "ash", "frpe": "ash", "frsp": "ash", "rops": "ash", "acru": "maple", "acpl": "maple", "acsp": "maple",
              "acne": "maple", "tiam": "maple", "nysy": "maple", "prav": "maple", "prse": "maple", "ulru": "maple", "ulam": "maple",
-             "ulsp": "maple", "pivi": "pine", "pist": "pine", "juvi": "pine", "libe": "spicebush", "vipr": "spicebush",
-             "viac": "spicebush", "astr": "pawpaw", "havi": "pawpaw", "rowi": "undergrowth", "beth": "undergrowth",
-             "ruph": "undergrowth", "rual": "undergrowth", "*": "hornbeam"},
-     "height_m": {"from_dbh_mm": "dbh_mm", "max": 35, "rate": 0.004, "levels": 6}} ] }
+             "ulsp": "maple", "pivi": "pine", "pist": "pine", "juvi": "pine", "*": "hornbeam",
+             "libe": null, "vipr": null, "viac": null, "astr": null, "havi": null, "rowi": null, "beth": null, "ruph": null, "rual": null},
+     "height_m": {"from_dbh_mm": "dbh_mm", "max": 35, "rate": 0.004, "levels": 6}},
+    {"from": "$(realpath "$STEMS")", "x": "utm17n_e", "y": "utm17n_n", "crs": "EPSG:26917", "species": "sp_code", "seed": 2,
+     "map": {"astr": "pawpaw", "havi": "pawpaw", "libe": "spicebush", "vipr": "spicebush", "viac": "spicebush",
+             "rowi": "undergrowth", "beth": "undergrowth", "ruph": "undergrowth", "rual": "undergrowth"},
+     "height_m": {"from_dbh_mm": "dbh_mm", "max": 6, "rate": 0.012, "levels": 4}} ] }
 JSON
 
 # Height of the ground at a place: mean of the surveyed stems within 10 m (metres from the scene's origin).
