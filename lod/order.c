@@ -13,7 +13,10 @@
 #define RADIUS 0.05              /* of the plant's height */
 #define WIDEST 64.0              /* radii that the largest extent spans at most: flat covers are wide and low */
 #define ISO 0.05
-#define NOISE 0.05
+/* The paper adds "a small amount of randomness" before sorting. Little of it strips whole regions whose leaves happen to face away from
+ * the surface, such as the tops of conifers. Measured with 0.05, 0.5 and 1.5: a park at 30,000 vertices Q 0.815, 0.822, 0.823; a forest
+ * at 300,000 0.967, 0.969, 0.971 (skill 0.868, 0.879, 0.887), at 30,000 0.957, 0.955, 0.959. */
+#define NOISE 1.5
 #define NOWHERE UINT32_MAX
 
 struct field {

@@ -19,7 +19,7 @@ struct lod_order_input {
 	uint32_t seed;
 };
 
-/* Fills survival[0..count) with values in [0, 1.05): higher is kept longer. Linear in elements. */
+/* Fills survival[0..count) with values in [0, 2.5): higher is kept longer. Linear in elements. */
 void lod_order_survival(double *survival, const struct lod_order_input *input, struct lod_arena *arena);
 
 #endif
