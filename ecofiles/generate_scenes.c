@@ -345,7 +345,8 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
 		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08), room = 1.3 + 0.0080 * dbh;
-		for (int attempt = 0; attempt < 24; attempt++) {
+		/* as many as were asked for: where no room is found, the stem makes do with less */
+		for (int attempt = 0; attempt < 600; attempt++, room *= attempt > 24 ? 0.98 : 1) {
 			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!stand_add(stand, x, y, room))
 				continue;
@@ -374,11 +375,12 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 	if (code)
 		return code;
 	fputs("plant,easting,northing,height_m\n", text.out);
-	for (uint64_t throw = 0, count = 0; throw < 20ull * wanted && count < wanted; throw++) {
+	for (uint64_t throw = 0, count = 0; throw < 2000ull * wanted && count < wanted; throw++) {
+		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;      /* then in the shade and closer, too */
 		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 		double light = gen_noise(seed, x / 14, y / 14);
 		bool fern = gen_noise(seed + 1, x / 22, y / 22) + gen_random_in(&layout->random, -0.15, 0.15) > 0.45;
-		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 || !stand_add(stand, x, y, fern ? 0.8 : 1.7))
+		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease || !stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
 			continue;
 		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x, GEN_NORTHING + y,
 			fern ? gen_random_in(&layout->random, 0.4, 0.75) : gen_random_in(&layout->random, 1.0, 2.6));
