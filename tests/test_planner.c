@@ -173,16 +173,17 @@ static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 	eco_plan_free(&plan);
 }
 
-static void shifting_and_turning_through_a_placement_changes_only_rounding(void **state)
+static void shifting_turning_and_scaling_through_a_placement_changes_only_rounding(void **state)
 {
 	(void)state;
-	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 } };
+	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 }, { 0, 0, 0 }, { 5, 0, 0 } };
+	static const float scales[] = { 1, 1, 1, 64, 0.3f };
 	random_scene_make(&scene, 21, 0);
 	struct eco_request request = random_request(&scene);
 	request.vertices = 20000;
 	struct eco_plan plan, moved;
 	plan_it(&plan, &request);
-	/* a new root that places the old one, shifted and turned by a quarter */
+	/* a new root that places the old one, scaled, shifted and turned by a quarter */
 	uint32_t root = scene.scene.tile_count;
 	for (size_t i = 0; i < sizeof shifts / sizeof *shifts; i++) {
 		memmove(scene.tiles + 1, scene.tiles, root * sizeof *scene.tiles);
@@ -190,16 +191,16 @@ static void shifting_and_turning_through_a_placement_changes_only_rounding(void 
 			scene.children[c].tile++;
 		uint32_t child = scene.scene.child_count++;
 		scene.children[child] = (struct eco_child){ .tile = 1, .placed = true, .at = { shifts[i][0], shifts[i][1], shifts[i][2] },
-			.turn = 16384, .scale = 1 };
+			.turn = 16384, .scale = scales[i] };
 		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 }, .summary = ECO_NONE,
 			.child_first = child, .child_count = 1 };
 		scene.scene.tile_count++;
 		struct eco_request there = request;
 		for (int v = 0; v < 2; v++) {
 			double *p = v ? there.view.target : there.view.eye, *from = v ? request.view.target : request.view.eye;
-			p[0] = shifts[i][0] - from[1];
-			p[1] = shifts[i][1] + from[0];
-			p[2] = shifts[i][2] + from[2];
+			p[0] = shifts[i][0] - scales[i] * from[1];
+			p[1] = shifts[i][1] + scales[i] * from[0];
+			p[2] = shifts[i][2] + scales[i] * from[2];
 		}
 		plan_it(&moved, &there);
 		assert_int_equal(moved.visible_plants, plan.visible_plants);
@@ -263,7 +264,7 @@ int main(void)
 		cmocka_unit_test(never_above_the_budget_and_counted_as_drawn),
 		cmocka_unit_test(same_request_same_bytes),
 		cmocka_unit_test(an_unlimited_budget_draws_every_visible_triangle_once),
-		cmocka_unit_test(shifting_and_turning_through_a_placement_changes_only_rounding),
+		cmocka_unit_test(shifting_turning_and_scaling_through_a_placement_changes_only_rounding),
 		cmocka_unit_test(a_bounded_walk_still_answers),
 		cmocka_unit_test(needs_cover_every_cut),
 	};
