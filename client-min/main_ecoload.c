@@ -93,8 +93,10 @@ static const struct { const char *name; double share; } quantiles[] = { { "p50",
 static void print_times(const char *name, const struct view_times *times)
 {
 	printf("%-14s", name);
-	for (size_t i = 0; i < QUANTILES; i++)
-		printf("  %s %.1f", quantiles[i].name, view_times_quantile(times, quantiles[i].share));
+	for (size_t i = 0; i < QUANTILES; i++) {
+		double ms = view_times_quantile(times, quantiles[i].share);
+		isfinite(ms) ? printf("  %s %.1f", quantiles[i].name, ms) : printf("  %s -", quantiles[i].name);
+	}
 	puts(" ms");
 }
 
@@ -188,9 +190,9 @@ int main(int argc, char **argv)
 {
 	for (int i = 1; i < argc; i++) {
 		if (!strcmp(argv[i], "--help"))
-			return fputs(usage, stdout) < 0;
+			return fputs(usage, stdout), view_output_status(0, "ecoload");
 		if (!strcmp(argv[i], "--version"))
-			return puts("ecostream 0.1") < 0;
+			return puts("ecostream 0.1"), view_output_status(0, "ecoload");
 	}
 	struct options options;
 	struct eco_error error = { 0 };
@@ -206,5 +208,5 @@ int main(int argc, char **argv)
 	view_fetch_teardown();
 	if (code)
 		fprintf(stderr, "ecoload: %s\n", error.text);
-	return eco_exit_status(code);
+	return view_output_status(eco_exit_status(code), "ecoload");
 }

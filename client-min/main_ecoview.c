@@ -25,7 +25,7 @@ static const char usage[] =
 	"\n"
 	"  URL                     of a scene: http://host:port/v1/scenes/NAME\n"
 	"  --camera FILE           camera script\n"
-	"  --size WxH              of the pictures, in pixels\n"
+	"  --size WxH              of the pictures, in pixels; at most 16384 either way and 2^26 in all\n"
 	"  --vertices N            budget a frame: points + 2 lines + 3 triangles drawn, instances counted\n"
 	"  --bytes M               budget of each response\n"
 	"  --reference[=cpu|egl]   also draw everything at full detail, and score; by default with OpenGL on hardware, else in software\n"
@@ -129,6 +129,8 @@ static enum eco_code parse(int argc, char **argv, struct options *o, struct eco_
 		if (code)
 			return code;
 	}
+	if ((uint64_t)o->width * o->height > ECO_PIXELS_MAX)
+		return eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels", o->width, o->height, ECO_PIXELS_MAX);
 	const char *missing = !o->url ? "the scene's URL" : !o->camera ? "--camera" : !o->width ? "--size" : !o->has_vertices ? "--vertices"
 		: !o->dir ? "-o" : NULL;
 	return missing ? eco_fail(error, ECO_BAD_USAGE, "%s is missing; see ecoview --help", missing) : ECO_OK;
@@ -414,9 +416,9 @@ int main(int argc, char **argv)
 {
 	for (int i = 1; i < argc; i++) {
 		if (!strcmp(argv[i], "--help"))
-			return fputs(usage, stdout) < 0;
+			return fputs(usage, stdout), view_output_status(0, "ecoview");
 		if (!strcmp(argv[i], "--version"))
-			return puts("ecostream 0.1") < 0;
+			return puts("ecostream 0.1"), view_output_status(0, "ecoview");
 	}
 	static struct viewer viewer;
 	struct eco_error error = { 0 };
@@ -433,5 +435,5 @@ int main(int argc, char **argv)
 	view_fetch_teardown();
 	if (code && code != ECO_INTERRUPTED)
 		fprintf(stderr, "ecoview: %s\n", error.text);
-	return eco_exit_status(code);
+	return view_output_status(eco_exit_status(code), "ecoview");
 }

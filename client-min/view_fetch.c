@@ -203,8 +203,8 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 	const char *title = json_string_value(json_object_get(root, "title"));
 	const char *detail = json_string_value(json_object_get(root, "detail"));
 	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
-	eco_fail(error, code, "the server answered %ld%s%s%s%s", status, title ? ": " : "", title ? title : "", detail ? ": " : "",
-		detail ? detail : "");
+	eco_fail(error, code, "%s: the server answered %ld%s%s%s%s", fetch->options.url, status, title ? ": " : "", title ? title : "",
+		detail ? ": " : "", detail ? detail : "");
 	json_decref(root);
 	return code;
 }

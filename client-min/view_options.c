@@ -62,3 +62,11 @@ enum eco_code view_parse_size(const char *option, const char *text, uint32_t *wi
 	*height = h;
 	return ECO_OK;
 }
+
+int view_output_status(int status, const char *program)
+{
+	if (fflush(stdout) == 0 && !ferror(stdout))
+		return status;
+	fprintf(stderr, "%s: cannot write to stdout\n", program);
+	return status ? status : 1;
+}

@@ -17,4 +17,7 @@ enum eco_code view_parse_seconds(const char *option, const char *text, double *o
 /* WxH */
 enum eco_code view_parse_size(const char *option, const char *text, uint32_t *width, uint32_t *height, struct eco_error *error);
 
+/* At the end of a program: `status`, or 1 after saying so if something that was printed did not get out. */
+int view_output_status(int status, const char *program);
+
 #endif

@@ -1,4 +1,5 @@
-/* Progress on stderr: one line redrawn on a terminal, plain lines elsewhere (at most one a second). */
+/* Progress on stderr: one line redrawn on a terminal, plain lines elsewhere (one a second, none before the
+ * first second is over). */
 #ifndef VIEW_PROGRESS_H
 #define VIEW_PROGRESS_H
 

@@ -22,14 +22,45 @@ static const char *type_name(const json_t *value)
 	}
 }
 
+/* Behind the byte order mark that some editors write in front of UTF-8. */
+static size_t text_start(const struct eco_json_file *file)
+{
+	return file->size >= 3 && memcmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
+
+static bool is_utf16(const struct eco_json_file *file)
+{
+	return file->size >= 2 && (memcmp(file->text, "\xff\xfe", 2) == 0 || memcmp(file->text, "\xfe\xff", 2) == 0);
+}
+
+/* What people mean by the commonest mistakes; `end` is behind the token that the parser does not understand. */
+static const char *hint(const struct eco_json_file *file, size_t end, const char *says)
+{
+	size_t at = end > 0 && end <= file->size ? end - 1 : 0;
+	char token = at > 0 ? file->text[at] : 0;
+
+	if (token == '/' || token == '#')
+		return " (JSON has no comments)";
+	while (at > 0 && strchr(" \t\r\n", file->text[at - 1]) != NULL)
+		at--;
+	if ((token == '}' || token == ']') && at > 0 && file->text[at - 1] == ',')
+		return " (no comma stands before a closing bracket)";
+	return strstr(says, "' expected near") != NULL && strstr(says, "end of file") == NULL && (strncmp(says, "'}'", 3) == 0
+		|| strncmp(says, "']'", 3) == 0) ? " (is a comma missing before it?)" : "";
+}
+
 json_t *eco_json_open(const struct eco_json_file *file)
 {
 	json_error_t problem;
-	json_t *root = json_loadb(file->text, file->size, JSON_REJECT_DUPLICATES, &problem);
+	size_t start = text_start(file);
+	json_t *root = json_loadb(file->text + start, file->size - start, JSON_REJECT_DUPLICATES, &problem);
 
-	if (root == NULL)
-		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s", file->name, problem.line > 0 ? problem.line : 1,
-			problem.column > 0 ? problem.column : 1, problem.text);
+	if (root == NULL && is_utf16(file))
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: the text is UTF-16; save it as UTF-8", file->name);
+	else if (root == NULL)
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name, problem.line > 0 ? problem.line : 1,
+			problem.column > 0 ? problem.column : 1, problem.text,
+			hint(file, problem.position > 0 ? start + (size_t)problem.position : 0, problem.text));
 	return root;
 }
 
@@ -126,7 +157,7 @@ static size_t find(const struct eco_json *at, bool key)
 		at = at->parent;
 	for (const struct eco_json *node = at; node->parent != NULL && depth < DEPTH_MAX; node = node->parent)
 		path[depth++] = node;
-	offset = skip_space(text, size, 0);
+	offset = skip_space(text, size, text_start(at->file));
 	while (depth-- > 0) {
 		bool object = json_is_object(path[depth]->parent->value);
 
@@ -140,7 +171,7 @@ static size_t find(const struct eco_json *at, bool key)
 static void line_column(const struct eco_json_file *file, size_t offset, uint32_t *line, uint32_t *column)
 {
 	*line = *column = 1;
-	for (size_t i = 0; i < offset; i++) {
+	for (size_t i = text_start(file); i < offset; i++) {
 		if (file->text[i] == '\n') {
 			++*line;
 			*column = 1;

@@ -34,7 +34,8 @@ struct eco_json {
 	const json_t *value;                 /* NULL: not there */
 };
 
-/* Parses; NULL after an error, which for syntax has the parser's position. Keys that come twice are an error. */
+/* Parses UTF-8, with or without a byte order mark; NULL after an error, which for syntax has the parser's position. Keys that come
+ * twice are an error. */
 json_t *eco_json_open(const struct eco_json_file *file);
 struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root);
 struct eco_json eco_json_member(const struct eco_json *object, const char *key);

@@ -21,11 +21,11 @@ static const char usage_text[] =
 	"  ecopack verify OUT.eco\n"
 	"      checks every byte of a pack and names what is damaged\n"
 	"  ecopack generate NAME -o DIR [--plants N] [--seed S]\n"
-	"      writes an example scene with models of its own:\n";
+	"      writes an example scene with models of its own into a folder, where files of the same names are replaced:\n";
 
 static const char rest_text[] =
 	"\n"
-	"  -o, --output PATH   what to write; it appears complete or not at all\n"
+	"  -o, --output PATH   what to write: a pack, which appears complete or not at all and replaces nothing but a pack; a folder\n"
 	"      --order NAME    priority order of leaves: combined (the default)\n"
 	"      --jobs N        threads; as many as there are processors if not given\n"
 	"      --plants N      about so many plants\n"

@@ -135,7 +135,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 		(json_int_t)root->instance_count, "tiles", (json_int_t)s->tile_count, "leaf_tiles", (json_int_t)t->leaves, "placements",
 		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2], "high", root->high[0], root->high[1],
 		root->high[2], "curve_samples", (json_int_t)s->curve_count, "lists", lists, "plants", plants);
-	static const char *const copied[] = { "generator", "crs", "origin", "eco_files", "rows" };
+	static const char *const copied[] = { "generator", "crs", "origin", "eco_files", "off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -207,6 +207,8 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i], t->kind[i].lists, t->kind[i].chunks,
 				t->kind[i].primitives, bytes_text(t->kind[i].bytes, text));
 	fprintf(out, "%u ladders with %u curve samples\n", s->ladder_count, s->curve_count);
+	if (json_integer_value(json_object_get(meta, "off_ground")))
+		fprintf(out, "%lld beyond the ground's border\n", (long long)json_integer_value(json_object_get(meta, "off_ground")));
 	if (json_integer_value(json_object_get(rows, "read"))) {
 		const char *reason;
 		json_t *count;

@@ -92,10 +92,9 @@ static enum eco_code pack_ground(struct make *m, double low, double step)
 	return code;
 }
 
-static enum eco_code make_ground(struct make *m)
+static enum eco_code read_ground(struct make *m, double *low, double *step)
 {
 	struct eco_source *source = &m->sources.items[0];
-	double low, step;
 	if (!source->ground_heights)
 		return ECO_OK;
 	if (!main_progress("reading ground", NULL, 0))
@@ -106,8 +105,8 @@ static enum eco_code make_ground(struct make *m)
 	if (code)
 		return code;
 	m->has_ground = true;
-	round_heights(&m->ground, &low, &step);
-	return pack_ground(m, low, step);
+	round_heights(&m->ground, low, step);
+	return ECO_OK;
 }
 
 /* ---- The whole ---- */
@@ -130,15 +129,21 @@ static double near_m(const struct make *m)
 
 static enum eco_code build(struct make *m)
 {
+	double low = 0, step = 0;
 	if (!main_progress("reading the scene", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
 	if (!code)
 		code = eco_pack_create(&m->writer, m->options->pack, m->error);
+	/* what is wrong with inventories and ground is said before the plants, which take longest */
+	if (!code)
+		code = make_places_check(m);
+	if (!code)
+		code = read_ground(m, &low, &step);
 	if (!code)
 		code = make_plants(m);
-	if (!code)
-		code = make_ground(m);
+	if (!code && m->has_ground)
+		code = pack_ground(m, low, step);
 	if (!code)
 		code = make_places(m);
 	if (!code)

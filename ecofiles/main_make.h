@@ -1,8 +1,8 @@
 /* From a scene source to a pack.
  *
  *   sources     eco_sources_load: the scene file and what it nests, each once
- *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
  *   ground      eco_ground_import, brought to the pack's grid
+ *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
  *   places      instances and inventories, put on the ground, scaled to their heights             main_make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c
  *   commit      tables, META, rename                                                              main_make_meta.c
@@ -64,6 +64,7 @@ struct make {
 	struct make_plant *plants;   uint32_t plant_count;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	struct eco_ground ground;    bool has_ground;
+	uint64_t off_ground;         /* plants and nested eco files beyond its border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
 	/* the scene's tables as they grow */
@@ -81,6 +82,7 @@ enum eco_code make_add_list(struct make *m, const struct eco_list *list, const s
 
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
+enum eco_code make_places_check(struct make *m);     /* opens every inventory: are its columns and CRS there? */
 enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
 void make_places_free(struct make *m);
 enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */

@@ -11,6 +11,7 @@
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
 #define PLACES_MAX 500000000u
+#define FAR_M 100000.0
 
 static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
 {
@@ -31,11 +32,11 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 	return ECO_OK;
 }
 
-static double on_ground(const struct make *m, uint32_t source, const double at[3])
+static double on_ground(struct make *m, uint32_t source, const double at[3])
 {
 	double z = 0;
 	if (source == 0 && m->has_ground)
-		eco_ground_height(&m->ground, at[0], at[1], &z);
+		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
 	return at[2] + z;
 }
 
@@ -60,13 +61,27 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 	return ECO_OK;
 }
 
+static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
+
+/* Degrees taken for metres, swapped columns and the wrong zone give coordinates that are valid, and far from everything. */
+static void note_far(const char *path, double nearest_m)
+{
+	if (nearest_m > FAR_M && nearest_m < INFINITY)
+		main_note("%s: its plants stand %.0f km and more from the scene's origin; are x, y and crs what the file has?", path,
+			nearest_m / 1000);
+}
+
 static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
 {
 	struct eco_position row;
+	double nearest_m = INFINITY;
 	for (uint64_t i = 0;; i++) {
 		enum eco_code code = eco_positions_next(reader, &row, m->error);
-		if (code || row.plant == ECO_NONE)
+		if (code)
 			return code;
+		if (row.plant == ECO_NONE)
+			return note_far(path, nearest_m), ECO_OK;
+		nearest_m = fmin(nearest_m, sqrt(row.at[0] * row.at[0] + row.at[1] * row.at[1]));
 		uint32_t plant = m->plant_of[source][row.plant];
 		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
 			.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
@@ -78,11 +93,16 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 	}
 }
 
+static struct eco_frame frame_of(const struct eco_source *s)
+{
+	return (struct eco_frame){ .crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+}
+
 static enum eco_code place_rows(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
-	struct eco_frame frame = { .crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	struct eco_frame frame = frame_of(s);
 	for (uint32_t i = 0; i < s->positions_count; i++) {
 		struct eco_positions *reader = NULL;
 		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
@@ -92,14 +112,16 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 		uint64_t rows = 0;
 		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
 		eco->rows += rows;
+		if (!rows && !code)
+			main_note("%s: it has no rows below its header", s->positions[i].path);
 		for (int k = 0; k < ECO_SKIP_COUNT; k++) {
 			if (skipped[k].count && !eco->skipped[k].count)
 				eco->skipped[k] = skipped[k];
 			else
 				eco->skipped[k].count += skipped[k].count;
 			if (skipped[k].count && !code)
-				main_note("%s: %llu rows %s: %s (first in line %llu: \"%s\")", s->positions[i].path,
-					(unsigned long long)skipped[k].count, k == ECO_SKIP_NO_HEIGHT ? "keep the plant's own height" : "left out",
+				main_note("%s: %llu row%s %s: %s (first in line %llu: \"%s\")", s->positions[i].path,
+					(unsigned long long)skipped[k].count, plural(skipped[k].count), k == ECO_SKIP_NO_HEIGHT ? "with the plant's own height" : "left out",
 					eco_skip_names[k], (unsigned long long)skipped[k].first_line, skipped[k].first_text);
 		}
 		eco_positions_close(reader);
@@ -146,6 +168,22 @@ static enum eco_code gather_items(struct make *m, uint32_t source)
 	return ECO_OK;
 }
 
+enum eco_code make_places_check(struct make *m)
+{
+	for (uint32_t source = 0; source < m->sources.count; source++) {
+		const struct eco_source *s = &m->sources.items[source];
+		struct eco_frame frame = frame_of(s);
+		for (uint32_t i = 0; i < s->positions_count; i++) {
+			struct eco_positions *reader = NULL;
+			enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
+			if (code)
+				return code;
+			eco_positions_close(reader);
+		}
+	}
+	return ECO_OK;
+}
+
 enum eco_code make_places(struct make *m)
 {
 	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
@@ -163,6 +201,10 @@ enum eco_code make_places(struct make *m)
 		if (code)
 			return code;
 	}
+	if (m->off_ground)
+		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of the border's nearest point",
+			m->sources.items[0].ground_heights, (unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
+			m->off_ground == 1 ? "s" : "");
 	if (m->ecos[0].instances == 0)
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",
 			m->sources.items[0].path);

@@ -83,14 +83,16 @@ void main_progress_quiet(bool quiet) { silent = quiet; }
 void main_note(const char *format, ...)
 {
 	va_list args;
+	char text[2048];
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	for (char *c = text; *c; c++)                /* quotes from files must not steer a terminal */
+		*c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
 	pthread_mutex_lock(&lock);
 	if (!silent) {
 		erase();
-		fputs("ecopack: ", stderr);
-		va_start(args, format);
-		vfprintf(stderr, format, args);
-		va_end(args);
-		fputc('\n', stderr);
+		fprintf(stderr, "ecopack: %s\n", text);
 	}
 	pthread_mutex_unlock(&lock);
 }

@@ -196,6 +196,7 @@ void eco_place_write(struct eco_writer *w, const struct eco_place *place);     /
 
 struct eco_pack_writer;
 
+/* What is at `path` is only replaced if it is a pack or empty. */
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error);
 
 /* Encodes `elements` in chunks that end at element `ends[i]` and appends them; sets chunk_first, chunk_count, primitive_count and

@@ -82,7 +82,7 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	if (version != ECO_PACK_VERSION)
 		return eco_fail(error, ECO_UNSUPPORTED, "version %u; this program reads version %u", version, ECO_PACK_VERSION);
 	if (file_size != o->pack.map_size)
-		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended", o->pack.map_size,
+		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; fetch it or build it again", o->pack.map_size,
 			(unsigned long long)file_size);
 	if (count < 1 || count >= ECO_SECTION_KIND_END || ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES > file_size)
 		return eco_fail(error, ECO_DAMAGED, "%u sections in %llu bytes", count, (unsigned long long)file_size);

@@ -86,10 +86,23 @@ static char *folder_of(const char *path)
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
+/* A slip of the hand must not cost a model or an inventory: only packs, and empty files, are replaced. */
+static bool may_replace(const char *path)
+{
+	char magic[8];
+	int file = open(path, O_RDONLY | O_CLOEXEC);
+	ssize_t got = file >= 0 ? read(file, magic, sizeof magic) : -1;
+
+	if (file >= 0)
+		close(file);
+	return got == 0 || (got == sizeof magic && memcmp(magic, ECO_PACK_MAGIC, sizeof magic) == 0);
+}
+
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
 {
 	struct eco_pack_writer *w = calloc(1, sizeof *w);
 	struct stat status;
+	bool there = stat(path, &status) == 0;
 	enum eco_code code;
 
 	*writer = NULL;
@@ -103,14 +116,16 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 	if (w->path == NULL || w->folder == NULL || w->temporary == NULL) {
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	} else if (path[0] == 0) {
-		code = eco_fail(error, ECO_BAD_INPUT, "a pack needs a file name");
-	} else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
+		code = eco_fail(error, ECO_BAD_USAGE, "a pack needs a file name");
+	} else if (there && !S_ISREG(status.st_mode)) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
+	} else if (there && !may_replace(path)) {
+		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write elsewhere, or remove it first", path);
 	} else {
 		/* A file of this name can only be the rest of a process that had our number. */
 		unlink(w->temporary);
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-		code = w->file < 0 ? io_failed(w->temporary, "create", error) : open_spool(w, error);
+		code = w->file < 0 ? io_failed(path, "create", error) : open_spool(w, error);
 	}
 	if (code != ECO_OK) {
 		eco_pack_abort(w);

@@ -74,7 +74,7 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 	}
 	for (; code == ECO_OK && *c != EOF; *c = get(csv)) {
 		if (*c == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (UTF-16?), save it as UTF-8", csv->path,
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (a spreadsheet, UTF-16?), save it as CSV in UTF-8", csv->path,
 				(unsigned long long)csv->line);
 		if (quoted && *c == '"') {
 			if (peek(csv) == '"')
@@ -144,6 +144,18 @@ static void close_csv(struct eco_rows *rows)
 	free(csv);
 }
 
+/* Without the spaces around it, malloc'ed. */
+static char *trimmed(const char *name)
+{
+	size_t size;
+
+	name += strspn(name, " \t\r");
+	size = strlen(name);
+	while (size > 0 && strchr(" \t\r", name[size - 1]) != NULL)
+		size--;
+	return strndup(name, size);
+}
+
 static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 {
 	bool more;
@@ -160,7 +172,7 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 	if (code == ECO_OK && !more)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the columns", csv->path);
 	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
-		csv->rows.columns[i] = strdup(csv->rows.fields[i]);
+		csv->rows.columns[i] = trimmed(csv->rows.fields[i]);
 		if (csv->rows.columns[i] == NULL)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->rows.column_count++;

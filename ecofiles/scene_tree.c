@@ -56,10 +56,12 @@ static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t 
 	char *json;
 
 	if (read_text(file.name, &json, &file.size, &unread) == ECO_OK) {
-		json_t *root = json_loadb(json, file.size, 0, NULL);
-		struct eco_json top = eco_json_root(&file, root), children, item, eco;
+		json_t *root;
+		struct eco_json top, children, item, eco;
 
 		file.text = json;
+		root = eco_json_open(&file);
+		top = eco_json_root(&file, root);
 		if (root != NULL) {
 			children = eco_json_member(&top, "children");
 			item = eco_json_item(&children, child);

@@ -21,6 +21,14 @@ static const struct {
 	[ECO_INTERRUPTED] = { "interrupted", 1 },
 };
 
+/* Texts quote what came from outside; it must not steer a terminal. */
+static void tame(char *text)
+{
+	for (; *text; text++)
+		if (((unsigned char)*text < ' ' && *text != '\n' && *text != '\t') || *text == 127)
+			*text = '?';
+}
+
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 {
 	va_list arguments;
@@ -32,6 +40,7 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
 	va_start(arguments, format);
 	vsnprintf(error->text, sizeof error->text, format, arguments);
 	va_end(arguments);
+	tame(error->text);
 	return code;
 }
 

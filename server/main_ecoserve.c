@@ -44,6 +44,14 @@ static int fail(const struct eco_error *error)
 	return eco_exit_status(error->code);
 }
 
+static int print(const char *text)
+{
+	if (fputs(text, stdout) >= 0 && fflush(stdout) == 0)
+		return 0;
+	fputs("ecoserve: cannot write to stdout\n", stderr);
+	return 1;
+}
+
 static int wrong_usage(const char *text)
 {
 	fprintf(stderr, "ecoserve: %s\nTry 'ecoserve --help'.\n", text);
@@ -122,9 +130,9 @@ int main(int argc, char **argv)
 			config.log = true;
 			break;
 		case 'h':
-			return fputs(usage, stdout) < 0 || fflush(stdout) ? 1 : 0;
+			return print(usage);
 		case 'V':
-			return puts(SRV_VERSION) < 0 || fflush(stdout) ? 1 : 0;
+			return print(SRV_VERSION "\n");
 		default:
 			fputs("Try 'ecoserve --help'.\n", stderr);
 			return 2;

@@ -175,6 +175,24 @@ static void test_plants_stand_where_the_scene_says(void **state)
 	eco_pack_close(pack);
 }
 
+/* Plants, rows and nested files beyond the raster are kept, and counted. */
+static void test_what_stands_beyond_the_ground_is_counted(void **state)
+{
+	(void)state;
+	write_slope();
+	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
+	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}");
+	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\"}],"
+		"\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
+	struct eco_pack *pack = made("off.json", "off.eco");
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
+	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
+	assert_int_equal(json_integer_value(json_object_get(meta, "off_ground")), 3);
+	json_decref(meta);
+	eco_pack_close(pack);
+}
+
 static void test_tiles_are_small_and_summed_up(void **state)
 {
 	(void)state;
@@ -286,19 +304,23 @@ static void test_failure_leaves_the_old_pack(void **state)
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}", "broken.obj" },
 		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
 		  "a.obj" },
+		/* what is quickly found is said before plants are built */
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": \"north\", "
+			"\"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 	};
 	(void)state;
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
+	write_text("two.csv", "x,y\n1,2\n500,1\n");
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct eco_error error = { 0 };
 		size_t size;
 		write_text("bad.json", bad[i].scene);
-		write_text("kept.eco", "what was there before");
+		write_text("kept.eco", "ECOPACK1 that was there before");
 		assert_int_not_equal(make("bad.json", "kept.eco", 1, &error), ECO_OK);
 		if (!strstr(error.text, bad[i].says))
 			fail_msg("case %zu: \"%s\" does not name %s", i, error.text, bad[i].says);
 		char *kept = read_all("kept.eco", &size);
-		assert_int_equal(size, strlen("what was there before"));
+		assert_int_equal(size, strlen("ECOPACK1 that was there before"));
 		free(kept);
 		assert_int_equal(files_with(".tmp-"), 0);
 	}
@@ -384,6 +406,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_plant_at_the_origin_is_exact),
 		cmocka_unit_test(test_plants_stand_where_the_scene_says),
+		cmocka_unit_test(test_what_stands_beyond_the_ground_is_counted),
 		cmocka_unit_test(test_tiles_are_small_and_summed_up),
 		cmocka_unit_test(test_nested_files_are_built_once),
 		cmocka_unit_test(test_threads_change_nothing),

@@ -399,6 +399,35 @@ static void impossible_targets_are_named(void **state)
 	assert_int_equal(count_files(), 0);
 }
 
+static void only_packs_and_empty_files_are_replaced(void **state)
+{
+	static const struct { const char *content; enum eco_code code; } rows[] = {
+		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK }, { "ECOPACK1, cut off", ECO_OK },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		struct eco_error error = { 0 };
+		struct eco_pack_writer *w = NULL;
+		FILE *file;
+		uint8_t *bytes;
+		size_t size;
+
+		empty_folder();
+		file = fopen(PATH, "wb");
+		assert_non_null(file);
+		fputs(rows[i].content, file);
+		fclose(file);
+		assert_int_equal(eco_pack_create(&w, PATH, &error), rows[i].code);
+		eco_pack_abort(w);
+		bytes = read_file(PATH, &size);
+		assert_int_equal(size, strlen(rows[i].content));
+		assert_memory_equal(bytes, rows[i].content, size);
+		assert_int_equal(count_files(), 1);
+		free(bytes);
+	}
+}
+
 static void bad_lists_are_refused(void **state)
 {
 	struct eco_list list = scene_pack_list(ECO_LIST_POINTS, ECO_CODER_PAIRED, 0, 0);
@@ -637,7 +666,7 @@ int main(void)
 		cmocka_unit_test(equal_payloads_are_stored_once),
 		cmocka_unit_test(a_failed_pack_leaves_the_old_one),
 		cmocka_unit_test(a_full_disk_is_reported_and_leaves_nothing),
-		cmocka_unit_test(impossible_targets_are_named),
+		cmocka_unit_test(impossible_targets_are_named), cmocka_unit_test(only_packs_and_empty_files_are_replaced),
 		cmocka_unit_test(bad_lists_are_refused),
 		cmocka_unit_test(every_inconsistency_is_found),
 	};

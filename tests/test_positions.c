@@ -54,7 +54,7 @@ static void open_fails(const struct eco_positions_spec *spec, const struct eco_f
 
 static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 {
-	static const char csv[] = "\xef\xbb\xbfname,x,\"y\"\r\n"
+	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n"
 		"\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
 		"plain\"quote,3,\"4\"\n"
 		",-5.5e1,6.25";
@@ -66,6 +66,7 @@ static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 	assert_int_equal(eco_rows_open_csv(&rows, input_text("positions", "quotes.csv", csv), ',', &error), ECO_OK);
 	assert_int_equal(rows->column_count, 3);
 	assert_string_equal(rows->columns[0], "name");
+	assert_string_equal(rows->columns[1], "x");
 	assert_string_equal(rows->columns[2], "y");
 	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
 	assert_string_equal(rows->fields[0], "a, \"b\"\nsecond line");

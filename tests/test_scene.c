@@ -77,6 +77,9 @@ static void defaults_fill_what_is_not_said(void **state)
 	assert_int_equal(s.tile_instances, ECO_TILE_INSTANCES);
 	assert_int_equal(s.plant_count + s.instance_count + s.positions_count + s.child_count, 0);
 	eco_source_free(&s);
+	parse_good(&s, "\xef\xbb\xbf{\"name\": \"marked\"}");          /* by an editor, with a byte order mark */
+	assert_string_equal(s.name, "marked");
+	eco_source_free(&s);
 	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"from\": \"t.csv\", \"x\": \"x\","
 		" \"y\": \"y\", \"species\": \"s\"}]}");
 	assert_int_equal(s.positions[0].map_count, 2);       /* species are plants' names */
@@ -128,6 +131,12 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },
 	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },
+	{ "{\"origin\": [0, 0],\n}", ":2:1:", "(no comma stands before a closing bracket)" },
+	{ "{\"origin\": [0, 0, ]}", ":1:19:", "(no comma stands before a closing bracket)" },
+	{ "{\"name\": \"a\"\n \"crs\": 3}", ":2:6:", "(is a comma missing before it?)" },
+	{ "{\"name\": \"a\", // mine\n}", ":1:15:", "(JSON has no comments)" },
+	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
+	{ "\xef\xbb\xbf{\"name\": 3}", ":1:10:", "must be a text" },
 };
 
 static void what_may_not_be_said_has_a_line_and_a_column(void **state)
