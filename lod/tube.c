@@ -510,7 +510,7 @@ static void link_joints(struct lod_tube *tube)
 }
 
 /* A bone that ends in nothing and is shorter than it is wide: the inner joint, or ECO_NONE. */
-static uint32_t stub_at(const struct lod_tube *tube, uint32_t b, int k)
+static uint32_t spur_at(const struct lod_tube *tube, uint32_t b, int k)
 {
 	const struct lod_raw_bone *bone = &tube->bones[b];
 	const struct lod_joint *end = &tube->joints[bone->joint[k]], *inner = &tube->joints[bone->joint[1 - k]];
@@ -518,13 +518,13 @@ static uint32_t stub_at(const struct lod_tube *tube, uint32_t b, int k)
 	return end->degree == 1 && inner->degree > 1 && bone_length(tube, bone) <= wide ? bone->joint[1 - k] : ECO_NONE;
 }
 
-static void merge(struct lod_tube *tube, uint32_t stub, uint32_t into)
+static void merge(struct lod_tube *tube, uint32_t spur, uint32_t into)
 {
-	tube->bones[into].area += tube->bones[stub].area;
-	tube->bones[stub].merged = into;
+	tube->bones[into].area += tube->bones[spur].area;
+	tube->bones[spur].merged = into;
 }
 
-/* At a fork a stub is a bump of the surface: it goes, and the longest bone there gets its area. */
+/* At a fork a spur is a bump of the surface: it goes, and the longest bone there gets its area. */
 static void drop_bumps(struct lod_tube *tube)
 {
 	for (uint32_t j = 0; j < tube->joint_count; j++)
@@ -537,7 +537,7 @@ static void drop_bumps(struct lod_tube *tube)
 		}
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
-			uint32_t inner = stub_at(tube, b, k);
+			uint32_t inner = spur_at(tube, b, k);
 			if (inner == ECO_NONE || tube->joints[inner].degree < 3 || tube->joints[inner].longest == b)
 				continue;
 			merge(tube, b, tube->joints[inner].longest);
@@ -545,13 +545,13 @@ static void drop_bumps(struct lod_tube *tube)
 		}
 }
 
-/* Rings tilt where a tube bends, since its inner side is shorter, and that leaves a stub at its end: the bone before it takes over its
+/* Rings tilt where a tube bends, since its inner side is shorter, and that leaves a spur at its end: the bone before it takes over its
  * area, and reaches as far along its own axis. */
 static void drop_ends(struct lod_tube *tube)
 {
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
-			uint32_t inner = stub_at(tube, b, k), end = tube->bones[b].joint[k];
+			uint32_t inner = spur_at(tube, b, k), end = tube->bones[b].joint[k];
 			if (inner == ECO_NONE || tube->joints[inner].degree != 2)
 				continue;
 			struct lod_joint *j = &tube->joints[inner];
@@ -569,7 +569,7 @@ static void drop_ends(struct lod_tube *tube)
 		}
 }
 
-static void drop_stubs(struct lod_tube *tube)
+static void drop_spurs(struct lod_tube *tube)
 {
 	for (int round = 0; round < 3; round++) {
 		drop_bumps(tube);
@@ -612,7 +612,7 @@ void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const str
 			break;
 	}
 	find_bones(tube, arena);
-	drop_stubs(tube);
+	drop_spurs(tube);
 }
 
 uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k)
