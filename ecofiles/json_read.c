@@ -28,9 +28,19 @@ static size_t text_start(const struct eco_json_file *file)
 	return file->size >= 3 && memcmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
 }
 
-static bool is_utf16(const struct eco_json_file *file)
+/* What is no JSON, by its first bytes; NULL: nothing that is known. */
+static const char *other_kind(const struct eco_json_file *file)
 {
-	return file->size >= 2 && (memcmp(file->text, "\xff\xfe", 2) == 0 || memcmp(file->text, "\xfe\xff", 2) == 0);
+	static const struct { const char *start, *says; } kinds[] = {
+		{ "\xff\xfe", "the text is UTF-16; save it as UTF-8" },
+		{ "\xfe\xff", "the text is UTF-16; save it as UTF-8" },
+		{ "ECOPACK", "this is a pack; name the JSON file that it was made from" },
+	};
+
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+		if (file->size >= strlen(kinds[i].start) && memcmp(file->text, kinds[i].start, strlen(kinds[i].start)) == 0)
+			return kinds[i].says;
+	return NULL;
 }
 
 /* What people mean by the commonest mistakes; `end` is behind the token that the parser does not understand. */
@@ -55,8 +65,8 @@ json_t *eco_json_open(const struct eco_json_file *file)
 	size_t start = text_start(file);
 	json_t *root = json_loadb(file->text + start, file->size - start, JSON_REJECT_DUPLICATES, &problem);
 
-	if (root == NULL && is_utf16(file))
-		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: the text is UTF-16; save it as UTF-8", file->name);
+	if (root == NULL && other_kind(file) != NULL)
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: %s", file->name, other_kind(file));
 	else if (root == NULL)
 		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name, problem.line > 0 ? problem.line : 1,
 			problem.column > 0 ? problem.column : 1, problem.text,
