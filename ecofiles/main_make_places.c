@@ -121,8 +121,9 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 				eco->skipped[k].count += skipped[k].count;
 			if (skipped[k].count && !code)
 				main_note("%s: %llu row%s %s: %s (first in line %llu: \"%s\")", s->positions[i].path,
-					(unsigned long long)skipped[k].count, plural(skipped[k].count), k == ECO_SKIP_NO_HEIGHT ? "with the plant's own height" : "left out",
-					eco_skip_names[k], (unsigned long long)skipped[k].first_line, skipped[k].first_text);
+					(unsigned long long)skipped[k].count, plural(skipped[k].count),
+					k == ECO_SKIP_NO_HEIGHT ? "with the plant's own height" : "left out", eco_skip_names[k],
+					(unsigned long long)skipped[k].first_line, skipped[k].first_text);
 		}
 		eco_positions_close(reader);
 		if (code)

@@ -14,6 +14,8 @@
 #define SEND_GRACE_MS 30000u
 #define PLAN_TEXT_MAX (64u << 20)
 
+static const char known_resources[] = "known are /healthz, /v1/scenes, and below a scene plan, stream and chunks/{id}";
+
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection, const char *raw)
 {
 	struct srv_exchange *exchange = calloc(1, sizeof *exchange);
@@ -227,8 +229,7 @@ static bool answer_request(struct srv_exchange *exchange)
 	char detail[256];
 	srv_reaper_clear(exchange->host->reaper, exchange->lease);
 	if (!exchange->route)
-		return queue_problem(exchange, SRV_PROBLEM_ROUTE, "known are /healthz, /v1/scenes, and below a scene plan, stream and "
-			"chunks/{id}", false);
+		return queue_problem(exchange, SRV_PROBLEM_ROUTE, known_resources, false);
 	if (!(exchange->route->methods & exchange->method)) {
 		snprintf(detail, sizeof detail, "use one of %s", exchange->route->allow);
 		return queue_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
@@ -274,7 +275,7 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
 		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
 	}
 	if (exchange->framing.length > 0 && !takes_body && !exchange->route) {
-		eco_fail(error, ECO_NOT_FOUND, "there is no such resource, and none here takes a body but .../stream");
+		eco_fail(error, ECO_NOT_FOUND, "%s; only .../stream takes a body", known_resources);
 		return SRV_PROBLEM_ROUTE;
 	}
 	if (exchange->framing.length > 0 && !takes_body && !(exchange->route->methods & exchange->method)) {
