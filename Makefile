@@ -126,7 +126,7 @@ forest: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/forest.sh $(DATA)
 
-# Hours are fine: random requests and damages by the million, then clients for SECONDS
+# Random requests and damages (REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh

@@ -1,3 +1,4 @@
+/* Chunks: what is encoded is decoded, whatever the coder; whatever is damaged is refused. Long, as every coder meets every kind of list. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

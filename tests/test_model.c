@@ -1,5 +1,5 @@
 /* Models: what a file holds arrives or is counted, colours and textures mean what the file meant, and what cannot be read is refused
- * by name. */
+ * by name. Long, as each oddity of a format is written out as the small file that shows it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* The daemon over a loopback socket: every route, every refusal, and what must not get through. */
+/* The daemon over a loopback socket: every route, every refusal, and what must not get through. Long, as it is one
+ * daemon with one client, and a table row or a few lines for each rule of HTTP. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

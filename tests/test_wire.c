@@ -1,4 +1,5 @@
-/* The stream: plans, frames, holdings. Whatever is written is read back the same, in any portions; whatever is damaged is found. */
+/* The stream: plans, frames, holdings. Whatever is written is read back the same, in any portions; whatever is damaged is found.
+ * Long, as each frame has its impossible contents written out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

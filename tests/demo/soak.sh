@@ -1,5 +1,5 @@
 #!/bin/sh
-# make soak [SECONDS=60]: 100,000 random requests and 10^6 damages against a generated forest of 20,000 plants, then sixteen clients that
+# make soak [SECONDS=60]: 10,000 random requests and 10^5 damages (REQUESTS, DAMAGES) against a generated forest of 20,000 plants, then sixteen clients that
 # decode and check everything for SECONDS. Exit 1 at the first violation.
 set -eu
 BUILD=${BUILD:-build}
@@ -8,7 +8,7 @@ OUT=$BUILD/soak
 mkdir -p "$OUT"
 "$BUILD/ecopack" generate forest --plants 20000 -o "$OUT/forest" >"$OUT/log"
 "$BUILD/ecopack" make "$OUT/forest/scene.json" -o "$OUT/forest.eco" >>"$OUT/log"
-"$BUILD/bench/requests" "$OUT/forest.eco" 100000 1000000
+"$BUILD/bench/requests" "$OUT/forest.eco" "${REQUESTS:-10000}" "${DAMAGES:-100000}"
 serve "$OUT/serve.log" "forest=$OUT/forest.eco"
 "$BUILD/ecoload" "$BASE/v1/scenes/forest" --camera "$OUT/forest/camera.json" --clients 16 --seconds "${SECONDS_LONG:-60}" --vertices 200000
 grep -E 'VmRSS|VmHWM' "/proc/$SERVER_PID/status"
