@@ -25,12 +25,12 @@ expect 0 '^ecostream 0\.1$' --version
 expect 0 'ecopack make SCENE.json -o OUT.eco' --help
 expect 0 'ecopack generate NAME -o DIR' --help
 expect 2 'ecopack make' 
-expect 2 'bake.*make, info, verify and generate' bake x
+expect 2 'bake.*make, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
 expect 2 'no --seed' make "$DIR/x.json" -o "$DIR/x.eco" --seed 3
 expect 2 'one argument too many' info a.eco b.eco
-expect 2 '--frobnicate: there is no such option' info --frobnicate a.eco
+expect 2 'info has no --frobnicate' info --frobnicate a.eco
 expect 2 '--jobs 0: must be a whole number' make x.json -o x.eco --jobs 0
 expect 2 '--jobs -3' make x.json -o x.eco --jobs -3
 expect 2 '--plants 12x' generate park -o "$DIR/x" --plants 12x
