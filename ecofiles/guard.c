@@ -92,13 +92,15 @@ static enum eco_code fork_and_wait(eco_guard_work *work, void *ctx, const char *
 	return verdict(status, shared, what, error);
 }
 
-enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, FILE **result, struct eco_error *error)
+enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, const struct eco_guard_limits *limits, FILE **result,
+	struct eco_error *error)
 {
 	struct eco_error *shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 	int memory = memfd_create("eco-guard", MFD_CLOEXEC);
 	FILE *out = memory >= 0 ? fdopen(memory, "w+b") : NULL;
 	enum eco_code code;
 
+	(void)limits;
 	*result = NULL;
 	if (shared == MAP_FAILED || out == NULL)
 		code = eco_fail(error, ECO_IO, "%.300s: no memory to read it into: %s", what, strerror(errno));

@@ -439,7 +439,7 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 		job.side_max = ECO_GROUND_SIDE_MAX;
 	if (access(options->path, R_OK) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", options->path, strerror(errno));
-	code = eco_guard_run(work, &job, options->path, &result, error);
+	code = eco_guard_run(work, &job, options->path, NULL, &result, error);
 	if (code != ECO_OK)
 		return code;
 	if (!get_ground(result, ground, &job))

@@ -169,28 +169,28 @@ static void tell(const struct eco_model_options *options, struct eco_notes *note
 
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error)
 {
-	struct job job = { options->path, options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX };
+	struct job job = { options->paths[0], options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX };
 	struct eco_notes *notes;
 	FILE *result;
 	enum eco_code code;
 
 	*model = (struct eco_model){ .position = NULL };
-	if (access(options->path, R_OK) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", options->path, strerror(errno));
-	code = eco_guard_run(work, &job, options->path, &result, error);
+	if (access(options->paths[0], R_OK) != 0)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", options->paths[0], strerror(errno));
+	code = eco_guard_run(work, &job, options->paths[0], NULL, &result, error);
 	if (code != ECO_OK)
 		return code;
 	notes = malloc(sizeof *notes);
 	if (notes == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", options->path);
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", options->paths[0]);
 	else if (!get_model(result, model, notes, job.triangles_max))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->path);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->paths[0]);
 	fclose(result);
 	if (code == ECO_OK) {
 		drop_unused_uv(model);
-		code = eco_model_clean(model, options->height_m, options->path, error);
+		code = eco_model_clean(model, options->height_m, options->paths[0], error);
 		if (code == ECO_OK)          /* of what is left only */
-			code = eco_model_bake_tints(model, options->path, notes, error);
+			code = eco_model_bake_tints(model, options->paths[0], notes, error);
 		tell(options, notes);
 	}
 	free(notes);

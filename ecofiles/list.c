@@ -14,6 +14,7 @@ const char *const eco_drop_names[ECO_DROP_COUNT] = {
 	[ECO_DROP_DUPLICATE] = "duplicate",
 	[ECO_DROP_TRANSPARENT] = "transparent",
 	[ECO_DROP_QUANTIZED] = "collapsed on the grid",
+	[ECO_DROP_LEFT_OUT] = "left out by a rule",
 };
 
 const char *const eco_organ_names[ECO_ORGAN_COUNT] = {

@@ -31,7 +31,7 @@ struct make_png { uint8_t *bytes; size_t size; };
 
 struct make_plant {              /* a model as it will be in the pack */
 	const struct eco_source_plant *source;   /* the first that asked for it */
-	char *path;                  /* of the model, canonical */
+	char *path;                  /* of its files, canonical, a line each */
 	char name[64];
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;

@@ -15,10 +15,41 @@
 
 /* ---- Which plants there are ---- */
 
+static bool same_rules(const struct eco_source_plant *a, const struct eco_source_plant *b)
+{
+	if (a->part_count != b->part_count)
+		return false;
+	for (uint32_t i = 0; i < a->part_count; i++) {
+		const struct eco_part_rule *p = &a->parts[i], *q = &b->parts[i];
+		if (p->kind != q->kind || p->component != q->component || p->size[0] != q->size[0] || p->size[1] != q->size[1] || p->is != q->is
+			|| (p->kind == ECO_PART_NAME && strcmp(p->name, q->name) != 0))
+			return false;
+	}
+	return true;
+}
+
 static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source, const char *path)
 {
-	return strcmp(plant->path, path) == 0 && plant->source->height_m == source->height_m
-		&& memcmp(plant->source->importance, source->importance, sizeof source->importance) == 0;
+	const struct eco_source_plant *s = plant->source;
+	return strcmp(plant->path, path) == 0 && s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up
+		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0 && same_rules(s, source);
+}
+
+/* The files of a plant as one text: canonical paths, separated by newlines. */
+static char *paths_of(const struct eco_source_plant *source)
+{
+	char *all = NULL;
+	for (uint32_t i = 0; i < source->model_count; i++) {
+		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
+		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical : source->models[i]) < 0)
+			longer = NULL;
+		free(canonical);
+		free(all);
+		all = longer;
+		if (!all)
+			return NULL;
+	}
+	return all;
 }
 
 /* Names are for people; those of different plants should differ. */
@@ -41,9 +72,7 @@ static void name_plant(struct make *m, struct make_plant *plant)
 
 static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, uint32_t *found)
 {
-	char *path = realpath(source->model, NULL);
-	if (!path)
-		path = strdup(source->model);
+	char *path = paths_of(source);
 	if (!path)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
 	for (*found = 0; *found < m->plant_count; ++*found) {
@@ -120,7 +149,7 @@ static enum eco_code keep_images(struct make_plant *plant, const struct eco_mode
 {
 	plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
 	if (!plant->images)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->path);
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
 		const struct eco_image *image = &model->images[id];
@@ -156,7 +185,7 @@ static void measure_body(struct make_plant *plant)
 	plant->high = high + wide;
 }
 
-static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->path, text); }
+static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->name, text); }
 
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
@@ -170,8 +199,9 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	pthread_mutex_lock(&job->work->libraries);
 	enum eco_code code = eco_model_import(&model,
-		&(struct eco_model_options){ .path = plant->source->model, .height_m = plant->source->height_m,
-			.warn = warn, .ctx = plant }, error);
+		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models, .path_count = plant->source->model_count,
+			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m, .up = plant->source->up,
+			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
 		return code;

@@ -22,6 +22,7 @@ enum eco_drop {              /* why a triangle of the source is not stored; ever
 	ECO_DROP_DUPLICATE,      /* the same three corners as another triangle of the same material */
 	ECO_DROP_TRANSPARENT,    /* no texel under it reaches alpha 0.5 */
 	ECO_DROP_QUANTIZED,      /* collapses on the list's grid */
+	ECO_DROP_LEFT_OUT,       /* a rule of the scene file leaves its part out */
 	ECO_DROP_COUNT
 };
 extern const char *const eco_drop_names[ECO_DROP_COUNT];
@@ -38,31 +39,56 @@ struct eco_material {
 	uint32_t image;          /* index into images or ECO_NONE */
 };
 
+struct eco_part {            /* a mesh, object or group of the file, as it names them */
+	char name[64];
+};
+
+#define ECO_ORGAN_FOUND 255u     /* no rule says which: lod/organ.h finds out */
+
 struct eco_model {           /* owns all its arrays; zero-initialised is empty */
 	uint32_t vertex_count, triangle_count, material_count, image_count;
 	float *position;         /* 3 per vertex, metres, Z up, foot of the plant at the origin */
 	float *uv;               /* 2 per vertex or NULL; (0,0) is the image's top left, wraps */
 	uint32_t *index;         /* 3 per triangle */
 	uint32_t *material;      /* 1 per triangle */
+	uint32_t *part;          /* 1 per triangle, index into parts; NULL without parts */
+	uint8_t *organ;          /* 1 per triangle: enum eco_organ (pack.h) or ECO_ORGAN_FOUND; NULL: no rule says anything */
 	struct eco_material *materials;
 	struct eco_image *images;
+	struct eco_part *parts;  uint32_t part_count;
 	double foot[3], scale;   /* position = (source's, Z up - foot) * scale */
 	uint32_t triangles_in;   /* triangles of the source; = triangle_count + sum of dropped */
 	uint32_t dropped[ECO_DROP_COUNT];
 };
 
+/* One rule about parts of a plant, the first that fits a triangle counts: {"name": "pot*", "is": "left out"}. */
+enum eco_part_kind { ECO_PART_NAME, ECO_PART_COMPONENT, ECO_PART_SIZE };
+#define ECO_PART_LEFT_OUT 254u
+struct eco_part_rule {
+	enum eco_part_kind kind;
+	char *name;              /* * and ? are wildcards, case does not count: of the material, or of the mesh, object or group */
+	uint32_t component;      /* from 1, connected components by falling area, as `ecopack model` numbers them */
+	double size[2];          /* of a component: its diagonal from size[0] to size[1] times that of the whole file */
+	uint8_t is;              /* enum eco_organ (pack.h) or ECO_PART_LEFT_OUT */
+};
+
+enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z };    /* axis of the file that points up; found: as the format says, else by shape */
+
 struct eco_model_options {
-	const char *path;
-	double height_m;         /* scale so that the model is this high; 0: the file's own unit is metres */
-	uint32_t triangles_max;  /* 0: 20,000,000 */
-	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call: a missing texture, ... */
+	const char *const *paths; uint32_t path_count;   /* files of one plant, in one coordinate system */
+	double height_m;         /* scale so that the model is this high; 0: by its unit */
+	double unit_m;           /* metres per unit of the files; 0: as the format says, else guessed, and said */
+	enum eco_up up;
+	const struct eco_part_rule *rules; uint32_t rule_count;
+	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */
+	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call: a missing texture, a guess, ... */
 	void *ctx;
 };
 
-/* Imports OBJ, glTF or GLB through assimp (textures through the image module, multiplied by
- * their materials' colours). Y-up formats are turned to Z-up. The foot (the
- * centre of the lowest 2 % of the wood-like, else of all, vertices) goes to x = y = 0, the lowest vertex to z = 0. Errors name
- * file and reason. On failure *model is empty. */
+/* Imports glTF, GLB, OBJ, FBX, PLY, Collada and what else assimp reads (textures through the image module, multiplied by their
+ * materials' colours), several files into one soup. Turned to Z up; the foot (the centre of the lowest 2 % of the wood-like, else of
+ * all, vertices that no rule leaves out) goes to x = y = 0, the lowest vertex to z = 0. Errors name file and reason. On failure
+ * *model is empty. */
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);
 void eco_model_free(struct eco_model *model);
 

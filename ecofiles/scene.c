@@ -11,8 +11,6 @@
 #include "ecofiles/mix.h"
 #include "ecofiles/scene_parse.h"
 
-#define PLANTS_MAX 65536u
-#define VARIANTS_MAX 256u
 #define INSTANCES_MAX (1u << 24)
 #define HEIGHT_MAX_M 1000.0
 #define SCALE_MIN 0.001
@@ -21,8 +19,6 @@
 
 static const char *const scene_fields[] = { "name", "crs", "origin", "ground", "plants", "instances", "children", "tile", NULL };
 static const char *const ground_fields[] = { "heights", "crs", NULL };
-static const char *const plant_fields[] = { "model", "height_m", "importance", NULL };
-static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
@@ -57,94 +53,7 @@ bool eco_source_has_file(const struct eco_source *source, const struct eco_json 
 	return false;
 }
 
-/* ---- Plants ---- */
-
-static int name_compare(const void *a, const void *b, void *context)
-{
-	const struct eco_source_plant *plants = context;
-
-	return strcmp(plants[*(const uint32_t *)a].name, plants[*(const uint32_t *)b].name);
-}
-
-static void sort_names(struct eco_source *source)
-{
-	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
-		source->plants_by_name[source->name_count++] = i;
-	qsort_r(source->plants_by_name, source->name_count, sizeof *source->plants_by_name, name_compare, source->plants);
-}
-
-uint32_t eco_source_find_plant(const struct eco_source *source, const char *name)
-{
-	uint32_t low = 0, high = source->name_count;
-
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2, plant = source->plants_by_name[middle];
-		int order = strcmp(source->plants[plant].name, name);
-
-		if (order == 0)
-			return plant;
-		if (order < 0)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return ECO_NONE;
-}
-
-bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
-{
-	char known[200] = "";
-	size_t used = 0;
-
-	if (!eco_json_is_text(at, sizeof source->plants->name - 1))
-		return false;
-	*plant = eco_source_find_plant(source, json_string_value(at->value));
-	if (*plant != ECO_NONE)
-		return true;
-	for (uint32_t i = 0; i < source->plant_count && used < sizeof known; i += source->plants[i].variant_count)
-		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", source->plants[i].name);
-	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", json_string_value(at->value),
-		known[0] != 0 ? known : "there are none");
-	return false;
-}
-
-static bool add_plant(struct eco_source *source, const struct eco_json *at, const struct eco_json *model,
-	const struct eco_source_plant *plant)
-{
-	struct eco_source_plant *slot = &source->plants[source->plant_count];
-
-	if (!eco_json_is_text(model, ECO_PATH_BYTES))
-		return false;
-	*slot = *plant;
-	slot->model = eco_path_beside(source->path, json_string_value(model->value));
-	if (slot->model == NULL)
-		return no_memory(at);
-	source->plant_count++;
-	return eco_source_has_file(source, model, slot->model);
-}
-
-static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
-{
-	struct eco_json node = eco_json_member(at, "importance");
-
-	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		importance[i] = 1;
-	if (node.value == NULL)
-		return true;
-	if (!eco_json_object(&node, importance_fields))
-		return false;
-	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
-		double number = 1;
-
-		if (!eco_json_number(&node, importance_fields[i], 0.01, 100, &number))
-			return false;
-		importance[i] = (float)number;
-	}
-	return true;
-}
-
-/* Names end up in URLs, file names and messages. */
-static bool name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
+bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
 {
 	for (size_t i = 0; i < bytes; i++)
 		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f) {
@@ -155,80 +64,6 @@ static bool name_is_fine(const struct eco_json *at, const char *name, size_t byt
 		eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
 		return false;
 	}
-	return true;
-}
-
-static bool parse_plant(struct eco_source *source, const struct eco_json *at)
-{
-	struct eco_source_plant plant = { .variant_count = 1 };
-	struct eco_json model;
-
-	if (!name_is_fine(at, at->key, strlen(at->key)) || !eco_json_object(at, plant_fields) || !eco_json_required(at, "model")
-		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) || !parse_importance(at, plant.importance))
-		return false;
-	memcpy(plant.name, at->key, strlen(at->key) + 1);
-	model = eco_json_member(at, "model");
-	if (!json_is_array(model.value))
-		return add_plant(source, at, &model, &plant);
-	if (!eco_json_array(&model, VARIANTS_MAX))
-		return false;
-	plant.variant_count = (uint32_t)json_array_size(model.value);
-	if (plant.variant_count == 0) {
-		eco_json_fail(&model, ECO_BAD_INPUT, "\"model\" names no file");
-		return false;
-	}
-	for (; plant.variant < plant.variant_count; plant.variant++) {
-		struct eco_json item = eco_json_item(&model, plant.variant);
-
-		if (!add_plant(source, at, &item, &plant))
-			return false;
-	}
-	return true;
-}
-
-static size_t count_models(const json_t *plants)
-{
-	const char *key;
-	json_t *plant;
-	size_t count = 0;
-
-	json_object_foreach((json_t *)plants, key, plant) {
-		const json_t *model = json_object_get(plant, "model");
-
-		(void)key;
-		count += json_is_array(model) && json_array_size(model) > 1 ? json_array_size(model) : 1;
-	}
-	return count;
-}
-
-static bool parse_plants(struct eco_source *source, const struct eco_json *top)
-{
-	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = top->file, .parent = &node };
-	const char *key;
-	json_t *value;
-	size_t count;
-
-	if (node.value == NULL)
-		return true;
-	if (!json_is_object(node.value))
-		return eco_json_object(&node, plant_fields);
-	count = count_models(node.value);
-	if (count > PLANTS_MAX) {
-		eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
-		return false;
-	}
-	source->plants = calloc(count + 1, sizeof *source->plants);
-	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
-	if (source->plants == NULL || source->plants_by_name == NULL)
-		return no_memory(&node);
-	json_object_foreach((json_t *)node.value, key, value) {
-		entry.key = key;
-		entry.value = value;
-		if (!parse_plant(source, &entry))
-			return false;
-		entry.index++;
-	}
-	sort_names(source);
 	return true;
 }
 
@@ -351,7 +186,7 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 	size_t bytes = strcspn(name, ".");
 
 	if (node.value != NULL) {
-		if (!eco_json_text(top, "name", 63, &name) || !name_is_fine(&node, name, strlen(name)))
+		if (!eco_json_text(top, "name", 63, &name) || !eco_source_name_is_fine(&node, name, strlen(name)))
 			return false;
 		bytes = strlen(name);
 	}
@@ -387,7 +222,7 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 	}
 	if (crs != NULL && (source->crs = strdup(crs)) == NULL)
 		return no_memory(top);
-	return parse_tile(source, top) && parse_ground(source, top) && parse_plants(source, top) && parse_instances(source, top)
+	return parse_tile(source, top) && parse_ground(source, top) && eco_scene_parse_plants(source, top) && parse_instances(source, top)
 		&& parse_children(source, top);
 }
 
@@ -427,7 +262,7 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 void eco_source_free(struct eco_source *source)
 {
 	for (uint32_t i = 0; i < source->plant_count; i++)
-		free(source->plants[i].model);
+		eco_source_plant_free(&source->plants[i]);
 	for (uint32_t i = 0; i < source->positions_count; i++)
 		eco_positions_spec_free(&source->positions[i]);
 	for (uint32_t i = 0; i < source->child_count; i++)

@@ -1,7 +1,7 @@
 /* The scene source: SCENE.json, as written by people and scripts (every field, unit and default: ecofiles/README.md).
  *
  *   eco_sources_load(&sources, "scene.json", &error);      the file and all files it nests, each once
- *   for each plant of each source                          eco_model_import(source.plants[i].model)
+ *   for each plant of each source                          eco_model_import(source.plants[i].models)
  *   for each source.instances                              plants one by one
  *   for each source.positions                              eco_positions_open, eco_positions_next (positions.h)
  *   for each source.children                               sources.items[child.source], placed
@@ -15,6 +15,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/model.h"
 #include "ecofiles/pack.h"
 #include "ecofiles/positions.h"
 #include "ecofiles/status.h"
@@ -23,12 +24,15 @@
 #define ECO_SOURCES_MAX 4096u
 #define ECO_TILE_INSTANCES 128u          /* default of "tile": {"instances": N} */
 
-/* A plant with several models is several of these in a row with one name: an instance takes one of them, by a hash of its
+/* A plant with several variants is several of these in a row with one name: an instance takes one of them, by a hash of its
  * position in the file. References name the first; the records and instances handed out name the one taken. */
 struct eco_source_plant {
 	char name[64];
-	char *model;                         /* path, relative paths resolved against the file that names it */
-	double height_m;                     /* the model is scaled to it; 0: the model's own metres */
+	char **models; uint32_t model_count; /* paths of the files that make up one plant, resolved against the file that names them */
+	double height_m;                     /* the model is scaled to it; 0: by its unit */
+	double unit_m;                       /* metres per unit of the files; 0: as the file says, else guessed */
+	enum eco_up up;
+	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, the same for all */
 	float importance[ECO_ORGAN_COUNT];   /* 1 where not given */
 	uint32_t variant, variant_count;     /* 0..variant_count-1 */
 };

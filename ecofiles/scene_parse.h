@@ -11,6 +11,17 @@
 /* `relative` as seen from the folder of `base`; malloc'ed, NULL when memory ran out. */
 char *eco_path_beside(const char *base, const char *relative);
 
+/* Names end up in URLs, file names and messages: 1 to 63 bytes, no control characters. */
+bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
+
+/* "plants" (scene_plant.c). */
+bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top);
+void eco_source_plant_free(struct eco_source_plant *plant);
+
+/* Metres in a unit of that name; false where there is none. */
+#define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
+bool eco_unit_metres(const char *name, double *metres);
+
 /* Index of the first plant of that name, or ECO_NONE. */
 uint32_t eco_source_find_plant(const struct eco_source *source, const char *name);
 /* The plant a text names; an error lists the plants there are. */

@@ -141,20 +141,29 @@ static bool parse_dbh(const struct eco_json *at, struct eco_positions_spec *spec
 		&& eco_json_number(at, "rate", 1e-9, 1e3, &spec->rate);
 }
 
+bool eco_unit_metres(const char *name, double *metres)
+{
+	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
+		{ "ft", 0.3048 }, { "US survey ft", 1200.0 / 3937 } };
+
+	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+		if (strcmp(name, units[i].name) == 0) {
+			*metres = units[i].metres;
+			return true;
+		}
+	return false;
+}
+
 static bool parse_unit(const struct eco_json *at, double *unit_m)
 {
-	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "ft", 0.3048 } };
 	struct eco_json unit = eco_json_member(at, "unit");
 	const char *name = "m";
 
 	if (!eco_json_text(at, "unit", 16, &name))
 		return false;
-	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-		if (strcmp(name, units[i].name) == 0) {
-			*unit_m = units[i].metres;
-			return true;
-		}
-	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of m, cm, mm, ft", name);
+	if (eco_unit_metres(name, unit_m))
+		return true;
+	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 	return false;
 }
 

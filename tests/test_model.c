@@ -32,7 +32,7 @@ static void import_good(struct eco_model *model, const char *path, double height
 	uint64_t accounted;
 
 	warnings[0] = 0;
-	if (eco_model_import(model, &(struct eco_model_options){ .path = path, .height_m = height_m, .warn = note }, &error) != ECO_OK)
+	if (eco_model_import(model, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .height_m = height_m, .warn = note }, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	accounted = model->triangle_count;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
@@ -46,7 +46,7 @@ static void import_fails(const char *path, enum eco_code wanted, const char *say
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model model;
-	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .path = path }, &error);
+	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1 }, &error);
 
 	assert_null(model.position);
 	if (code != wanted || strstr(error.text, says) == NULL)
@@ -652,9 +652,9 @@ static void more_triangles_than_allowed_are_refused(void **state)
 	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf 1 2 3\nf 2 4 3\nf 3 4 5\n");
 
 	(void)state;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .path = path, .triangles_max = 2 }, &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 }, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "3 triangles"));
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .path = path, .triangles_max = 3 }, NULL), ECO_OK);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 3 }, NULL), ECO_OK);
 	eco_model_free(&m);
 }
 
@@ -672,10 +672,10 @@ static void damaged_files_are_survived(void **state)
 		struct eco_model m;
 		char kept = text[at];
 
-		if (eco_model_import(&m, &(struct eco_model_options){ .path = input_bytes("model", "cut.gltf", text, at) }, NULL) == ECO_OK)
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) }, .path_count = 1 }, NULL) == ECO_OK)
 			fail_msg("%zu of %zu bytes were taken for a model", at, size);
 		text[at] = (char)(kept ^ 1);
-		if (eco_model_import(&m, &(struct eco_model_options){ .path = input_bytes("model", "bit.gltf", text, size) }, NULL) == ECO_OK)
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) }, .path_count = 1 }, NULL) == ECO_OK)
 			for (uint32_t i = 0; i < m.triangle_count * 3; i++)
 				assert_true(m.index[i] < m.vertex_count);
 		eco_model_free(&m);
@@ -715,7 +715,7 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 		char text[16] = "";
 		FILE *result;
 
-		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", &result, &error), wanted[i].code);
+		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", NULL, &result, &error), wanted[i].code);
 		assert_non_null(strstr(error.text, wanted[i].says));
 		assert_int_equal(result != NULL, i == 0);
 		if (result == NULL)

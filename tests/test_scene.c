@@ -27,7 +27,7 @@ static void everything_that_may_be_said_is_read(void **state)
 	(void)state;
 	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], \"tile\": {\"instances\": 7},\n"
 		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
-		"\"plants\": {\"oak\": {\"model\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": \"c.obj\"}},\n"
+		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": \"c.obj\"}},\n"
 		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, {\"plant\": \"ash\", \"at\": [1, 2]},\n"
 		"  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", \"z\": \"h\", \"crs\": \"EPSG:4326\", \"species\": \"sp\", \"separator\": \";\",\n"
 		"   \"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": \"y\",\n"
@@ -39,8 +39,8 @@ static void everything_that_may_be_said_is_read(void **state)
 	assert_int_equal(s.tile_instances, 7);
 	assert_string_equal(s.ground_heights, "dir/dem.tif");
 	assert_int_equal(s.plant_count, 3);
-	assert_string_equal(s.plants[0].model, "dir/a.glb");
-	assert_string_equal(s.plants[1].model, "/b.obj");
+	assert_string_equal(s.plants[0].models[0], "dir/a.glb");
+	assert_string_equal(s.plants[1].models[0], "/b.obj");
 	assert_int_equal(s.plants[1].variant, 1);
 	assert_int_equal(s.plants[0].variant_count, 2);
 	assert_true(s.plants[0].importance[ECO_ORGAN_FLOWER] == 3 && s.plants[0].importance[ECO_ORGAN_WOOD] == 1);
