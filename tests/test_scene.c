@@ -107,7 +107,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"tile\": {\"instances\": 1.5}}", ":1:24:", "whole number" },
 	{ "{\"ground\": {\"crs\": \"EPSG:1\"}}", ":1:12:", "\"heights\" is missing" },
 	{ "{\"ground\": {\"heights\": \"a\", \"crs\": \"EPSG:1\"}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, height_m, importance" },
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, variants, height_m, unit, up, parts, importance" },
 	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "\"model\" is missing" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
 	{ "{\"plants\": {\"oak\": {\"model\": [\"a\", 3]}}}", ":1:36:", "must be a text" },
