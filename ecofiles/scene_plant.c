@@ -91,7 +91,7 @@ static bool parse_files(struct eco_source *source, const struct eco_json *at, st
 	size_t count = json_is_array(at->value) ? json_array_size(at->value) : 1;
 
 	if (count == 0) {
-		eco_json_fail(at, ECO_BAD_INPUT, "no file is named");
+		eco_json_fail(at, ECO_BAD_INPUT, "it names no file");
 		return false;
 	}
 	if (json_is_array(at->value) && !eco_json_array(at, FILES_MAX))

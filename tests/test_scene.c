@@ -108,7 +108,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"ground\": {\"crs\": \"EPSG:1\"}}", ":1:12:", "\"heights\" is missing" },
 	{ "{\"ground\": {\"heights\": \"a\", \"crs\": \"EPSG:1\"}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, variants, height_m, unit, up, parts, importance" },
-	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "\"model\" is missing" },
+	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
 	{ "{\"plants\": {\"oak\": {\"model\": [\"a\", 3]}}}", ":1:36:", "must be a text" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height_m\": -3}}}", ":1:47:", "between" },
