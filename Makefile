@@ -8,7 +8,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
-	libcmocka-dev jq curl xz-utils
+	libseccomp-dev libcmocka-dev jq curl xz-utils
 
 CC ?= gcc
 CXX ?= g++
@@ -53,7 +53,7 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 # What each program needs, and nothing else: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
 LIBS_CORE := -lxxhash -ljansson -lm
 LIBS_DRACO := -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer
+LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread
