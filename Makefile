@@ -52,7 +52,8 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 
 # What each program needs, and nothing else: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
 LIBS_CORE := -lxxhash -ljansson -lm
-LIBS_DRACO := -l:libdraco.a -lstdc++
+# --wrap: see draco_shim.cpp
+LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
 LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
