@@ -230,9 +230,22 @@ static void volunteer(void)
 	close(file);
 }
 
+/* Where the filter is not to be had, this is what keeps GDAL and PROJ from asking a server that a file names, and from running a
+ * program that it holds. */
+static void stay_offline(void)
+{
+	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" }, { "PROJ_NETWORK", "OFF" },
+		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
+		"OAPIF CSW Elastic Carto AmigoCloud PostgreSQL PostGISRaster MySQL MSSQLSpatial ODBC OCI MongoDBv3 HANA" } };
+
+	for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
+		setenv(settings[i][0], settings[i][1], 1);
+}
+
 static void confine(const struct eco_guard *g, rlim_t file_bytes)
 {
 	volunteer();
+	stay_offline();
 	limit(RLIMIT_CORE, 0, 0);
 	limit(RLIMIT_CPU, g->limits.cpu_s, GRACE_S);
 	limit(RLIMIT_NOFILE, FILES_MAX, 0);

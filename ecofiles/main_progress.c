@@ -9,6 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/guard.h"
+
 #define BAR 28
 
 static volatile sig_atomic_t interrupted;
@@ -20,6 +22,7 @@ static void ask_to_stop(int number)
 {
 	(void)number;
 	interrupted = 1;
+	eco_guard_interrupt();               /* who waits for a child would not notice */
 }
 
 void main_catch_interrupts(void)
