@@ -3,6 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "lod/organ_flower.h"
+#include "lod/organ_name.h"
+#include "lod/organ_shape.h"
+#include "lod/organ_split.h"
 #include "lod/sort.h"
 #include "lod/texel.h"
 #include "lod/vector.h"
@@ -16,243 +20,278 @@
 #define ROUND_LIMIT 2.15
 #define BLADE_CLEAR 2.4
 #define LENGTH_LEAST 0.7         /* of the diagonal; a blade folded to a right angle has 0.25 */
+#define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
+#define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
 
-#define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
+#define COPIES_MANY 50           /* bodies of one material and triangle count from which on they are taken for leaves in doubt */
 
-enum verdict { CLEARLY_WOOD, RATHER_WOOD, RATHER_LEAF, CLEARLY_LEAF };
+enum verdict { CLEARLY_LEAF, RATHER_LEAF, SOLID, RATHER_WOOD, CLEARLY_WOOD };
 
-struct shape {                   /* sums over one component */
-	double bend, angle, angle2;  /* length-weighted sums of signed, absolute and squared angle */
-	double border, edges;        /* lengths */
-	double glued;                /* length of border that continues in another component, and the last such component */
-	uint32_t glued_to;
-	double rgb[3], weight;
+struct finder {
+	const struct lod_mesh *mesh;
+	const struct eco_model *model;
+	struct lod_bodies bodies;
+	double area, height, diagonal;       /* of the plant */
+	/* per body */
+	uint8_t *verdict, *organ;
+	bool *fixed;                 /* by a rule */
+	enum lod_hint *hint;
+	double *middle, *above;      /* by rising height: the middle of a body, and the area of it and of all above */
 };
 
-static struct lod_v3 corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
-{
-	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k % 3]);
-}
-
-static struct lod_v3 area_normal(const struct lod_mesh *mesh, uint32_t t)
-{
-	struct lod_v3 a = corner(mesh, t, 0);
-	return lod_v3_scale(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a)), 0.5);
-}
-
-/* 1 or -1 per triangle, so that neighbours look to the same side: soups are wound at random. */
-static int8_t *orient(const struct lod_mesh *mesh, struct lod_arena *arena)
-{
-	int8_t *sign = lod_arena_take(arena, mesh->triangle_count, sizeof *sign);
-	struct lod_arena_piece *mark = arena->last;
-	uint32_t *stack = lod_arena_take(arena, mesh->triangle_count, sizeof *stack), depth = 0;
-	for (uint32_t seed = 0; seed < mesh->triangle_count; seed++) {
-		if (sign[seed])
-			continue;
-		sign[seed] = 1;
-		stack[depth++] = seed;
-		while (depth) {
-			uint32_t t = stack[--depth];
-			for (uint32_t k = 0; k < 3; k++) {
-				uint32_t edge = lod_mesh_across(mesh, t, k);
-				if (edge == ECO_NONE || sign[edge / 3])
-					continue;
-				/* Wound alike, two triangles run along their common edge in opposite directions. */
-				sign[edge / 3] = mesh->index[edge] == mesh->index[3 * t + k] ? (int8_t)-sign[t] : sign[t];
-				stack[depth++] = edge / 3;
-			}
-		}
-	}
-	lod_arena_release(arena, mark);
-	return sign;
-}
-
-static void add_edges(struct shape *shape, const struct lod_mesh *mesh, const int8_t *sign, uint32_t t)
-{
-	struct lod_v3 normal = lod_v3_scale(lod_v3_unit(area_normal(mesh, t)), sign[t]);
-	for (uint32_t k = 0; k < 3; k++) {
-		uint32_t edge = lod_mesh_across(mesh, t, k);
-		double length = lod_v3_distance(corner(mesh, t, k), corner(mesh, t, k + 1));
-		shape->edges += length;
-		if (edge == ECO_NONE) {
-			uint32_t other = mesh->across[3 * (size_t)t + k];
-			shape->border += length;
-			if (other != ECO_NONE) {
-				shape->glued += length;
-				shape->glued_to = mesh->component[other / 3];
-			}
-			continue;
-		}
-		uint32_t u = edge / 3;
-		if (u < t)
-			continue;
-		struct lod_v3 other = lod_v3_scale(lod_v3_unit(area_normal(mesh, u)), sign[u]);
-		double angle = lod_arc_cosine(lod_v3_dot(normal, other));
-		struct lod_v3 away = lod_v3_sub(corner(mesh, u, edge % 3 + 2), corner(mesh, t, k));
-		shape->bend += (lod_v3_dot(normal, away) < 0 ? angle : -angle) * length;
-		shape->angle += angle * length;
-		shape->angle2 += angle * angle * length;
-	}
-}
-
-static void add_triangle(struct lod_component *c, struct shape *shape, const struct lod_mesh *mesh, const struct lod_organs *organs,
-	uint32_t t)
-{
-	if (c->triangle_count++ == 0) {
-		c->material = mesh->material[t];
-		for (int a = 0; a < 3; a++) {
-			c->low[a] = INFINITY;
-			c->high[a] = -INFINITY;
-		}
-	}
-	for (int k = 0; k < 3; k++)
-		for (int a = 0; a < 3; a++) {
-			float p = mesh->place[3 * (size_t)mesh->index[3 * (size_t)t + k] + a];
-			c->low[a] = fminf(c->low[a], p);
-			c->high[a] = fmaxf(c->high[a], p);
-		}
-	c->area += lod_v3_length(area_normal(mesh, t));
-	for (int k = 0; k < 3; k++)
-		shape->rgb[k] += organs->rgb[t][k] * organs->area[t];
-	shape->weight += organs->area[t];
-}
-
-static double diagonal(const struct lod_component *c)
-{
-	struct lod_v3 low = lod_v3_of(c->low), high = lod_v3_of(c->high);
-	return lod_v3_distance(low, high);
-}
-
-static void finish(struct lod_component *c, const struct shape *shape)
-{
-	double bend = fabs(shape->bend) / 2;
-	c->length = bend / LOD_PI;
-	c->radius = bend > 0 ? c->area / (2 * bend) : INFINITY;
-	c->turn = shape->angle > 0 ? shape->angle2 / shape->angle : 0;
-	/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
-	c->closed = shape->border < 0.02 * shape->edges;
-	for (int k = 0; k < 3; k++)
-		c->rgb[k] = (uint8_t)(shape->weight > 0 ? shape->rgb[k] / shape->weight + 0.5 : 0);
-}
-
-static enum verdict judge(const struct lod_component *c, bool cutout)
-{
-	double d = diagonal(c), thin = c->radius / d;
-	if (cutout || c->length < LENGTH_LEAST * d || thin > THICK_CLEAR || c->turn > BLADE_CLEAR)
-		return CLEARLY_LEAF;
-	if (thin <= THIN_CLEAR && c->turn <= ROUND_CLEAR)
-		return CLEARLY_WOOD;
-	return thin <= THIN_LIMIT && c->turn <= ROUND_LIMIT ? RATHER_WOOD : RATHER_LEAF;
-}
+/* ---- By shape ---- */
 
 static bool is_cutout(const struct eco_model *model, uint32_t material)
 {
 	return lod_mesh_material(model, material)->cutout && lod_mesh_image(model, material) != NULL;
 }
 
-/* Doubtful components go with the clear ones of their material, by area, where those speak clearly. */
-static void settle_doubts(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+static enum verdict judge(const struct lod_body *b, bool cutout)
 {
+	double d = b->diagonal, thin = b->radius / d;
+	bool tube = b->length >= LENGTH_LEAST * d && b->turn <= BLADE_CLEAR;
+	if (cutout)
+		return CLEARLY_LEAF;
+	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube) && b->open * (1 - b->glued) < 0.1)
+		return SOLID;
+	if (!tube || thin > THICK_CLEAR)
+		return CLEARLY_LEAF;
+	if (thin > THIN_LIMIT || b->turn > ROUND_LIMIT || b->round < FULL_LEAST)
+		return RATHER_LEAF;
+	return thin <= THIN_CLEAR && b->turn <= ROUND_CLEAR ? CLEARLY_WOOD : RATHER_WOOD;
+}
+
+/* ---- By names ---- */
+
+/* Hints of parts count where parts differ in them: one name for all says what the plant is, not what its organs are. The same holds for
+ * materials that are all called flowers. */
+static void find_hints(struct finder *f, struct lod_arena *arena)
+{
+	const struct eco_model *model = f->model;
+	bool parts = model->part && model->parts, varied = false, blooms = true;
 	struct lod_arena_piece *mark = arena->last;
-	double (*clear)[2] = lod_arena_take(arena, (size_t)model->material_count + 1, sizeof *clear);
-	uint8_t *verdict = lod_arena_take(arena, mesh->component_count, sizeof *verdict);
-	for (uint32_t i = 0; i < mesh->component_count; i++) {
-		struct lod_component *c = &organs->components[i];
-		uint32_t m = c->material < model->material_count ? c->material : model->material_count;
-		verdict[i] = judge(c, is_cutout(model, c->material));
-		if (verdict[i] == CLEARLY_WOOD || verdict[i] == CLEARLY_LEAF)
-			clear[m][verdict[i] == CLEARLY_WOOD] += c->area;
+	enum lod_hint *material = lod_arena_take(arena, (size_t)model->material_count + 1, sizeof *material);
+	enum lod_hint *part = lod_arena_take(arena, (size_t)model->part_count + 1, sizeof *part);
+	for (uint32_t i = 0; i < model->material_count; i++) {
+		material[i] = lod_name_hint(model->materials[i].name);
+		blooms = blooms && material[i] == LOD_HINT_FLOWER;
 	}
-	for (uint32_t i = 0; i < mesh->component_count; i++) {
-		struct lod_component *c = &organs->components[i];
-		const double *known = clear[c->material < model->material_count ? c->material : model->material_count];
-		bool wood = verdict[i] == CLEARLY_WOOD || verdict[i] == RATHER_WOOD;
-		if (verdict[i] == RATHER_WOOD || verdict[i] == RATHER_LEAF)
-			wood = known[1] > 3 * known[0] ? true : known[0] > 3 * known[1] ? false : wood;
-		c->organ = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
+	for (uint32_t i = 0; parts && i < model->part_count; i++) {
+		part[i] = lod_name_hint(model->parts[i].name);
+		varied = varied || part[i] != part[0];
+	}
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		const struct lod_body *b = &f->bodies.items[i];
+		uint32_t of = parts ? model->part[f->mesh->source[b->first]] : ECO_NONE;
+		if (b->material < model->material_count && !blooms)
+			f->hint[i] = material[b->material];
+		if (f->hint[i] == LOD_HINT_NONE && varied && of < model->part_count)
+			f->hint[i] = part[of];
 	}
 	lod_arena_release(arena, mark);
 }
 
-/* Components of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The
- * larger area wins; among many copies wood must be twice as much, since what comes in many copies usually is a leaf. */
-static void settle_copies(struct lod_organs *organs, const struct lod_mesh *mesh, struct lod_arena *arena)
+/* ---- Doubts ---- */
+
+/* Bark is brown or grey, and darker than petals. */
+static bool is_bark(const uint8_t rgb[3])
+{
+	return rgb[0] > rgb[1] && rgb[1] >= rgb[2] && rgb[0] < 190;
+}
+
+static bool is_plain(const struct lod_body *b)
+{
+	return b->rgb[0] == b->rgb[1] && b->rgb[1] == b->rgb[2];
+}
+
+static uint32_t material_of(const struct finder *f, uint32_t body)
+{
+	uint32_t m = f->bodies.items[body].material;
+	return m < f->model->material_count ? m : f->model->material_count;
+}
+
+static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[2])
+{
+	const struct lod_body *b = &f->bodies.items[i];
+	if (clear[1] > 3 * clear[0])
+		return true;
+	if (clear[0] > 3 * clear[1])
+		return false;
+	if (f->hint[i] != LOD_HINT_NONE)
+		return f->hint[i] == LOD_HINT_WOOD;
+	if (lod_colour_is_green(b->rgb))
+		return false;
+	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
+}
+
+/* Doubtful bodies go with the clear ones of their material, by area, where those speak clearly. */
+static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	struct lod_keyed *by = lod_arena_take(arena, mesh->component_count, sizeof *by);
-	for (uint32_t i = 0; i < mesh->component_count; i++)
-		by[i] = (struct lod_keyed){ (uint64_t)organs->components[i].material << 32 | organs->components[i].triangle_count, i };
-	lod_sort(arena, by, mesh->component_count);
-	for (uint32_t first = 0, end; first < mesh->component_count; first = end) {
+	double (*clear)[2] = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *clear);
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		f->verdict[i] = (uint8_t)judge(&f->bodies.items[i], is_cutout(f->model, f->bodies.items[i].material));
+		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
+			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->bodies.items[i].area;
+	}
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		bool wood = f->verdict[i] == CLEARLY_WOOD;
+		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
+			wood = settle_doubt(f, i, clear[material_of(f, i)]);
+		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
+	}
+	lod_arena_release(arena, mark);
+}
+
+/* Bodies of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The larger
+ * area wins; among many copies wood must be twice as much, since what comes in many copies usually is a leaf. */
+static void settle_copies(struct finder *f, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	uint32_t n = f->bodies.count;
+	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ (uint64_t)f->bodies.items[i].material << 32 | f->bodies.items[i].triangle_count, i };
+	lod_sort(arena, by, n);
+	for (uint32_t first = 0, end; first < n; first = end) {
 		double area[ECO_ORGAN_COUNT] = { 0 };
-		for (end = first; end < mesh->component_count && by[end].key == by[first].key; end++)
-			area[organs->components[by[end].value].organ] += organs->components[by[end].value].area;
+		for (end = first; end < n && by[end].key == by[first].key; end++)
+			area[f->organ[by[end].value]] += f->bodies.items[by[end].value].area;
 		double need = end - first >= COPIES_MANY ? 2 : 1;
 		bool wood = area[ECO_ORGAN_WOOD] > need * area[ECO_ORGAN_FOLIAGE];
 		for (uint32_t i = first; i < end; i++)
-			organs->components[by[i].value].organ = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
+			f->organ[by[i].value] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
 	}
 	lod_arena_release(arena, mark);
 }
 
-/* A patch of another colour inlaid in bark is bark: all of its border continues in wood. */
-static void settle_inlays(struct lod_organs *organs, const struct lod_mesh *mesh, const struct shape *shapes)
+/* A patch of another colour inlaid in bark is bark: all of its border continues in wood. A bud at a stem's end has next to no border. */
+static void settle_inlays(struct finder *f)
 {
-	for (uint32_t i = 0; i < mesh->component_count; i++) {
-		struct lod_component *c = &organs->components[i];
-		const struct lod_component *host = &organs->components[shapes[i].glued_to];
-		if (shapes[i].glued > 0.75 * shapes[i].border && host->organ == ECO_ORGAN_WOOD && c->area < 0.1 * host->area)
-			c->organ = ECO_ORGAN_WOOD;
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		const struct lod_body *b = &f->bodies.items[i], *host = &f->bodies.items[b->glued_to];
+		if (b->open > 0.05 && b->glued > 0.75 && f->organ[b->glued_to] == ECO_ORGAN_WOOD && b->area < 0.25 * host->area)
+			f->organ[i] = ECO_ORGAN_WOOD;
 	}
 }
 
-/* ---- Flowers ---- */
+/* ---- Things, soil and herbs ---- */
 
-/* Colour without brightness: the shares of red, green and blue. */
-static struct lod_v3 chroma(const uint8_t rgb[3])
-{
-	double sum = rgb[0] + rgb[1] + rgb[2] + 1;
-	return (struct lod_v3){ rgb[0] / sum, rgb[1] / sum, rgb[2] / sum };
-}
+#define FOOT 0.05                /* of the plant's height */
+#define THING_HEIGHT 0.6         /* of the plant's height at most, for what the plant stands in or on */
+#define THING_ABOVE 0.3          /* of the plant's area that is above it */
+#define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
+#define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
+#define FEW 4u                   /* bodies of its material, of a vessel or soil */
 
-static bool stands_out(const uint8_t rgb[3], struct lod_v3 majority)
+/* Bodies by the heights of their middles, to answer how much of the plant is above. */
+static void sort_heights(struct finder *f, struct lod_arena *arena)
 {
-	int most = rgb[0] > rgb[1] ? rgb[0] : rgb[1], least = rgb[0] < rgb[1] ? rgb[0] : rgb[1];
-	most = most > rgb[2] ? most : rgb[2];
-	least = least < rgb[2] ? least : rgb[2];
-	bool vivid = 10 * (most - least) > 4 * most && most > 60, pale = least > 140;
-	bool green = rgb[1] > rgb[0] && rgb[1] > rgb[2];
-	return lod_v3_distance(chroma(rgb), majority) > 0.15 && !green && (vivid || pale);
-}
-
-/* Only small components count: a brown pot is none, and autumn leaves are the majority that they would have to stand out from. */
-#define SMALL 0.5                /* of the plant's largest extent */
-static void find_flowers(struct lod_organs *organs, const struct lod_mesh *mesh)
-{
-	struct lod_v3 majority = { 0, 0, 0 };
-	double weight = 0, found = 0, size = 0;
-	for (int a = 0; a < 3; a++)
-		size = fmax(size, (double)mesh->high[a] - mesh->low[a]);
-	for (uint32_t i = 0; i < mesh->component_count; i++) {
-		const struct lod_component *c = &organs->components[i];
-		if (c->organ != ECO_ORGAN_FOLIAGE || diagonal(c) > SMALL * size)
-			continue;
-		majority = lod_v3_add(majority, lod_v3_scale(chroma(c->rgb), c->area));
-		weight += c->area;
+	uint32_t n = f->bodies.count;
+	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
+	f->middle = lod_arena_take(arena, n, sizeof *f->middle);
+	f->above = lod_arena_take(arena, (size_t)n + 1, sizeof *f->above);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ lod_sort_key((double)f->bodies.items[i].low[2] + f->bodies.items[i].high[2] - 2 * f->mesh->low[2]), i };
+	lod_sort(arena, by, n);
+	for (uint32_t i = n; i-- > 0;) {
+		const struct lod_body *b = &f->bodies.items[by[i].value];
+		f->middle[i] = ((double)b->low[2] + b->high[2]) / 2;
+		f->above[i] = f->above[i + 1] + b->area;
 	}
-	if (weight <= 0)
-		return;
-	majority = lod_v3_scale(majority, 1 / weight);
-	for (int mark = 0; mark < 2; mark++)
-		for (uint32_t i = 0; i < mesh->component_count; i++) {
-			struct lod_component *c = &organs->components[i];
-			if (c->organ != ECO_ORGAN_FOLIAGE || diagonal(c) > SMALL * size || !stands_out(c->rgb, majority))
-				continue;
-			if (!mark)
-				found += c->area;
-			else if (found < 0.5 * weight)
-				c->organ = ECO_ORGAN_FLOWER;
+}
+
+static double area_above(const struct finder *f, double z)
+{
+	uint32_t low = 0, high = f->bodies.count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (f->middle[middle] > z)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return f->above[low];
+}
+
+/* The plant is above it, and it is not green nor small. */
+static bool is_below(const struct finder *f, uint32_t i)
+{
+	const struct lod_body *b = &f->bodies.items[i];
+	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
+		&& !is_cutout(f->model, b->material) && area_above(f, b->high[2]) > THING_ABOVE * f->area;
+}
+
+static bool on_ground(const struct finder *f, uint32_t i)
+{
+	return f->bodies.items[i].low[2] - f->mesh->low[2] < FOOT * f->height;
+}
+
+/* Solid: `alone` says that solids are all there is. */
+static bool is_thing(const struct finder *f, uint32_t i, bool alone)
+{
+	const struct lod_body *b = &f->bodies.items[i];
+	if (f->hint[i] != LOD_HINT_NONE)
+		return f->hint[i] == LOD_HINT_WOOD;
+	if (alone && b->diagonal > FRUIT * f->diagonal)
+		return !is_plain(b) && is_bark(b->rgb);
+	return is_below(f, i) && on_ground(f, i);
+}
+
+/* A pot with walls, or a level sheet, as the soil in it or the ground around a plant. */
+static bool is_vessel(const struct finder *f, uint32_t i)
+{
+	const struct lod_body *b = &f->bodies.items[i];
+	bool walls = b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal && on_ground(f, i);
+	bool soil = b->level > 0.85 && b->high[2] - b->low[2] < 0.2 * b->diagonal;
+	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
+}
+
+/* What is of one material with things and stands below the plant as they do is one, too: saucers, rims. */
+static void settle_things(struct finder *f, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct { double things, all; uint32_t bodies; } *of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
+	double solid = 0;
+	sort_heights(f, arena);
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		solid += f->verdict[i] == SOLID ? f->bodies.items[i].area : 0;
+		of[material_of(f, i)].bodies++;
+		of[material_of(f, i)].all += f->bodies.items[i].area;
+	}
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
+		thing = thing || (of[material_of(f, i)].bodies <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
+		if (thing) {
+			f->organ[i] = ECO_ORGAN_WOOD;
+			of[material_of(f, i)].things += f->bodies.items[i].area;
 		}
+	}
+	for (uint32_t i = 0; i < f->bodies.count; i++)
+		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i))
+			f->organ[i] = ECO_ORGAN_WOOD;
+	lod_arena_release(arena, mark);
+}
+
+/* Nothing but tubes: a bare tree, unless they are green, or many that stand on the ground unbranched. */
+static void settle_herbs(struct finder *f)
+{
+	double wood = 0, green = 0, straws = 0;
+	uint32_t straw_count = 0;
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		const struct lod_body *b = &f->bodies.items[i];
+		if (f->organ[i] != ECO_ORGAN_WOOD)
+			continue;
+		bool straw = b->length < 1.25 * b->diagonal && b->low[2] - f->mesh->low[2] < FOOT * f->height;
+		wood += b->area;
+		green += lod_colour_is_green(b->rgb) && f->hint[i] != LOD_HINT_WOOD ? b->area : 0;
+		straws += straw && f->hint[i] != LOD_HINT_WOOD ? b->area : 0;
+		straw_count += straw;
+	}
+	if (wood < 0.95 * f->area || (green < 0.9 * wood && (straws < 0.8 * wood || straw_count < 6)))
+		return;
+	for (uint32_t i = 0; i < f->bodies.count; i++)
+		f->organ[i] = ECO_ORGAN_FOLIAGE;
 }
 
 /* ---- All ---- */
@@ -262,36 +301,96 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct eco_material *material = lod_mesh_material(model, mesh->material[t]);
 		const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
+		const uint32_t *v = mesh->index + 3 * (size_t)t;
+		struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
 		double share = 1;
 		if (image)
 			share = lod_texel_mean(image, material->cutout, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
 		else
 			memcpy(organs->rgb[t], material->rgb, 3);
-		/* No opaque sample among 16 does not mean nothing: a sixteenth of a sample's worth keeps it drawable. */
-		organs->area[t] = lod_v3_length(area_normal(mesh, t)) * (share > 0 ? share : 1.0 / 256);
+		organs->area[t] = lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
+		/* No opaque sample does not mean nothing: a fraction of a sample's worth keeps it drawable. */
+		organs->area[t] *= share > 0 ? share : 1.0 / 256;
 	}
 }
 
-void lod_organs_find(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+static void prepare(struct finder *f, struct lod_arena *arena)
 {
-	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
+	uint32_t n = f->bodies.count;
+	f->verdict = lod_arena_take(arena, n, sizeof *f->verdict);
+	f->organ = lod_arena_take(arena, n, sizeof *f->organ);
+	f->fixed = lod_arena_take(arena, n, sizeof *f->fixed);
+	f->hint = lod_arena_take(arena, n, sizeof *f->hint);
+	for (uint32_t i = 0; i < n; i++)
+		f->area += f->bodies.items[i].area;
+	f->height = (double)f->mesh->high[2] - f->mesh->low[2];
+	f->diagonal = lod_v3_distance(lod_v3_of(f->mesh->low), lod_v3_of(f->mesh->high));
+	find_hints(f, arena);
+}
+
+static void apply_rules(struct finder *f)
+{
+	for (uint32_t i = 0; i < f->bodies.count; i++) {
+		uint8_t rule = f->mesh->rule[f->bodies.items[i].first];
+		f->fixed[i] = rule != ECO_ORGAN_FOUND;
+		f->organ[i] = f->fixed[i] ? rule : f->organ[i];
+	}
+}
+
+static void describe_components(struct lod_organs *organs, const struct finder *f)
+{
+	const struct lod_mesh *mesh = f->mesh;
+	for (uint32_t i = 0; i < mesh->component_count; i++) {
+		const struct lod_body *b = &f->bodies.items[f->bodies.of[i]];
+		struct lod_component *c = &organs->components[i];
+		double rgb[3] = { 0, 0, 0 }, weight = 0;
+		*c = (struct lod_component){ .organ = f->organ[f->bodies.of[i]], .radius = b->radius, .turn = b->turn,
+			.low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
+		c->triangle_count = mesh->member_first[i + 1] - mesh->member_first[i];
+		c->material = mesh->material[mesh->member[mesh->member_first[i]]];
+		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
+		c->closed = b->open < 0.02;
+		for (uint32_t j = mesh->member_first[i]; j < mesh->member_first[i + 1]; j++) {
+			uint32_t t = mesh->member[j];
+			struct lod_v3 p[3];
+			for (uint32_t k = 0; k < 3; k++) {
+				const float *at = mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k];
+				p[k] = lod_v3_of(at);
+				for (int a = 0; a < 3; a++) {
+					c->low[a] = fminf(c->low[a], at[a]);
+					c->high[a] = fmaxf(c->high[a], at[a]);
+				}
+				rgb[k] += organs->rgb[t][k] * organs->area[t];
+			}
+			c->area += lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
+			weight += organs->area[t];
+		}
+		c->length = b->area > 0 ? b->length * c->area / b->area : 0;
+		for (int k = 0; k < 3; k++)
+			c->rgb[k] = (uint8_t)(weight > 0 ? rgb[k] / weight + 0.5 : 0);
+	}
+}
+
+void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+{
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
 	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);
-	struct lod_arena_piece *mark = arena->last;
-	const int8_t *sign = orient(mesh, arena);
-	struct shape *shapes = lod_arena_take(arena, mesh->component_count, sizeof *shapes);
 	colour_triangles(organs, mesh, model);
-	for (uint32_t c = 0; c < mesh->component_count; c++) {
-		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++) {
-			add_triangle(&organs->components[c], &shapes[c], mesh, organs, mesh->member[i]);
-			add_edges(&shapes[c], mesh, sign, mesh->member[i]);
-		}
-		finish(&organs->components[c], &shapes[c]);
-	}
-	settle_doubts(organs, mesh, model, arena);
-	settle_copies(organs, mesh, arena);
-	settle_inlays(organs, mesh, shapes);
-	find_flowers(organs, mesh);
+	lod_organs_split(mesh, (const uint8_t (*)[3])organs->rgb, arena);
+	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
+	struct lod_arena_piece *mark = arena->last;
+	struct finder f = { .mesh = mesh, .model = model };
+	lod_bodies_find(&f.bodies, mesh, model, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
+	prepare(&f, arena);
+	settle_doubts(&f, arena);
+	settle_copies(&f, arena);
+	settle_things(&f, arena);
+	apply_rules(&f);
+	settle_inlays(&f);
+	settle_herbs(&f);
+	apply_rules(&f);
+	lod_flowers_find(f.organ, &f.bodies, f.fixed, f.hint, fmax(f.height, fmax((double)mesh->high[0] - mesh->low[0], (double)mesh->high[1] - mesh->low[1])));
+	describe_components(organs, &f);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &organs->components[mesh->component[t]];
 		if (c->organ == ECO_ORGAN_WOOD || c->closed)

@@ -1,4 +1,4 @@
-/* Which triangles are wood, which foliage, which flowers: by shape and colour. Names never decide.
+/* Which triangles are wood, which foliage, which flowers: what the scene file says, else shape, then place, colour and names.
  *
  * Wood is what is tube-like: lines and simplification suit it, points and scaled leaves do not. For a tube of radius r and length L,
  * branched or bent as it likes, the integral of mean curvature M and the area A are M = pi L and A = 2 pi r L, so that
@@ -6,13 +6,21 @@
  *   r = A / (2 M),  L = M / pi
  *
  * follow from sums over edges (Steiner's formula for polyhedra: M is half the sum of length times angle, concave edges counted
- * negative). Wood is thin (r against the component's diagonal), as long as it is large (L against the same: a sheet's M is much too
- * small for its extent), and round (the angles around a tube are all moderate; a closed blade has its whole turn in two sharp rims).
- * Where that leaves doubt, the component follows the clear ones of its material: artists put bark and leaves apart, and this asks
- * only whether two components share a material, not what it is called.
+ * negative). Wood is thin (r against the body's diagonal), as long as it is large (L against the same: a sheet's M is much too small
+ * for its extent), and round: its volume V fills what A and M allow (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for blades), and
+ * the angles around it are all moderate, while a closed blade has its whole turn in two sharp rims.
  *
- * Everything else is foliage, crowns modelled as a hull, pots and stumps included: points and triangles represent any surface.
- * Flowers are small components whose colour stands out from that of the foliage (Deussen 2002, 4.3). */
+ * Where shape leaves doubt, a body follows the clear ones of its material: artists put bark and leaves apart, and this asks only
+ * whether two bodies share a material, not what it is called. Then names break the tie (organ_name.h), then colours.
+ *
+ * What is thick is a crown or fruit modelled as a hull, or else a thing: a stump, a stout trunk, a pot, a rock. Things stand on the
+ * ground with most of the plant above them, or are all there is and brown; soil is a level sheet that is neither green nor one of many.
+ * Things count as wood: never pruned into holes nor scaled into balloons. A plant of nothing but green tubes is a herb, all foliage.
+ * Names decide between hull and thing where they say so. Measured on 28 models from seven sources: names bring the share of wrong area
+ * of the worst model from a quarter to a tenth, and change none of those that shape alone gets right.
+ *
+ * Rules of the scene file (eco_model.organ) win over all of this, for exactly the triangles that they name: components end where the
+ * rule changes. */
 #ifndef LOD_ORGAN_H
 #define LOD_ORGAN_H
 
@@ -24,7 +32,7 @@ struct lod_component {
 	uint8_t organ;               /* enum eco_organ */
 	bool closed;                 /* no border to speak of: each ray hits it twice, its area counts half */
 	double area;                 /* m^2, all triangles, both sides of what is closed */
-	double radius, length;       /* of the tube that it would be */
+	double radius, length;       /* of the tube that it would be; of its body where that is larger than it (organ_shape.h) */
 	double turn;                 /* radians, mean edge angle weighted by angle: 2 pi / k for tubes of k sides */
 	float low[3], high[3];
 	uint8_t rgb[3];              /* mean colour */
@@ -36,7 +44,7 @@ struct lod_organs {
 	uint8_t (*rgb)[3];           /* per triangle, mean colour of what is opaque */
 };
 
-/* Arrays come from `arena`. */
-void lod_organs_find(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena);
+/* Arrays come from `arena`. Components of the mesh that hold several organs are taken apart (organ_split.h). */
+void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena);
 
 #endif

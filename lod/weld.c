@@ -7,12 +7,14 @@
 #include <string.h>
 
 #include "ecofiles/list.h"
+#include "ecofiles/pack.h"
 #include "lod/sort.h"
 #include "lod/texel.h"
 #include "lod/vector.h"
 
 #define TOLERANCE 1e-6           /* of the largest extent */
 #define UV_MOST (1 << 26)        /* beyond it texture coordinates are noise: taken as 0 */
+#define KINDS_OF_RULE (ECO_ORGAN_COUNT + 1u)
 
 /* ---- What can be used at all ---- */
 
@@ -39,6 +41,7 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 	mesh->index = lod_arena_take(arena, 3 * (size_t)n, sizeof *mesh->index);
 	mesh->material = lod_arena_take(arena, n, sizeof *mesh->material);
 	mesh->uv = lod_arena_take(arena, 6 * (size_t)n, sizeof *mesh->uv);
+	mesh->source = lod_arena_take(arena, n, sizeof *mesh->source);
 	for (int a = 0; a < 3; a++) {
 		mesh->low[a] = INFINITY;
 		mesh->high[a] = -INFINITY;
@@ -50,6 +53,7 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 			continue;
 		}
 		mesh->material[kept] = model->material[t] < model->material_count ? model->material[t] : ECO_NONE;
+		mesh->source[kept] = t;
 		bool textured = lod_mesh_image(model, mesh->material[kept]) != NULL;
 		for (int k = 0; k < 3; k++) {
 			uint32_t v = model->index[3 * (size_t)t + k];
@@ -192,6 +196,7 @@ static void move_triangle(struct lod_mesh *mesh, uint32_t from, uint32_t to)
 	memmove(mesh->index + 3 * (size_t)to, mesh->index + 3 * (size_t)from, 3 * sizeof *mesh->index);
 	memmove(mesh->uv + 6 * (size_t)to, mesh->uv + 6 * (size_t)from, 6 * sizeof *mesh->uv);
 	mesh->material[to] = mesh->material[from];
+	mesh->source[to] = mesh->source[from];
 }
 
 static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
@@ -226,6 +231,15 @@ static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model,
 	}
 	mesh->triangle_count = kept;
 	lod_arena_release(arena, mark);
+}
+
+static void note_rules(struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+{
+	mesh->rule = lod_arena_take(arena, mesh->triangle_count, sizeof *mesh->rule);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		uint8_t organ = model->organ ? model->organ[mesh->source[t]] : ECO_ORGAN_FOUND;
+		mesh->rule[t] = organ < ECO_ORGAN_COUNT ? organ : ECO_ORGAN_FOUND;
+	}
 }
 
 static void mark_collapsed(struct lod_mesh *mesh, struct lod_arena *arena)
@@ -293,17 +307,20 @@ static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, stru
 	return around;
 }
 
-/* Joins triangles of one material that meet in a vertex. */
+/* Joins triangles of one material and rule that meet in a vertex. */
 static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t material_count, struct lod_arena *arena)
 {
 	uint32_t *first, *around = list_around(mesh, &first, arena);
-	uint32_t *seen = lod_arena_take(arena, (size_t)material_count + 1, sizeof *seen);        /* at vertex + 1, by material */
-	uint32_t *mate = lod_arena_take(arena, (size_t)material_count + 1, sizeof *mate);
+	size_t kinds = ((size_t)material_count + 1) * KINDS_OF_RULE;
+	uint32_t *seen = lod_arena_take(arena, kinds, sizeof *seen);     /* at vertex + 1, by material and rule */
+	uint32_t *mate = lod_arena_take(arena, kinds, sizeof *mate);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		parent[t] = t;
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-			uint32_t t = around[i], m = mesh->material[t] == ECO_NONE ? material_count : mesh->material[t];
+			uint32_t t = around[i], material = mesh->material[t] == ECO_NONE ? material_count : mesh->material[t];
+			uint32_t rule = mesh->rule[t] == ECO_ORGAN_FOUND ? ECO_ORGAN_COUNT : mesh->rule[t];
+			size_t m = (size_t)material * KINDS_OF_RULE + rule;
 			if (seen[m] == v + 1)
 				join(parent, mate[m], t);
 			seen[m] = v + 1;
@@ -347,6 +364,7 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 	mesh->step = extent / (double)(UINT32_C(1) << bits);
 	weld_vertices(mesh, model, extent, arena);
 	drop_triangles(mesh, model, arena);
+	note_rules(mesh, model, arena);
 	mark_collapsed(mesh, arena);
 	lod_weld_neighbours(mesh, arena);
 	find_components(mesh, model->material_count, arena);

@@ -2,8 +2,8 @@
  * integer grid, neighbours across edges, connected components.
  *
  * Decisions (organs, order, cells) look at `place`, the welded positions in metres, so that they do not depend on the grid; what is
- * stored comes from `grid`. A component is what hangs together by vertices within one material: a leaf glued to a twig of the same
- * position but another material stays a leaf. */
+ * stored comes from `grid`. A component is what hangs together by vertices within one material and one rule about organs: a leaf glued
+ * to a twig of the same position but another material stays a leaf. */
 #ifndef LOD_WELD_H
 #define LOD_WELD_H
 
@@ -23,6 +23,8 @@ struct lod_mesh {
 	uint32_t triangle_count;
 	uint32_t *index;             /* 3 per triangle */
 	uint32_t *material;          /* per triangle; valid index into the model's materials, or ECO_NONE if it has none */
+	uint32_t *source;            /* per triangle: which of the model's it is */
+	uint8_t *rule;               /* per triangle: enum eco_organ that a rule says, or ECO_ORGAN_FOUND */
 	int32_t *uv;                 /* 6 per triangle in 1/ECO_UV_ONE, zero where its material has no image */
 	bool *collapsed;             /* per triangle: no area left on the grid; it takes part in decisions, but is not stored */
 	uint32_t *across;            /* per triangle edge (k to k+1): 3 * neighbour + its edge, or ECO_NONE: border or more than two
