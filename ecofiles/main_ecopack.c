@@ -8,6 +8,7 @@
 #include "ecofiles/main_inspect.h"
 #include "ecofiles/main_make.h"
 #include "ecofiles/main_progress.h"
+#include "ecofiles/main_times.h"
 #include "ecofiles/main_version.h"
 
 static const struct main_command *const commands[] = { &main_command_make, &main_command_info, &main_command_verify,
@@ -15,12 +16,24 @@ static const struct main_command *const commands[] = { &main_command_make, &main
 
 /* ---- make ---- */
 
+static void print_times(bool by_stage)
+{
+	double elapsed_s, most_mb;
+	main_times_total(&elapsed_s, &most_mb);
+	if (by_stage)
+		main_times_print(stdout);
+	if (by_stage || !main_is_quiet)
+		printf("built in %.2f s with at most %.0f MB of memory\n", elapsed_s, most_mb);
+}
+
 static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 {
 	struct make_options make = { 0 };
 	uint64_t jobs = 0;
 	const char *order = NULL;
+	bool times = false;
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &make.pack, 0, 0, 0, NULL },
+		{ "times", 0, MAIN_FLAG, &times, 0, 0, 0, NULL },
 		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL }, { 0 } };
 	enum eco_code code = main_arguments(argc, argv, "make", options, "the scene file", &make.scene, 1, NULL, error);
 	if (!code && !make.pack)
@@ -28,17 +41,23 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 	if (!code && order && strcmp(order, "combined") != 0)
 		code = eco_fail(error, ECO_BAD_USAGE, "--order %s: the only order is combined", order);
 	make.jobs = (uint32_t)jobs;
+	main_times_memory(times);
 	if (!code)
 		code = make_pack(&make, error);
 	/* what was written is opened as any reader would */
-	return code || main_is_quiet ? code : inspect_info(make.pack, false, stdout, error);
+	if (!code && !main_is_quiet)
+		code = inspect_info(make.pack, false, stdout, error);
+	if (!code)
+		print_times(times);
+	return code;
 }
 
-const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [--order combined] [--jobs N]",
+const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [--order combined] [--jobs N] [--times]",
 	"builds a pack; every field of SCENE.json is described in ecofiles/README.md",
 	"  -o, --output PATH   the pack, which appears complete or not at all and replaces nothing but a pack\n"
 	"      --order NAME    priority order of leaves: combined (the default)\n"
-	"      --jobs N        threads; as many as there are processors if not given\n", run_make };
+	"      --jobs N        threads; as many as there are processors if not given\n"
+	"      --times         where the time went, and the memory, by stage\n", run_make };
 
 /* ---- info, verify ---- */
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/main_progress.h"
+#include "ecofiles/main_times.h"
 #include "lod/summary.h"
 
 #define GROUND_SIDE_MAX 1024u    /* the ground is sent whole */
@@ -130,6 +131,7 @@ static double near_m(const struct make *m)
 static enum eco_code build(struct make *m)
 {
 	double low = 0, step = 0;
+	main_times_stage(MAIN_STAGE_SCENE);
 	if (!main_progress("reading the scene", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
@@ -138,12 +140,15 @@ static enum eco_code build(struct make *m)
 	/* what is wrong with inventories and ground is said before the plants, which take longest */
 	if (!code)
 		code = make_places_check(m);
+	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code)
 		code = read_ground(m, &low, &step);
 	if (!code)
 		code = make_plants(m);
+	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code && m->has_ground)
 		code = pack_ground(m, low, step);
+	main_times_stage(MAIN_STAGE_POSITIONS);
 	if (!code)
 		code = make_places(m);
 	if (!code)
@@ -153,6 +158,7 @@ static enum eco_code build(struct make *m)
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
 	m->scene.near_m = near_m(m);
 	char *meta = NULL;
+	main_times_stage(MAIN_STAGE_WRITING);
 	code = make_meta(m, &meta, m->error);
 	if (!code && !main_progress("writing", NULL, 1))
 		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
@@ -170,6 +176,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	struct eco_error own = { 0 };
 	struct make m = { .options = options, .error = error ? error : &own, .scene = { .ground = ECO_NONE } };
 	enum eco_code code = build(&m);
+	main_times_stage(MAIN_STAGE_NONE);
 	main_progress_end();
 	eco_pack_abort(m.writer);
 	make_places_free(&m);

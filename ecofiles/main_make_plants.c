@@ -10,6 +10,7 @@
 
 #include "ecofiles/image.h"
 #include "ecofiles/main_progress.h"
+#include "ecofiles/main_times.h"
 
 #define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
 
@@ -187,21 +188,31 @@ static void measure_body(struct make_plant *plant)
 
 static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->name, text); }
 
+static void enter(void *ctx, enum lod_plant_stage stage)
+{
+	static const enum main_stage stages[] = { [LOD_STAGE_ELEMENTS] = MAIN_STAGE_ELEMENTS, [LOD_STAGE_ORDERS] = MAIN_STAGE_ORDERS,
+		[LOD_STAGE_LISTS] = MAIN_STAGE_LISTS, [LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
+	(void)ctx;
+	main_times_stage(stages[stage]);
+}
+
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
 	struct eco_model model = { 0 };
-	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .ctx = job };
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .stage = enter, .ctx = job };
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	job->from = 0;
 	job->to = IMPORTED;
 	if (!tell(job, 0))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	pthread_mutex_lock(&job->work->libraries);
+	main_times_stage(MAIN_STAGE_MODELS);
 	enum eco_code code = eco_model_import(&model,
 		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models, .path_count = plant->source->model_count,
 			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m, .up = plant->source->up,
 			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
+	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
 		return code;
@@ -216,9 +227,12 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	job->to = 1;
 	if (!code)
 		code = lod_plant_measure(&plant->built, &model, &options, error);
+	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_lock(&job->work->libraries);
+	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)
 		code = keep_images(plant, &model, error);
+	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (!code)
 		measure_body(plant);
@@ -414,6 +428,7 @@ enum eco_code make_plants(struct make *m)
 	enum eco_code code = find_plants(m);
 	if (!code)
 		code = build_plants(m);
+	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
 	if (!code && !m->table)
 		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");

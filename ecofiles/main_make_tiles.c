@@ -7,6 +7,7 @@
 
 #include "ecofiles/bytes.h"
 #include "ecofiles/main_progress.h"
+#include "ecofiles/main_times.h"
 #include "ecofiles/turn.h"
 #include "lod/summary.h"
 
@@ -273,11 +274,13 @@ static enum eco_code add_summaries(struct make *m)
 
 enum eco_code make_tiles(struct make *m)
 {
+	main_times_stage(MAIN_STAGE_TILES);
 	enum eco_code code = add_tiles(m);
 	if (code)
 		return code;
 	refer(m);
 	add_up(m);
+	main_times_stage(MAIN_STAGE_SUMMARIES);
 	code = m->palette.count ? add_summaries(m) : ECO_OK;
 	refer(m);
 	return code;

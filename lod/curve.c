@@ -526,6 +526,8 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error)
 {
+	if (options->stage)
+		options->stage(options->ctx, LOD_STAGE_CURVES);
 	enum eco_code code = options->grid_bits ? ECO_OK : lod_grid_choose(plant, model, options, error);
 	return code ? code : lod_curve_measure(plant, model, options, error);
 }

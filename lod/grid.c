@@ -68,6 +68,8 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	finer.progress = NULL;
 	lod_plant_free(plant);
 	enum eco_code code = lod_plant_build(plant, model, &finer, error);
+	if (options->stage)
+		options->stage(options->ctx, LOD_STAGE_CURVES);
 	return code ? code : lod_grid_loss(plant, model, loss, error);
 }
 

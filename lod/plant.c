@@ -39,6 +39,12 @@ static void advance(struct lod_build *b, double share)
 		longjmp(b->arena.failed, FAILED_INTERRUPTED);
 }
 
+static void enter(const struct lod_build *b, enum lod_plant_stage stage)
+{
+	if (b->options->stage)
+		b->options->stage(b->options->ctx, stage);
+}
+
 /* ---- Groups ---- */
 
 static uint32_t image_of(const struct lod_build *b, uint32_t material)
@@ -285,18 +291,21 @@ static void build(struct lod_build *b)
 {
 	struct lod_arena *arena = &b->arena;
 	advance(b, 0);
+	enter(b, LOD_STAGE_ELEMENTS);
 	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : LOD_GRID_BITS_MIN, arena);
 	lod_elements_turn_diagonals(&b->mesh, arena);
 	advance(b, 0.2);
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
 	lod_elements_make(&b->elements, &b->mesh, &b->organs, arena);
 	advance(b, 0.25);
+	enter(b, LOD_STAGE_ORDERS);
 	lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
 	lod_bones_sort(&b->bones, b->options->seed, arena);
 	advance(b, 0.4);
 	count_everything(b);
 	lod_leaves_measure(b);
 	lod_leaves_order(b);
+	enter(b, LOD_STAGE_LISTS);
 	find_groups(b);
 	find_cells(b);
 	lod_leaves_represent(b);

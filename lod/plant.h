@@ -39,6 +39,8 @@ struct lod_plant {
 	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */
 };
 
+enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_CURVES };
+
 struct lod_plant_options {
 	const char *name;
 	float importance[ECO_ORGAN_COUNT];   /* 0 means 1 */
@@ -48,6 +50,7 @@ struct lod_plant_options {
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */
 	/* called now and then with a share done in [0,1]; return false to stop with ECO_INTERRUPTED; may be NULL */
 	bool (*progress)(void *ctx, double share);
+	void (*stage)(void *ctx, enum lod_plant_stage stage);        /* a stage begins, perhaps not for the first time; may be NULL */
 	void *ctx;
 };
 
