@@ -127,9 +127,9 @@ forest: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/forest.sh $(DATA)
 
-# Random requests and damages (REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
+# Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/mutants $(B)/bench/convert
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 
 clean:

@@ -1,11 +1,13 @@
 #!/bin/sh
-# make soak [SECONDS=60]: 10,000 random requests and 10^5 damages (REQUESTS, DAMAGES) against a generated forest of 20,000 plants, then sixteen clients that
-# decode and check everything for SECONDS. Exit 1 at the first violation.
+# make soak [SECONDS=60]: 10,000 damaged models (MUTANTS), then 10,000 random requests and 10^5 damages (REQUESTS, DAMAGES) against a
+# generated forest of 20,000 plants, then sixteen clients that decode and check everything for SECONDS. Exit 1 at the first violation.
 set -eu
 BUILD=${BUILD:-build}
 . "$(dirname "$0")/common.sh"
 OUT=$BUILD/soak
+. "$(dirname "$0")/../bench/mutants.sh"
 mkdir -p "$OUT"
+mutate "$OUT/mutants" "${MUTANTS:-10000}" "${SEED:-1}"
 "$BUILD/ecopack" generate forest --plants 20000 -o "$OUT/forest" >"$OUT/log"
 "$BUILD/ecopack" make "$OUT/forest/scene.json" -o "$OUT/forest.eco" >>"$OUT/log"
 "$BUILD/bench/requests" "$OUT/forest.eco" "${REQUESTS:-10000}" "${DAMAGES:-100000}"
