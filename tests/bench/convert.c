@@ -7,9 +7,9 @@
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 
-/* assimp names formats by ids that are not always extensions: binary PLY, textual FBX, ... */
+/* assimp names formats by ids that are not always extensions: binary PLY; FBX as text, as what it writes as binary nobody reads */
 static const struct { const char *extension, *id; } formats[] = { { "glb", "glb2" }, { "gltf", "gltf2" }, { "dae", "collada" },
-	{ "ply", "plyb" }, { "stl", "stlb" } };
+	{ "ply", "plyb" }, { "stl", "stlb" }, { "fbx", "fbxa" } };
 
 int main(int argc, char **argv)
 {
