@@ -1,6 +1,9 @@
 /* From assimp's scene to a soup. Node transforms are applied here, in double, as the tree is walked: assimp's own pre-transformation
- * would copy meshes. Polygons are split by polygon.c into exactly n - 2 triangles: assimp's own clipper leaves some concave
- * ones, and loses others. assimp's world is Y-up, whatever the file's was: (x, y, z) becomes (x, -z, y). */
+ * would copy meshes, and round places far from the origin to floats. Polygons are split by polygon.c into exactly n - 2 triangles:
+ * assimp's own clipper leaves some concave ones, and loses others.
+ *
+ * Axes and units as measured with assimp 5.2: Collada arrives Y-up and in metres, whatever the file's; FBX as it is in the file, with
+ * its axes and unit beside it; 3DS turned from Z-up to Y-up; the others without hint, most of them Y-up. */
 #include "ecofiles/import_model.h"
 
 #include <assimp/cfileio.h>
@@ -13,8 +16,8 @@
 
 #include "ecofiles/polygon.h"
 
-#define TINTS_MAX 4096u              /* materials made of vertex colours */
 #define NODES_MAX (1u << 20)
+#define COARSE 1e-4                  /* of the extent: coordinates that are rounded more than that are said to be */
 
 /* ---- Files as assimp opens them: the model's own may be in memory ---- */
 
@@ -123,10 +126,11 @@ struct soup {
 	struct eco_model *model;
 	const struct aiScene *scene;
 	const struct eco_model_file *file;
+	const struct eco_model_frame *frame;
+	double axes[3][3];                   /* from assimp's world to ours: rows of a matrix, unit included */
 	const uint32_t *channel;
 	const bool *invisible;
-	uint32_t *tint_key, tint_count;      /* of the materials from base_materials on */
-	uint32_t base_materials;
+	struct eco_tints tints;
 	uint64_t hidden;
 	uint32_t averaged;                   /* textured meshes whose vertex colours differ */
 	double *corners;                     /* scratch of one polygon: 3 each */
@@ -143,15 +147,14 @@ static uint64_t mesh_triangles(const struct aiMesh *mesh)
 	return count;
 }
 
-static void transform(const struct aiMatrix4x4 *m, const struct aiVector3D *p, float out[3])
+static void transform(const struct soup *s, const struct aiMatrix4x4 *m, const struct aiVector3D *p, double out[3])
 {
-	double x = (double)m->a1 * p->x + (double)m->a2 * p->y + (double)m->a3 * p->z + m->a4;
-	double y = (double)m->b1 * p->x + (double)m->b2 * p->y + (double)m->b3 * p->z + m->b4;
-	double z = (double)m->c1 * p->x + (double)m->c2 * p->y + (double)m->c3 * p->z + m->c4;
+	const double world[3] = { (double)m->a1 * p->x + (double)m->a2 * p->y + (double)m->a3 * p->z + m->a4,
+		(double)m->b1 * p->x + (double)m->b2 * p->y + (double)m->b3 * p->z + m->b4,
+		(double)m->c1 * p->x + (double)m->c2 * p->y + (double)m->c3 * p->z + m->c4 };
 
-	out[0] = (float)x;
-	out[1] = (float)-z;
-	out[2] = (float)y;
+	for (int k = 0; k < 3; k++)
+		out[k] = s->axes[k][0] * world[0] + s->axes[k][1] * world[1] + s->axes[k][2] * world[2];
 }
 
 static float bounded_uv(float value)
@@ -189,43 +192,22 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
 
-		transform(world, &mesh->mVertices[i], &m->position[((size_t)m->vertex_count + i) * 3]);
+		double place[3];
+
+		transform(s, world, &mesh->mVertices[i], place);
+		for (int k = 0; k < 3; k++)
+			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] = (float)(place[k] - s->frame->base[k]);
 		to[0] = to[1] = 0;
 		if (uv != NULL)
 			texture_coordinate(t, &uv[i], to);
 	}
 }
 
-/* A material times a colour. White changes nothing. */
-static uint32_t tinted(struct soup *s, uint32_t material, const uint8_t rgb[3])
-{
-	struct eco_model *m = s->model;
-	uint32_t key = material << 24 ^ ((uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2]), i = 0;
-	struct eco_material *to;
-
-	if (rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255)
-		return material;
-	while (i < s->tint_count && (s->tint_key[i * 2] != key || s->tint_key[i * 2 + 1] != material))
-		i++;
-	if (i < s->tint_count)
-		return s->base_materials + i;
-	if (s->tint_count == TINTS_MAX)
-		return material;
-	s->tint_key[i * 2] = key;
-	s->tint_key[i * 2 + 1] = material;
-	s->tint_count++;
-	to = &m->materials[m->material_count];
-	*to = m->materials[material];
-	for (int k = 0; k < 3; k++)
-		to->rgb[k] = eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
-	return m->material_count++;
-}
-
 static uint8_t color_byte(const struct soup *s, float value)
 {
 	if (!isfinite(value))
 		return 255;
-	if (s->file->linear_colors)
+	if (s->file->gltf)
 		return eco_srgb_from_linear(value);
 	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
 }
@@ -274,7 +256,7 @@ static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 	}
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color_byte(s, (float)(sum[k] / mesh->mNumVertices));
-	return tinted(s, mesh->mMaterialIndex, rgb);
+	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
 }
 
 /* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps a channel. */
@@ -288,9 +270,8 @@ static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const u
 		if (v[c] >= mesh->mNumVertices)
 			return mesh->mMaterialIndex;
 	mean_color(s, mesh->mColors[0], v, rgb);
-	for (int k = 0; k < 3; k++)
-		rgb[k] = (uint8_t)((rgb[k] * 7 + 127) / 255 * 255 / 7);
-	return tinted(s, mesh->mMaterialIndex, rgb);
+	eco_tint_step(rgb);
+	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
 }
 
 static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
@@ -299,6 +280,7 @@ static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsign
 
 	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not become one into the next */
 		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
+	m->part[m->triangle_count] = m->part_count - 1;
 	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
 }
 
@@ -327,7 +309,35 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	}
 }
 
-static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *world)
+/* What people see of a name: nothing of what assimp puts there itself. */
+static size_t plain_name(const char *name)
+{
+	const char *helper = strstr(name, "_$AssimpFbx$");
+
+	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
+		return 0;
+	return helper != NULL ? (size_t)(helper - name) : strlen(name);
+}
+
+/* NODE, MESH or NODE/MESH: programs show one or the other. */
+static void add_part(struct soup *s, const struct aiNode *node, const struct aiMesh *mesh)
+{
+	struct eco_model *m = s->model;
+	size_t of_node = plain_name(node->mName.data), of_mesh = plain_name(mesh->mName.data);
+	bool both = of_node > 0 && of_mesh > 0 && (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
+	struct eco_part part = { .name = "" };
+
+	if (both)
+		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data, (int)of_mesh, mesh->mName.data);
+	else if (of_node > 0)
+		snprintf(part.name, sizeof part.name, "%.*s", (int)of_node, node->mName.data);
+	else
+		snprintf(part.name, sizeof part.name, "%.*s", (int)of_mesh, mesh->mName.data);
+	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+		m->parts[m->part_count++] = part;
+}
+
+static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
 {
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	struct eco_model *m = s->model;
@@ -340,6 +350,7 @@ static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *w
 		s->hidden += triangles;
 		return;
 	}
+	add_part(s, node, mesh);
 	whole = mesh_material(s, mesh);
 	add_vertices(s, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
@@ -351,7 +362,9 @@ static void add_mesh(struct soup *s, unsigned index, const struct aiMatrix4x4 *w
 }
 
 /* Calls `visit` for every mesh of every node, parents first, without recursion: the depth of a file's tree is not ours to bound. */
-static bool walk(const struct aiScene *scene, void (*visit)(void *ctx, unsigned mesh, const struct aiMatrix4x4 *world), void *ctx)
+typedef void visit_mesh(void *ctx, const struct aiNode *node, unsigned mesh, const struct aiMatrix4x4 *world);
+
+static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 {
 	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = malloc(sizeof *stack);
 	size_t count = 1, capacity = 1, seen = 0;
@@ -364,7 +377,7 @@ static bool walk(const struct aiScene *scene, void (*visit)(void *ctx, unsigned 
 
 		for (unsigned i = 0; i < top.node->mNumMeshes; i++)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
-				visit(ctx, top.node->mMeshes[i], &top.world);
+				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
 		seen += top.node->mNumChildren;
 		if (seen > NODES_MAX) {
 			good = false;
@@ -383,52 +396,210 @@ static bool walk(const struct aiScene *scene, void (*visit)(void *ctx, unsigned 
 	return good;
 }
 
-struct totals { const struct soup *soup; uint64_t vertices, triangles; };
+struct totals {
+	const struct soup *soup;
+	uint64_t vertices, triangles, meshes;
+	double low[3], high[3];
+	double far;                          /* largest coordinate of a vertex, which assimp holds in single precision */
+};
 
-static void count_mesh(void *ctx, unsigned index, const struct aiMatrix4x4 *world)
+static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
 {
 	struct totals *t = ctx;
 	const struct aiMesh *mesh = t->soup->scene->mMeshes[index];
 
-	(void)world;
+	(void)node;
 	t->vertices += mesh->mNumVertices;
 	t->triangles += mesh_triangles(mesh);
+	t->meshes++;
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		double place[3];
+
+		transform(t->soup, world, &mesh->mVertices[i], place);
+		if (!isfinite(place[0]) || !isfinite(place[1]) || !isfinite(place[2]))
+			continue;
+		for (int k = 0; k < 3; k++) {
+			t->low[k] = fmin(t->low[k], place[k]);
+			t->high[k] = fmax(t->high[k], place[k]);
+		}
+		t->far = fmax(t->far, fmax(fabs((double)mesh->mVertices[i].x), fmax(fabs((double)mesh->mVertices[i].y),
+			fabs((double)mesh->mVertices[i].z))));
+	}
 }
 
-static void visit_mesh(void *ctx, unsigned index, const struct aiMatrix4x4 *world)
+static void add_mesh_of(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
 {
-	add_mesh(ctx, index, world);
+	add_mesh(ctx, node, index, world);
 }
 
-static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
+static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max, struct eco_error *error)
 {
-	struct totals t = { .soup = s };
+	if (t->triangles > triangles_max || t->vertices > (uint64_t)triangles_max * 3)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u triangles are possible", path,
+			(unsigned long long)t->triangles, (unsigned long long)t->vertices, triangles_max);
+	if (t->triangles == 0 && t->vertices > 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points or lines; a point cloud has no surfaces: make a "
+			"mesh of it first", path, (unsigned long long)t->vertices);
+	if (t->triangles == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
+	return ECO_OK;
+}
+
+static bool take_memory(struct soup *s, const struct totals *t)
+{
 	struct eco_model *m = s->model;
-	struct eco_material *grown;
+
+	m->position = malloc((t->vertices + 1) * 3 * sizeof *m->position);
+	m->uv = malloc((t->vertices + 1) * 2 * sizeof *m->uv);
+	m->index = malloc((t->triangles + 1) * 3 * sizeof *m->index);
+	m->material = malloc((t->triangles + 1) * sizeof *m->material);
+	m->part = malloc((t->triangles + 1) * sizeof *m->part);
+	m->parts = malloc((t->meshes + 1) * sizeof *m->parts);
+	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
+	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
+	return m->position != NULL && m->uv != NULL && m->index != NULL && m->material != NULL && m->part != NULL && m->parts != NULL
+		&& s->corners != NULL && s->split != NULL && eco_tints_start(&s->tints, m);
+}
+
+static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+{
+	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
 	const char *path = s->file->path;
+	double extent = 0;
+	enum eco_code code;
 
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path, NODES_MAX);
-	if (t.triangles > triangles_max || t.vertices > (uint64_t)triangles_max * 3)
-		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u triangles are possible", path,
-			(unsigned long long)t.triangles, (unsigned long long)t.vertices, triangles_max);
-	if (t.triangles == 0)
-		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
-	m->position = malloc((t.vertices + 1) * 3 * sizeof *m->position);
-	m->uv = malloc((t.vertices + 1) * 2 * sizeof *m->uv);
-	m->index = malloc((t.triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((t.triangles + 1) * sizeof *m->material);
-	s->tint_key = malloc(TINTS_MAX * 2 * sizeof *s->tint_key);
-	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
-	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	s->base_materials = m->material_count;
-	grown = realloc(m->materials, ((size_t)m->material_count + TINTS_MAX) * sizeof *m->materials);
-	if (grown != NULL)
-		m->materials = grown;
-	if (m->position == NULL || m->uv == NULL || m->index == NULL || m->material == NULL || s->tint_key == NULL || s->corners == NULL
-		|| s->split == NULL || grown == NULL)
+	code = check_totals(&t, path, triangles_max, s->error);
+	if (code != ECO_OK)
+		return code;
+	if (t.low[0] <= t.high[0]) {
+		double more[3];
+
+		eco_model_choose_base(t.low, t.high, more);
+		for (int k = 0; k < 3; k++) {
+			frame->base[k] = more[k];
+			extent = fmax(extent, t.high[k] - t.low[k]);
+		}
+	}
+	if (t.far * 0x1p-24 > extent * COARSE)
+		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so only exact to %.2g of their unit: export it "
+			"with a local origin", t.far, t.far * 0x1p-24);
+	if (!take_memory(s, &t))
 		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path, (unsigned long long)t.triangles);
 	return ECO_OK;
+}
+
+/* ---- What the format says of axes and units ---- */
+
+static int metadata_whole(const struct aiScene *scene, const char *key, int otherwise)
+{
+	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++)
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_INT32)
+			return *(const int32_t *)scene->mMetaData->mValues[i].mData;
+	return otherwise;
+}
+
+static double metadata_number(const struct aiScene *scene, const char *key, double otherwise)
+{
+	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++) {
+		const struct aiMetadataEntry *entry = &scene->mMetaData->mValues[i];
+
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) != 0)
+			continue;
+		if (entry->mType == AI_DOUBLE)
+			return *(const double *)entry->mData;
+		if (entry->mType == AI_FLOAT)
+			return (double)*(const float *)entry->mData;
+	}
+	return otherwise;
+}
+
+static const char *metadata_text(const struct aiScene *scene, const char *key)
+{
+	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++)
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_AISTRING)
+			return ((const struct aiString *)scene->mMetaData->mValues[i].mData)->data;
+	return "";
+}
+
+static void set_axes(double axes[3][3], const double to[3][3], double scale)
+{
+	for (int k = 0; k < 3; k++)
+		for (int j = 0; j < 3; j++)
+			axes[k][j] = to[k][j] * scale;
+}
+
+static const double as_it_is[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+static const double up_from_y[3][3] = { { 1, 0, 0 }, { 0, 0, -1 }, { 0, 1, 0 } };
+
+/* The file names the axes that point right, up and to the viewer, each with a sign. Where they are no right-handed system, only up
+ * counts. Its unit is a number of centimetres. */
+static void fbx_frame(struct soup *s, struct eco_model_frame *frame)
+{
+	static const char *const names[3][2] = { { "CoordAxis", "CoordAxisSign" }, { "FrontAxis", "FrontAxisSign" }, { "UpAxis", "UpAxisSign" } };
+	double unit = metadata_number(s->scene, "UnitScaleFactor", 0), to[3][3] = { { 0 } }, determinant;
+	int axis[3], sign[3];
+
+	frame->unit_m = isfinite(unit) && unit >= 1e-6 && unit <= 1e9 ? unit / 100 : 0;
+	for (int k = 0; k < 3; k++) {
+		axis[k] = metadata_whole(s->scene, names[k][0], k == 0 ? 0 : k == 1 ? 2 : 1);
+		sign[k] = metadata_whole(s->scene, names[k][1], 1) < 0 ? -1 : 1;
+		if (axis[k] >= 0 && axis[k] < 3)
+			to[k][axis[k]] = k == 1 ? -sign[k] : sign[k];
+	}
+	determinant = to[0][0] * (to[1][1] * to[2][2] - to[1][2] * to[2][1]) - to[0][1] * (to[1][0] * to[2][2] - to[1][2] * to[2][0])
+		+ to[0][2] * (to[1][0] * to[2][1] - to[1][1] * to[2][0]);
+	frame->up = axis[2] == 2 ? ECO_UP_Z : ECO_UP_Y;
+	if (determinant > 0.5)
+		set_axes(s->axes, (const double (*)[3])to, 1);
+	else
+		set_axes(s->axes, frame->up == ECO_UP_Z ? as_it_is : up_from_y, 1);
+}
+
+/* assimp has applied both; the head of the file says what they were. */
+static void collada_frame(struct soup *s, struct eco_model_frame *frame)
+{
+	size_t size;
+	uint8_t *bytes;
+	const char *unit, *end, *meter;
+
+	frame->unit_m = 1;
+	frame->up = ECO_UP_Y;
+	if (eco_path_ends_with(s->file->path, ".dae") && eco_file_read(s->file->path, ECO_MODEL_FILE_MAX, &bytes, &size, NULL) == ECO_OK) {
+		unit = strstr((const char *)bytes, "<unit");
+		end = unit != NULL ? strchr(unit, '>') : NULL;
+		meter = unit != NULL ? strstr(unit, "meter=") : NULL;
+		if (meter != NULL && end != NULL && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
+			frame->unit_m = strtod(meter + 7, NULL);
+		frame->up = strstr((const char *)bytes, ">Z_UP<") != NULL ? ECO_UP_Z : ECO_UP_Y;
+		free(bytes);
+	}
+	set_axes(s->axes, up_from_y, 1 / frame->unit_m);
+}
+
+static void find_frame(struct soup *s, struct eco_model_frame *frame)
+{
+	const char *format = metadata_text(s->scene, "SourceAsset_Format"), *dot = strrchr(s->file->path, '.');
+	bool z = eco_path_ends_with(s->file->path, ".ply") || eco_path_ends_with(s->file->path, ".stl") || eco_path_ends_with(s->file->path, ".3ds");
+
+	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot != NULL ? dot + 1 : "unknown");
+	if (strstr(frame->format, " Importer") != NULL)
+		*strstr(frame->format, " Importer") = 0;
+	frame->convention = z ? ECO_UP_Z : ECO_UP_Y;
+	if (s->file->gltf) {
+		frame->unit_m = 1;
+		frame->up = ECO_UP_Y;
+		set_axes(s->axes, up_from_y, 1);
+	} else if (eco_path_ends_with(s->file->path, ".fbx")) {
+		fbx_frame(s, frame);
+	} else if (strstr(format, "Collada") != NULL) {
+		collada_frame(s, frame);
+	} else if (eco_path_ends_with(s->file->path, ".3ds")) {
+		set_axes(s->axes, up_from_y, 1);     /* assimp turned it: back to the file's axes */
+	} else {
+		set_axes(s->axes, as_it_is, 1);
+	}
 }
 
 /* ---- The file ---- */
@@ -448,41 +619,60 @@ static bool meshes_hold_together(const struct aiScene *scene)
 	return true;
 }
 
-static enum eco_code read_scene(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
+/* What has no material is grey; or white, where vertices have colours of their own. */
+static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 {
-	uint32_t *channel = calloc((size_t)scene->mNumMaterials + 1, sizeof *channel);
-	bool *invisible = calloc((size_t)scene->mNumMaterials + 1, sizeof *invisible);
-	struct soup soup = { .model = model, .scene = scene, .file = file, .channel = channel, .invisible = invisible,
-		.error = error };
+	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
+		struct eco_material *m = &model->materials[i];
+		bool colored = false;
+
+		if ((m->name[0] != 0 && strcmp(m->name, "DefaultMaterial") != 0) || m->image != ECO_NONE)
+			continue;
+		for (unsigned k = 0; k < scene->mNumMeshes; k++)
+			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0] != NULL;
+		memset(m->rgb, colored ? 255 : 153, 3);
+	}
+}
+
+static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+{
+	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
+	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
 	enum eco_code code;
 
+	s->channel = channel;
+	s->invisible = invisible;
 	if (channel == NULL || invisible == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
+		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->file->path);
 	else
-		code = eco_assimp_materials(model, scene, file, channel, invisible, notes, error);
+		code = eco_assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
+	if (code == ECO_OK) {
+		if (!s->file->gltf)
+			color_nameless(s->model, s->scene);
+		find_frame(s, frame);
+		code = reserve(s, frame, triangles_max, notes);
+	}
 	if (code == ECO_OK)
-		code = reserve(&soup, triangles_max);
-	if (code == ECO_OK)
-		walk(scene, visit_mesh, &soup);
-	if (soup.hidden > 0)
+		walk(s->scene, add_mesh_of, s);
+	if (s->hidden > 0)
 		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
-			(unsigned long long)soup.hidden);
-	if (soup.averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", soup.averaged);
-	free(soup.tint_key);
-	free(soup.corners);
-	free(soup.split);
+			(unsigned long long)s->hidden);
+	if (s->averaged > 0)
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
+	eco_tints_end(&s->tints);
+	free(s->corners);
+	free(s->split);
 	free(channel);
 	free(invisible);
 	return code;
 }
 
-enum eco_code eco_assimp_read(struct eco_model *model, const struct eco_model_file *file, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct aiFileIO io = { stream_open, stream_close, (char *)file };
 	const struct aiScene *scene = aiImportFileEx(file->path, 0, &io);
+	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
 
 	if (scene == NULL && strstr(aiGetErrorString(), "No suitable reader") != NULL)
@@ -492,7 +682,7 @@ enum eco_code eco_assimp_read(struct eco_model *model, const struct eco_model_fi
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
 	else
-		code = read_scene(model, scene, file, triangles_max, notes, error);
+		code = read_scene(&soup, frame, triangles_max, notes);
 	aiReleaseImport(scene);
 	return code;
 }

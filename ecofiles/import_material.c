@@ -1,9 +1,6 @@
-/* Materials and their images: one colour, one base colour image, cut out or not. All shading beyond that is left behind.
+/* assimp's materials: one colour, one base colour image, cut out or not. All shading beyond that is left behind.
  *
- * Alpha: a glTF material says OPAQUE (alpha does not count), MASK with a cutoff, or BLEND; other formats count alpha wherever there
- * is some. Cutoff and the material's own alpha go into the texels, so that 128 is the threshold everywhere after this. Lists of
- * triangles say which image they have, not whether its alpha counts: an image that is not cut out is 255 all over, and a texture
- * that is used both ways becomes two images. */
+ * A glTF material says OPAQUE (alpha does not count), MASK with a cutoff, or BLEND; other formats count alpha wherever there is some. */
 #include "ecofiles/import_model.h"
 
 #include <assimp/GltfMaterial.h>
@@ -13,29 +10,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ecofiles/image.h"
 
 #define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, however the two were rounded */
-#define ALL_PIXELS_MAX ((uint64_t)1 << 28)
-
-enum alpha { ALPHA_BY_IMAGE, ALPHA_OPAQUE, ALPHA_MASK };
-
-struct image_key {               /* one decoded image per key */
-	char *texture, *opacity;     /* as the material names them; opacity NULL: none */
-	enum alpha alpha;
-	float gain;                  /* alpha is multiplied by this */
-	bool cutout;
-};
 
 struct reader {
-	struct eco_model *model;
 	const struct aiScene *scene;
 	const struct eco_model_file *file;
-	struct image_key *keys;      /* per image of the model */
-	uint64_t pixels;
-	struct eco_notes *notes;
+	struct eco_images images;
 };
 
 uint8_t eco_srgb_from_linear(double linear)
@@ -52,44 +35,7 @@ double eco_linear_from_srgb(uint8_t srgb)
 	return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
-/* ---- Finding and decoding ---- */
-
-/* Percent-escapes undone, backslashes turned: what exporters on other systems meant. */
-static void plain_path(char *text)
-{
-	char *to = text;
-
-	for (char *from = text; *from != 0; from++) {
-		unsigned code;
-
-		if (*from == '%' && sscanf(from + 1, "%2x", &code) == 1 && code >= 0x20 && from[1] != 0 && from[2] != 0) {
-			*to++ = (char)code;
-			from += 2;
-		} else {
-			*to++ = *from == '\\' ? '/' : *from;
-		}
-	}
-	*to = 0;
-}
-
-/* Beside the model: as named if that is relative, else by its last part; false if neither is there. */
-static bool find_file(const char *model, const char *name, char *path, size_t size)
-{
-	const char *slash = strrchr(model, '/');
-	int folder = slash != NULL ? (int)(slash - model) + 1 : 0;
-	char plain[1024];
-	const char *last;
-
-	if (snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
-		return false;
-	plain_path(plain);
-	last = strrchr(plain, '/');
-	last = last != NULL ? last + 1 : plain;
-	if (*plain != '/' && strchr(plain, ':') == NULL
-		&& snprintf(path, size, "%.*s%s", folder, model, plain) < (int)size && access(path, R_OK) == 0)
-		return true;
-	return snprintf(path, size, "%.*s%s", folder, model, last) < (int)size && access(path, R_OK) == 0;
-}
+/* ---- Textures within the file ---- */
 
 static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture *texture, struct eco_error *error)
 {
@@ -127,126 +73,15 @@ static const struct aiTexture *embedded_texture(const struct aiScene *scene, con
 	return NULL;
 }
 
-static enum eco_code decode(struct reader *r, struct eco_image *image, const char *name, struct eco_error *error)
+static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code, struct eco_error *error)
 {
-	const struct aiTexture *embedded = embedded_texture(r->scene, name);
-	char path[4096];
+	const struct aiTexture *texture = embedded_texture(ctx, name);
 
-	if (embedded != NULL && embedded->mHeight != 0)
-		return decode_raw(image, embedded, error);
-	if (embedded != NULL)
-		return eco_image_read_memory(image, embedded->pcData, embedded->mWidth, name, error);
-	if (!find_file(r->file->path, name, path, sizeof path))
-		return eco_fail(error, ECO_NOT_FOUND, "no such file beside the model");
-	return eco_image_read(image, path, error);
-}
-
-/* ---- Alpha ---- */
-
-/* A separate opacity map: its own alpha where it has some, else its brightness; nearest texel. */
-static void merge_opacity(struct eco_image *image, const struct eco_image *opacity)
-{
-	bool own = false;
-
-	for (size_t i = 0; i < (size_t)opacity->width * opacity->height && !own; i++)
-		own = opacity->rgba[i * 4 + 3] != 255;
-	for (uint32_t y = 0; y < image->height; y++)
-		for (uint32_t x = 0; x < image->width; x++) {
-			uint32_t ox = (uint32_t)((uint64_t)x * opacity->width / image->width);
-			uint32_t oy = (uint32_t)((uint64_t)y * opacity->height / image->height);
-			const uint8_t *o = &opacity->rgba[((size_t)oy * opacity->width + ox) * 4];
-
-			image->rgba[((size_t)y * image->width + x) * 4 + 3] = own ? o[3] : (uint8_t)((o[0] + o[1] + o[2]) / 3);
-		}
-}
-
-/* Applies the key's alpha rule; returns whether any texel is cut out. Where none is, alpha is 255. */
-static bool apply_alpha(struct eco_image *image, const struct image_key *key)
-{
-	size_t count = (size_t)image->width * image->height;
-	uint8_t table[256];
-	bool cutout = false;
-
-	for (int i = 0; i < 256; i++) {
-		double alpha = i * (double)key->gain + ALPHA_SLACK;
-
-		table[i] = key->alpha == ALPHA_OPAQUE ? 255 : alpha < 255 ? (uint8_t)(alpha + 0.5) : 255;
-	}
-	for (size_t i = 0; i < count && !cutout; i++)
-		cutout = table[image->rgba[i * 4 + 3]] < 128;
-	for (size_t i = 0; i < count; i++)
-		image->rgba[i * 4 + 3] = cutout ? table[image->rgba[i * 4 + 3]] : 255;
-	return cutout;
-}
-
-/* ---- Images ---- */
-
-static bool same_key(const struct image_key *a, const struct image_key *b)
-{
-	return strcmp(a->texture, b->texture) == 0 && a->alpha == b->alpha && a->gain == b->gain
-		&& (a->opacity == NULL) == (b->opacity == NULL) && (a->opacity == NULL || strcmp(a->opacity, b->opacity) == 0);
-}
-
-static bool load_image(struct reader *r, struct image_key *key, struct eco_image *image)
-{
-	struct eco_error error = { .code = ECO_OK };
-	struct eco_image opacity = { .rgba = NULL };
-
-	if (decode(r, image, key->texture, &error) != ECO_OK) {
-		eco_note(r->notes, "texture %.200s: %.300s; its material keeps one colour", key->texture, error.text);
+	if (texture == NULL)
 		return false;
-	}
-	if (key->opacity != NULL) {
-		if (decode(r, &opacity, key->opacity, &error) == ECO_OK)
-			merge_opacity(image, &opacity);
-		else
-			eco_note(r->notes, "opacity map %.200s: %.300s; it is not applied", key->opacity, error.text);
-		eco_image_free(&opacity);
-	}
-	r->pixels += (uint64_t)image->width * image->height;
-	if (r->pixels > ALL_PIXELS_MAX) {
-		eco_note(r->notes, "texture %.200s: the images have more than %llu pixels together; its material keeps one colour", key->texture,
-			(unsigned long long)ALL_PIXELS_MAX);
-		eco_image_free(image);
-		return false;
-	}
-	key->cutout = apply_alpha(image, key);
+	*code = texture->mHeight != 0 ? decode_raw(image, texture, error)
+		: eco_image_read_memory(image, texture->pcData, texture->mWidth, name, error);
 	return true;
-}
-
-/* Index of the image for `key` (takes it), ECO_NONE where it cannot be had; a failure is remembered too (no rgba). */
-static uint32_t image_for(struct reader *r, struct image_key *key)
-{
-	struct eco_model *m = r->model;
-	uint32_t i = 0;
-
-	while (i < m->image_count && !same_key(&r->keys[i], key))
-		i++;
-	if (i < m->image_count || m->image_count == ECO_MODEL_IMAGES_MAX) {
-		free(key->texture);
-		free(key->opacity);
-	} else {
-		r->keys[m->image_count++] = *key;
-		load_image(r, &r->keys[i], &m->images[i]);
-	}
-	return i < m->image_count && m->images[i].rgba != NULL ? i : ECO_NONE;
-}
-
-/* Removes images that could not be had. */
-static void drop_empty_images(struct reader *r)
-{
-	struct eco_model *m = r->model;
-	uint32_t kept = 0;
-
-	for (uint32_t i = 0; i < m->image_count; i++) {
-		if (m->images[i].rgba == NULL)
-			continue;
-		for (uint32_t j = 0; j < m->material_count; j++)
-			if (m->materials[j].image == i)
-				m->materials[j].image = kept;
-		m->images[kept++] = m->images[i];
-	}
-	m->image_count = kept;
 }
 
 /* ---- Materials ---- */
@@ -260,23 +95,23 @@ static float number_of(const struct aiMaterial *from, const char *key, float oth
 	return value;
 }
 
-static enum alpha alpha_mode(const struct reader *r, const struct aiMaterial *from, float *gain)
+static enum eco_alpha alpha_mode(const struct reader *r, const struct aiMaterial *from, float *gain)
 {
 	struct aiString mode;
 
 	if (!r->file->gltf)
-		return ALPHA_BY_IMAGE;
+		return ECO_ALPHA_BY_IMAGE;
 	if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &mode) != AI_SUCCESS || strcmp(mode.data, "OPAQUE") == 0)
-		return ALPHA_OPAQUE;
+		return ECO_ALPHA_OPAQUE;
 	if (strcmp(mode.data, "MASK") == 0) {
 		float cutoff = number_of(from, "$mat.gltf.alphaCutoff", 0.5f);
 
 		if (cutoff <= 0)             /* nothing is below it */
-			return ALPHA_OPAQUE;
+			return ECO_ALPHA_OPAQUE;
 		*gain = 0.5f / fmaxf(cutoff, 1e-6f);
-		return ALPHA_MASK;
+		return ECO_ALPHA_MASK;
 	}
-	return ALPHA_BY_IMAGE;
+	return ECO_ALPHA_BY_IMAGE;
 }
 
 /* The texture named for the base colour and its uv set. */
@@ -323,38 +158,63 @@ static void name_of(const struct aiMaterial *from, char name[64])
 	snprintf(name, 64, "%.63s", text.data);
 }
 
-static void read_material(struct reader *r, uint32_t index, uint32_t *channel, bool *invisible)
+void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (!invisible[i])
+			return;
+	if (count == 0)
+		return;
+	memset(invisible, 0, count * sizeof *invisible);
+	eco_note(notes, "all of its materials are fully transparent (d, Tr, opacity): taken for opaque");
+}
+
+/* Alpha that is in the material, whatever its image says. */
+static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 {
 	const struct aiMaterial *from = r->scene->mMaterials[index];
-	struct eco_material *to = &r->model->materials[index];
-	struct image_key key = { .gain = 1 };
+	struct aiColor4D color;
+	float gain = 1;
+	enum eco_alpha alpha = alpha_mode(r, from, &gain);
+
+	color_of(r, from, &color);
+	*invisible = alpha != ECO_ALPHA_OPAQUE && gain * color.a * 255 + ALPHA_SLACK < 127.5;
+}
+
+static void read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
+{
+	struct eco_image_wanted wanted = { .gain = 1 };
+	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel), *mask;
+
+	if (texture == NULL)
+		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
+	if (texture == NULL)
+		return;
+	mask = r->file->gltf ? NULL : texture_name(from, aiTextureType_OPACITY, NULL);
+	wanted.texture = texture;
+	wanted.opacity = mask != NULL && strcmp(mask, texture) != 0 ? mask : NULL;
+	wanted.alpha = alpha_mode(r, from, &wanted.gain);
+	if (wanted.alpha != ECO_ALPHA_OPAQUE && wanted.gain * opacity * 255 + ALPHA_SLACK >= 127.5)
+		wanted.gain *= opacity;
+	to->image = eco_images_get(&r->images, &wanted, &to->cutout);
+	free(texture);
+	free(mask);
+}
+
+static void read_material(struct reader *r, uint32_t index, uint32_t *channel, bool invisible)
+{
+	const struct aiMaterial *from = r->scene->mMaterials[index];
+	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
 
 	name_of(from, to->name);
 	color_of(r, from, &color);
-	key.alpha = alpha_mode(r, from, &key.gain);
-	if (key.alpha != ALPHA_OPAQUE)
-		key.gain *= color.a;
-	*invisible = key.alpha != ALPHA_OPAQUE && key.gain * 255 + ALPHA_SLACK < 127.5;
-	to->image = ECO_NONE;
-	key.texture = *invisible ? NULL : texture_name(from, aiTextureType_BASE_COLOR, channel);
-	if (key.texture == NULL && !*invisible)
-		key.texture = texture_name(from, aiTextureType_DIFFUSE, channel);
-	if (key.texture != NULL) {
-		key.opacity = texture_name(from, aiTextureType_OPACITY, NULL);
-		if (key.opacity != NULL && (r->file->gltf || strcmp(key.opacity, key.texture) == 0)) {
-			free(key.opacity);
-			key.opacity = NULL;
-		}
-		to->image = image_for(r, &key);
-	}
-	to->cutout = to->image != ECO_NONE && r->keys[to->image].cutout;
+	if (!invisible)
+		read_image(r, from, to, color.a, channel);
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);
-	if (strcmp(to->name, "DefaultMaterial") == 0)        /* assimp's, for what has none */
-		memset(to->rgb, 153, 3);
-	/* in MTL files a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	/* elsewhere than in glTF a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE && !r->file->gltf)
 		memset(to->rgb, 255, 3);
 }
@@ -362,25 +222,23 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 enum eco_code eco_assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
 	uint32_t *channel, bool *invisible, struct eco_notes *notes, struct eco_error *error)
 {
-	struct reader r = { .model = model, .scene = scene, .file = file, .notes = notes };
+	struct reader r = { .scene = scene, .file = file,
+		.images = { .model = model, .path = file->path, .notes = notes, .embedded = embedded, .ctx = (void *)scene } };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
-	model->images = calloc(ECO_MODEL_IMAGES_MAX, sizeof *model->images);
-	r.keys = calloc(ECO_MODEL_IMAGES_MAX, sizeof *r.keys);
-	if (model->materials == NULL || model->images == NULL || r.keys == NULL) {
-		free(r.keys);
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
+	if (model->materials == NULL || !eco_images_start(&r.images)) {
+		eco_images_end(&r.images);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", file->path);
 	}
 	model->material_count = scene->mNumMaterials;
-	for (uint32_t i = 0; i < scene->mNumMaterials; i++)
+	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
 		model->materials[i].image = ECO_NONE;
-	for (uint32_t i = 0; i < scene->mNumMaterials; i++)
-		read_material(&r, i, &channel[i], &invisible[i]);
-	for (uint32_t i = 0; i < model->image_count; i++) {
-		free(r.keys[i].texture);
-		free(r.keys[i].opacity);
+		judge_alpha(&r, i, &invisible[i]);
 	}
-	free(r.keys);
-	drop_empty_images(&r);
+	if (!file->gltf)
+		eco_model_see_invisible(invisible, scene->mNumMaterials, notes);
+	for (uint32_t i = 0; i < scene->mNumMaterials; i++)
+		read_material(&r, i, &channel[i], invisible[i]);
+	eco_images_end(&r.images);
 	return ECO_OK;
 }

@@ -1,19 +1,19 @@
-/* Reading a model: in a child process, for assimp and the image readers have open vulnerabilities; the soup comes back as bytes, is
- * checked like any other input, and is cleaned, its textures coloured. */
+/* Reading a model: each file in a child process, for assimp and the image readers have open vulnerabilities; the soup comes back as
+ * bytes, is checked like any other input, is joined with those of the plant's other files, cleaned, and its textures coloured. */
 #include "ecofiles/import_model.h"
 
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include "ecofiles/guard.h"
 #include "ecofiles/image.h"
 #include "ecofiles/model_clean.h"
 
 #define TRIANGLES_MAX 20000000u
-#define MATERIALS_MAX (1u << 20)
+#define FILES_MAX 64u
 
 void eco_note(struct eco_notes *notes, const char *format, ...)
 {
@@ -40,14 +40,24 @@ static bool put(FILE *out, const void *bytes, size_t size)
 	return size == 0 || fwrite(bytes, size, 1, out) == 1;
 }
 
-static bool put_model(FILE *out, const struct eco_model *m, const struct eco_notes *notes)
+struct head {                    /* what comes first; `model` for its counts, not its pointers */
+	struct eco_notes notes;
+	struct eco_model_frame frame;
+	struct eco_model model;
+	bool uv, part;
+};
+
+static bool put_model(FILE *out, const struct head *head)
 {
-	bool good = put(out, notes, sizeof *notes) && put(out, m, sizeof *m)
+	const struct eco_model *m = &head->model;
+	bool good = put(out, head, sizeof *head)
 		&& put(out, m->position, (size_t)m->vertex_count * 3 * sizeof *m->position)
-		&& put(out, m->uv, (size_t)m->vertex_count * 2 * sizeof *m->uv)
+		&& (!head->uv || put(out, m->uv, (size_t)m->vertex_count * 2 * sizeof *m->uv))
 		&& put(out, m->index, (size_t)m->triangle_count * 3 * sizeof *m->index)
 		&& put(out, m->material, (size_t)m->triangle_count * sizeof *m->material)
-		&& put(out, m->materials, (size_t)m->material_count * sizeof *m->materials);
+		&& put(out, m->materials, (size_t)m->material_count * sizeof *m->materials)
+		&& (!head->part || (put(out, m->part, (size_t)m->triangle_count * sizeof *m->part)
+			&& put(out, m->parts, (size_t)m->part_count * sizeof *m->parts)));
 
 	for (uint32_t i = 0; good && i < m->image_count; i++)
 		good = put(out, &m->images[i], sizeof m->images[i])
@@ -84,16 +94,18 @@ static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
 	return true;
 }
 
-static bool references_fit(const struct eco_model *m)
+static bool references_fit(struct eco_model *m)
 {
 	for (uint32_t i = 0; i < m->triangle_count; i++)
-		if (m->material[i] >= m->material_count)
+		if (m->material[i] >= m->material_count || (m->part != NULL && m->part[i] >= m->part_count))
 			return false;
 	for (uint32_t i = 0; i < m->material_count; i++) {
 		if (m->materials[i].image != ECO_NONE && m->materials[i].image >= m->image_count)
 			return false;
 		m->materials[i].name[sizeof m->materials[i].name - 1] = 0;
 	}
+	for (uint32_t i = 0; i < m->part_count && m->parts != NULL; i++)
+		m->parts[i].name[sizeof m->parts[i].name - 1] = 0;
 	return true;
 }
 
@@ -103,51 +115,104 @@ static bool counts_fit(const struct eco_model *m, uint32_t triangles_max)
 
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
-	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3 && m->material_count <= MATERIALS_MAX
-		&& m->image_count <= ECO_MODEL_IMAGES_MAX && accounted == m->triangles_in;
+	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3
+		&& m->material_count <= ECO_MODEL_MATERIALS_MAX && m->image_count <= ECO_MODEL_IMAGES_MAX && m->part_count <= ECO_MODEL_PARTS_MAX
+		&& accounted == m->triangles_in;
 }
 
-static bool get_model(FILE *in, struct eco_model *m, struct eco_notes *notes, uint32_t triangles_max)
+static bool frame_fits(struct eco_model_frame *frame)
 {
-	struct eco_model head;
+	frame->format[sizeof frame->format - 1] = 0;
+	for (int k = 0; k < 3; k++)
+		if (!(frame->base[k] >= -1e300 && frame->base[k] <= 1e300))
+			return false;
+	return frame->unit_m >= 0 && frame->unit_m <= 1e9 && frame->up <= ECO_UP_Z && frame->convention <= ECO_UP_Z;
+}
 
-	if (fread(notes, sizeof *notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || !counts_fit(&head, triangles_max))
+static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
+{
+	m->part = get(in, (size_t)m->triangle_count * sizeof *m->part);
+	m->parts = m->part != NULL ? get(in, (size_t)count * sizeof *m->parts) : NULL;
+	m->part_count = m->parts != NULL ? count : 0;
+	return m->parts != NULL;
+}
+
+static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
+{
+	struct eco_model *m = &head->model, counts;
+
+	if (fread(head, sizeof *head, 1, in) != 1) {
+		*m = (struct eco_model){ .position = NULL };
 		return false;
-	notes->text[sizeof notes->text - 1] = 0;
-	*m = (struct eco_model){ .vertex_count = head.vertex_count, .triangle_count = head.triangle_count,
-		.material_count = head.material_count, .triangles_in = head.triangles_in };
-	memcpy(m->dropped, head.dropped, sizeof m->dropped);
+	}
+	counts = *m;
+	*m = (struct eco_model){ .vertex_count = counts.vertex_count, .triangle_count = counts.triangle_count,
+		.material_count = counts.material_count, .triangles_in = counts.triangles_in };
+	memcpy(m->dropped, counts.dropped, sizeof m->dropped);
+	if (!counts_fit(&counts, triangles_max) || !frame_fits(&head->frame))
+		return false;
+	head->notes.text[sizeof head->notes.text - 1] = 0;
 	return (m->position = get(in, (size_t)m->vertex_count * 3 * sizeof *m->position)) != NULL
-		&& (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)) != NULL
+		&& (!head->uv || (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)) != NULL)
 		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index)) != NULL
 		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material)) != NULL
 		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials)) != NULL
-		&& get_images(in, m, head.image_count) && references_fit(m);
+		&& (!head->part || get_parts(in, m, counts.part_count)) && get_images(in, m, counts.image_count) && references_fit(m);
 }
 
-/* ---- The import ---- */
+/* ---- In the child ---- */
 
 struct job { const char *path; uint32_t triangles_max; };
+
+/* Materials of Blender's files are linear, except in PLY, which has none of its own. */
+static bool written_by_blender(const char *path)
+{
+	return !eco_path_ends_with(path, ".ply") && eco_file_head_has(path, 4096, "Blender");
+}
+
+static enum eco_code read_with_assimp(struct head *head, const struct job *job, struct eco_error *error)
+{
+	struct eco_model_file file = { .path = job->path };
+	double base[3] = { 0, 0, 0 };
+	enum eco_code code = eco_model_file_prepare(&file, error);
+
+	if (!file.gltf)
+		file.linear_colors = written_by_blender(job->path);
+	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
+		code = eco_ply_prepare(&file, base, error);
+	if (code == ECO_OK)
+		code = eco_assimp_read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
+	for (int k = 0; k < 3; k++)
+		head->frame.base[k] += base[k];
+	free(file.bytes);
+	free(file.transforms);
+	return code;
+}
 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct job *job = ctx;
-	struct eco_model model = { .position = NULL };
-	struct eco_model_file file = { .path = job->path };
-	struct eco_notes *notes = calloc(1, sizeof *notes);
-	enum eco_code code = notes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", job->path)
-		: eco_model_file_prepare(&file, error);
+	struct head *head = calloc(1, sizeof *head);
+	enum eco_code code;
 
-	if (code == ECO_OK)
-		code = eco_assimp_read(&model, &file, job->triangles_max, notes, error);
-	if (code == ECO_OK && !put_model(out, &model, notes))
+	if (head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->path);
+	head->frame.convention = ECO_UP_Y;
+	code = eco_model_file_check(job->path, error);
+	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
+		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+	else if (code == ECO_OK)
+		code = read_with_assimp(head, job, error);
+	head->uv = head->model.uv != NULL;
+	head->part = head->model.part != NULL;
+	if (code == ECO_OK && !put_model(out, head))
 		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path, strerror(errno));
-	eco_model_free(&model);
-	free(file.bytes);
-	free(file.transforms);
-	free(notes);
+	eco_model_free(&head->model);
+	free(head);
 	return code;
 }
+
+/* ---- In the parent ---- */
 
 static void drop_unused_uv(struct eco_model *m)
 {
@@ -167,32 +232,78 @@ static void tell(const struct eco_model_options *options, struct eco_notes *note
 			options->warn(options->ctx, line);
 }
 
+static struct eco_guard_limits limits_for(const char *path)
+{
+	struct stat status;
+
+	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0);
+}
+
+/* One file in a child of its own; its notes are told at once. */
+static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_model_options *options, uint32_t triangles_max,
+	struct eco_error *error)
+{
+	struct job job = { piece->path, triangles_max };
+	struct eco_guard_limits limits = limits_for(piece->path);
+	struct head *head = calloc(1, sizeof *head);
+	FILE *result = NULL;
+	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", piece->path)
+		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
+
+	if (code == ECO_OK && !get_model(result, head, triangles_max))
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", piece->path);
+	if (result != NULL)
+		fclose(result);
+	if (head != NULL) {
+		piece->model = head->model;
+		piece->frame = head->frame;
+		if (code == ECO_OK)
+			tell(options, &head->notes);
+	}
+	free(head);
+	return code;
+}
+
+static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct eco_model_options *options, struct eco_error *error)
+{
+	uint32_t left = options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX;
+	enum eco_code code = ECO_OK;
+
+	for (uint32_t i = 0; i < options->path_count && code == ECO_OK; i++) {
+		pieces[i].path = options->paths[i];
+		code = read_piece(&pieces[i], options, left, error);
+		left -= pieces[i].model.triangle_count < left ? pieces[i].model.triangle_count : left;
+	}
+	return code;
+}
+
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error)
 {
-	struct job job = { options->paths[0], options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX };
-	struct eco_notes *notes;
-	FILE *result;
-	enum eco_code code;
+	struct eco_model_piece *pieces = calloc(options->path_count + 1u, sizeof *pieces);
+	struct eco_notes *notes = calloc(1, sizeof *notes);
+	struct eco_model_frame frame;
+	enum eco_code code = ECO_OK;
 
 	*model = (struct eco_model){ .position = NULL };
-	if (access(options->paths[0], R_OK) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", options->paths[0], strerror(errno));
-	code = eco_guard_run(work, &job, options->paths[0], NULL, &result, error);
-	if (code != ECO_OK)
-		return code;
-	notes = malloc(sizeof *notes);
-	if (notes == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", options->paths[0]);
-	else if (!get_model(result, model, notes, job.triangles_max))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->paths[0]);
-	fclose(result);
+	if (pieces == NULL || notes == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	else if (options->path_count == 0 || options->path_count > FILES_MAX)
+		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX, options->path_count);
+	else
+		code = read_pieces(pieces, options, error);
+	if (code == ECO_OK)
+		code = eco_model_join(model, &frame, pieces, options->path_count, options, notes, error);
 	if (code == ECO_OK) {
 		drop_unused_uv(model);
-		code = eco_model_clean(model, options->height_m, options->paths[0], error);
-		if (code == ECO_OK)          /* of what is left only */
-			code = eco_model_bake_tints(model, options->paths[0], notes, error);
-		tell(options, notes);
+		code = eco_model_clean(model, &frame, options, options->paths[0], notes, error);
 	}
+	if (code == ECO_OK)          /* of what is left only */
+		code = eco_model_bake_tints(model, options->paths[0], notes, error);
+	if (notes != NULL)
+		tell(options, notes);
+	for (uint32_t i = 0; pieces != NULL && i < options->path_count && i < FILES_MAX; i++)
+		eco_model_free(&pieces[i].model);
+	free(pieces);
 	free(notes);
 	if (code != ECO_OK)
 		eco_model_free(model);

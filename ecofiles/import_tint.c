@@ -1,4 +1,6 @@
-/* The colours of textured materials go into their images. Lists of triangles have an image and no colour beside it, points and lines
+/* Colours of vertices become materials, each its own: lists have a colour a primitive, not a vertex.
+ *
+ * The colours of textured materials go into their images. Lists of triangles have an image and no colour beside it, points and lines
  * take their colours from texels and materials: with the product in the texels all of them show the same. The product is taken in
  * linear light, as glTF means it. A copy of an image is made for each further colour that it is used with; where that would be
  * too many, the nearest colour that there is stands in.
@@ -12,6 +14,59 @@
 
 #define TINTS_MAX 32u                            /* of one image */
 #define COPIED_PIXELS_MAX ((uint64_t)1 << 26)    /* of a model */
+
+/* ---- Colours of vertices ---- */
+
+bool eco_tints_start(struct eco_tints *t, struct eco_model *model)
+{
+	struct eco_material *grown = realloc(model->materials, ((size_t)model->material_count + ECO_TINTS_MAX) * sizeof *grown);
+
+	*t = (struct eco_tints){ .model = model, .base = model->material_count };
+	if (grown != NULL)
+		model->materials = grown;
+	t->key = malloc(ECO_TINTS_MAX * sizeof *t->key);
+	t->table = calloc(4 * ECO_TINTS_MAX, sizeof *t->table);
+	return grown != NULL && t->key != NULL && t->table != NULL;
+}
+
+uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb[3])
+{
+	struct eco_model *m = t->model;
+	uint64_t key = (uint64_t)material << 24 | (uint64_t)rgb[0] << 16 | (uint64_t)rgb[1] << 8 | rgb[2];
+	uint32_t slot = (uint32_t)((key * 0x9e3779b97f4a7c15u) >> 40) % (4 * ECO_TINTS_MAX);
+	struct eco_material *to;
+
+	if (rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255)
+		return material;
+	while (t->table[slot] != 0 && t->key[t->table[slot] - 1] != key)
+		slot = (slot + 1) % (4 * ECO_TINTS_MAX);
+	if (t->table[slot] != 0)
+		return t->base + t->table[slot] - 1;
+	if (t->count == ECO_TINTS_MAX)
+		return material;
+	t->key[t->count++] = key;
+	t->table[slot] = t->count;
+	to = &m->materials[m->material_count];
+	*to = m->materials[material];
+	for (int k = 0; k < 3; k++)
+		to->rgb[k] = eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
+	return m->material_count++;
+}
+
+void eco_tint_step(uint8_t rgb[3])
+{
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)((rgb[k] * 7 + 127) / 255 * 255 / 7);
+}
+
+void eco_tints_end(struct eco_tints *t)
+{
+	free(t->key);
+	free(t->table);
+	*t = (struct eco_tints){ .model = NULL };
+}
+
+/* ---- Colours of textures ---- */
 
 struct variant {                 /* an image as it is used with one colour */
 	uint32_t source, image;      /* the first variant of a source takes its place */

@@ -45,6 +45,19 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 
 #define ECO_ORGAN_FOUND 255u     /* no rule says which: lod/organ.h finds out */
 
+/* How the file's numbers were understood. */
+enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z };    /* axis of the file that points up; found: as the format says, else by shape */
+enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
+struct eco_model_source {
+	char format[64];         /* of the first file, for people */
+	enum eco_up up;          /* Y or Z */
+	enum eco_how up_how;     /* given, format, shape, or the format's convention as the shape does not tell */
+	double unit_m;           /* metres per unit */
+	enum eco_how unit_how;   /* given, format, guessed from the height, or what makes height_m of it */
+	double size[3];          /* of what is kept, Z up, in the file's units */
+	double below;            /* so much of it, in these units, hangs or reaches below the ground */
+};
+
 struct eco_model {           /* owns all its arrays; zero-initialised is empty */
 	uint32_t vertex_count, triangle_count, material_count, image_count;
 	float *position;         /* 3 per vertex, metres, Z up, foot of the plant at the origin */
@@ -57,6 +70,7 @@ struct eco_model {           /* owns all its arrays; zero-initialised is empty *
 	struct eco_image *images;
 	struct eco_part *parts;  uint32_t part_count;
 	double foot[3], scale;   /* position = (source's, Z up - foot) * scale */
+	struct eco_model_source source;
 	uint32_t triangles_in;   /* triangles of the source; = triangle_count + sum of dropped */
 	uint32_t dropped[ECO_DROP_COUNT];
 };
@@ -72,8 +86,6 @@ struct eco_part_rule {
 	uint8_t is;              /* enum eco_organ (pack.h) or ECO_PART_LEFT_OUT */
 };
 
-enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z };    /* axis of the file that points up; found: as the format says, else by shape */
-
 struct eco_model_options {
 	const char *const *paths; uint32_t path_count;   /* files of one plant, in one coordinate system */
 	double height_m;         /* scale so that the model is this high; 0: by its unit */
@@ -86,13 +98,20 @@ struct eco_model_options {
 };
 
 /* Imports glTF, GLB, OBJ, FBX, PLY, Collada and what else assimp reads (textures through the image module, multiplied by their
- * materials' colours), several files into one soup. Turned to Z up; the foot (the centre of the lowest 2 % of the wood-like, else of
- * all, vertices that no rule leaves out) goes to x = y = 0, the lowest vertex to z = 0. Errors name file and reason. On failure
- * *model is empty. */
+ * materials' colours), several files into one soup, whose parts then are named FILE/OBJECT. Turned to Z up; the foot (where the wood-like,
+ * else all, that no rule leaves out is lowest) goes to x = y = 0. The lowest vertex goes to z = 0; twigs that hang lower than the stem's
+ * foot, and roots below the file's own zero, stay below (model_stand.c). Errors name file and reason. On failure *model is empty. */
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);
 void eco_model_free(struct eco_model *model);
 
-/* Greatest z of the model: its height, as its lowest vertex is at 0. */
+/* Greatest z of the model: its height above the ground. */
 double eco_model_height(const struct eco_model *model);
+
+/* Beyond these a unit is doubted: the highest tree measures 116 m. */
+#define ECO_PLANT_HEIGHT_MOST_M 120.0
+#define ECO_PLANT_HEIGHT_LEAST_M 0.01
+
+/* "centimetres"; NULL for what has no name. */
+const char *eco_unit_name(double metres);
 
 #endif

@@ -1,0 +1,282 @@
+/* A plant stands on its foot, at its size.
+ *
+ * The foot is where the wood is lowest: the middle of the edges there, so that each stem counts by its girth, however finely it is
+ * modelled. Wood is what is large, and thick beside the thickest long component; where rules say what wood is, they are followed.
+ *
+ * The ground is at the lowest vertex, with two exceptions. Twigs may hang lower than the stem's foot (willows, bushes): then the stem
+ * stands on the ground and they end in it; a stem that floats would be seen from far. But if something right under the foot surrounds it
+ * (a pot, roots, a trunk below a crown that is one hull), the plant stands on that. And where the file's origin is in the stem just above
+ * its lower end, its modeller let the stem or its roots reach below the ground: zero is the ground.
+ *
+ * The size: as asked for; else by the unit that is given or that the file says; else by a unit that makes it a plant, which is said. */
+#include "ecofiles/model_clean.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import_model.h"
+#include "ecofiles/model_parts.h"
+#include "ecofiles/pack.h"
+
+#define GUESS_MOST_M 60.0            /* higher trees are rarer than files in centimetres */
+#define FOOT_SHARE 0.02              /* of the height: the foot is within that of the wood's lowest vertex */
+#define WOOD_SHARE 0.1               /* of the largest component's area */
+#define GIRTH_SHARE 0.5              /* of the thickest long component's circumference */
+#define LONG 4.0                     /* times its circumference / pi */
+#define HANGS_MOST 0.1               /* of the area may be below the stem's foot */
+#define DEPTH_MOST 0.35              /* of the height that hangs */
+#define UNDER 0.005                  /* of the height: how far below the foot is looked for what it stands on */
+#define ANGLE_LEAST 0.5              /* radians around the foot, of a component that counts as standing under it */
+#define ROOTS_MOST 0.1               /* of the height may be below the file's zero */
+#define PI 3.14159265358979323846
+
+struct stance {
+	const struct eco_model *model;
+	struct eco_components components;
+	bool *wood;                  /* per triangle */
+	double girth;                /* of the thickest long component, 0: nothing is long */
+	double low, high, area;      /* of all */
+	double wood_low, foot[3];
+};
+
+static double z_of(const struct eco_model *m, uint32_t vertex)
+{
+	return m->position[(size_t)vertex * 3 + 2];
+}
+
+/* Circumference of a tube of that area and length. */
+static double girth_of(const struct eco_component *c)
+{
+	double length = eco_component_diagonal(c);
+
+	return length > 0 ? c->area / length : 0;
+}
+
+static bool is_long(const struct eco_component *c)
+{
+	return PI * eco_component_diagonal(c) >= LONG * girth_of(c);
+}
+
+/* Leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick, and taken too. Where all are alike
+ * (grass), or nothing is long (bushes), all large ones are taken. */
+static void find_wood(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+	double largest = s->components.items[0].area;
+	bool ruled = false;
+
+	for (uint32_t i = 0; i < s->components.count; i++)
+		if (s->components.items[i].area >= WOOD_SHARE * largest && is_long(&s->components.items[i]))
+			s->girth = fmax(s->girth, girth_of(&s->components.items[i]));
+	for (uint32_t i = 0; i < m->triangle_count && m->organ != NULL && !ruled; i++)
+		ruled = m->organ[i] == ECO_ORGAN_WOOD;
+	for (uint32_t i = 0; i < m->triangle_count; i++) {
+		const struct eco_component *c = &s->components.items[s->components.of[i]];
+
+		s->wood[i] = ruled ? m->organ[i] == ECO_ORGAN_WOOD : c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
+	}
+}
+
+static void measure(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+
+	s->low = s->wood_low = INFINITY;
+	s->high = -INFINITY;
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		s->low = fmin(s->low, s->components.items[i].low[2]);
+		s->high = fmax(s->high, s->components.items[i].high[2]);
+		s->area += s->components.items[i].area;
+	}
+	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
+		if (s->wood[i / 3])
+			s->wood_low = fmin(s->wood_low, z_of(m, m->index[i]));
+}
+
+/* Middle of the wood's edges within FOOT_SHARE of its lowest vertex, weighed by their lengths; without edges, of the box around its
+ * vertices there. */
+static void find_foot(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+	double most = s->wood_low + FOOT_SHARE * (s->high - s->low), sum[2] = { 0, 0 }, weight = 0;
+	double box[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
+
+	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
+		const float *p = &m->position[(size_t)m->index[i] * 3], *q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
+		double length;
+
+		if (!s->wood[i / 3] || p[2] > most)
+			continue;
+		for (int k = 0; k < 2; k++) {
+			box[k][0] = fmin(box[k][0], p[k]);
+			box[k][1] = fmax(box[k][1], p[k]);
+		}
+		if (q[2] > most)
+			continue;
+		length = hypot((double)q[0] - p[0], (double)q[1] - p[1]);
+		weight += length;
+		for (int k = 0; k < 2; k++)
+			sum[k] += length * ((double)p[k] + q[k]) / 2;
+	}
+	for (int k = 0; k < 2; k++)
+		s->foot[k] = weight > 0 ? sum[k] / weight : (box[k][0] + box[k][1]) / 2;
+}
+
+/* Angle, as seen from the foot from above, of the piece of the triangle in the plane at height z; 0 if it does not meet it. */
+static double angle_at(const struct stance *s, uint32_t triangle, double z)
+{
+	double cut[3][2];
+	int count = 0;
+
+	for (int k = 0; k < 3; k++) {
+		const float *p = &s->model->position[(size_t)s->model->index[triangle * 3 + (uint32_t)k] * 3];
+		const float *q = &s->model->position[(size_t)s->model->index[triangle * 3 + (uint32_t)((k + 1) % 3)] * 3];
+
+		if ((p[2] < z) == (q[2] < z))
+			continue;
+		for (int j = 0; j < 2; j++)
+			cut[count][j] = p[j] + ((double)q[j] - p[j]) * (z - p[2]) / ((double)q[2] - p[2]) - s->foot[j];
+		count++;
+	}
+	if (count < 2)
+		return 0;
+	return fabs(atan2(cut[0][0] * cut[1][1] - cut[0][1] * cut[1][0], cut[0][0] * cut[1][0] + cut[0][1] * cut[1][1]));
+}
+
+/* Whether what is right below the foot surrounds it. False too when memory ran out. */
+static bool stands_on_something(const struct stance *s)
+{
+	double z = s->wood_low - UNDER * (s->high - s->low), sum = 0;
+	double *angle = calloc((size_t)s->components.count + 1, sizeof *angle);
+
+	if (angle == NULL)
+		return false;
+	for (uint32_t i = 0; i < s->model->triangle_count; i++)
+		if (s->components.items[s->components.of[i]].low[2] < z)
+			angle[s->components.of[i]] += angle_at(s, i, z);
+	for (uint32_t i = 0; i < s->components.count; i++)
+		sum += angle[i] >= ANGLE_LEAST ? angle[i] : 0;
+	free(angle);
+	return sum >= PI;
+}
+
+/* What is below the stem's foot only hangs there. */
+static bool only_hangs(const struct stance *s)
+{
+	double below = 0;
+
+	if (s->girth == 0 || s->wood_low - s->low > DEPTH_MOST * (s->high - s->low))
+		return false;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		below += s->components.items[i].high[2] < s->wood_low ? s->components.items[i].area : 0;
+	return below <= HANGS_MOST * s->area && !stands_on_something(s);
+}
+
+static void find_ground(struct stance *s, const struct eco_model_frame *frame)
+{
+	double height = s->high - s->low, zero = -frame->base[2];
+	double aside = hypot(s->foot[0] + frame->base[0], s->foot[1] + frame->base[1]);
+
+	s->foot[2] = s->low;
+	if (s->wood_low > s->low && only_hangs(s))
+		s->foot[2] = s->wood_low;
+	if (s->girth > 0 && zero > s->foot[2] && zero <= s->wood_low + ROOTS_MOST * height && zero >= s->wood_low && aside <= ROOTS_MOST * height)
+		s->foot[2] = zero;
+}
+
+/* ---- Size ---- */
+
+struct known_unit { double metres; const char *name; };
+
+static const struct known_unit known_units[] = { { 1, "metres" }, { 0.01, "centimetres" }, { 0.001, "millimetres" }, { 0.0254, "inches" },
+	{ 0.3048, "feet" }, { 1200.0 / 3937, "US survey feet" } };
+
+const char *eco_unit_name(double metres)
+{
+	for (size_t i = 0; i < sizeof known_units / sizeof *known_units; i++)
+		if (fabs(metres / known_units[i].metres - 1) < 1e-6)
+			return known_units[i].name;
+	return NULL;
+}
+
+/* The largest of metres, centimetres and millimetres in which it is no higher than most trees grow. */
+static const struct known_unit *guess_unit(double height)
+{
+	for (int i = 0; i < 3; i++)
+		if (height * known_units[i].metres <= GUESS_MOST_M)
+			return &known_units[i];
+	return &known_units[2];
+}
+
+static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, const struct eco_model_options *options, const char *what,
+	struct eco_notes *notes, struct eco_error *error)
+{
+	const struct known_unit *guess = guess_unit(top);
+	struct eco_model_source *source = &m->source;
+
+	source->unit_m = options->unit_m > 0 ? options->unit_m : unit_m;
+	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED;
+	if (options->height_m > 0) {
+		if (!(top > 0))
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m high", what, options->height_m);
+		m->scale = options->height_m / top;
+		if (source->unit_how == ECO_HOW_GUESSED) {
+			source->unit_m = m->scale;
+			source->unit_how = ECO_HOW_HEIGHT;
+		}
+		return ECO_OK;
+	}
+	if (source->unit_how == ECO_HOW_GUESSED) {
+		source->unit_m = guess->metres;
+		eco_note(notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not", top, guess->name, top * guess->metres);
+	} else if (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M || top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M) {
+		eco_note(notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add \"height_m\" or another \"unit\"",
+			top * source->unit_m, source->unit_how == ECO_HOW_GIVEN ? "the given" : "its file's", top, source->unit_m);
+	}
+	m->scale = source->unit_m;
+	return ECO_OK;
+}
+
+/* ---- All ---- */
+
+static enum eco_code stand(struct stance *s, struct eco_model *m, const struct eco_model_frame *frame, const struct eco_model_options *options,
+	const char *what, struct eco_notes *notes, struct eco_error *error)
+{
+	enum eco_code code;
+
+	find_wood(s);
+	measure(s);
+	find_foot(s);
+	find_ground(s, frame);
+	code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
+	if (code != ECO_OK)
+		return code;
+	for (int k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+
+		for (uint32_t i = 0; i < s->components.count; i++) {
+			low = fmin(low, s->components.items[i].low[k]);
+			high = fmax(high, s->components.items[i].high[k]);
+		}
+		m->source.size[k] = high - low;
+		m->foot[k] = s->foot[k] + frame->base[k];
+	}
+	m->source.below = s->foot[2] - s->low;
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		for (int k = 0; k < 3; k++)
+			m->position[(size_t)i * 3 + (size_t)k] = (float)((m->position[(size_t)i * 3 + (size_t)k] - s->foot[k]) * m->scale);
+	return ECO_OK;
+}
+
+enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place, const struct eco_model_frame *frame,
+	const struct eco_model_options *options, const char *what, struct eco_notes *notes, struct eco_error *error)
+{
+	struct stance s = { .model = model, .wood = malloc((size_t)model->triangle_count + 1) };
+	enum eco_code code = s.wood != NULL && eco_components_find(&s.components, model, place, false)
+		? stand(&s, model, frame, options, what, notes, error) : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
+
+	eco_components_free(&s.components);
+	free(s.wood);
+	return code;
+}
