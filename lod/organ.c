@@ -23,20 +23,21 @@
 #define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
 #define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
 
-#define COPIES_MANY 50           /* bodies of one material and triangle count from which on they are taken for leaves in doubt */
+#define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
 
 enum verdict { CLEARLY_LEAF, RATHER_LEAF, SOLID, RATHER_WOOD, CLEARLY_WOOD };
 
 struct finder {
 	const struct lod_mesh *mesh;
 	const struct eco_model *model;
-	struct lod_bodies bodies;
-	double area, height, diagonal;       /* of the plant */
-	/* per body */
+	uint32_t count;              /* of components */
+	struct lod_shape *shape;
+	double area, height, extent, diagonal;       /* of the plant; extent: the largest of its three */
+	/* per component */
 	uint8_t *verdict, *organ;
 	bool *fixed;                 /* by a rule */
 	enum lod_hint *hint;
-	double *middle, *above;      /* by rising height: the middle of a body, and the area of it and of all above */
+	double *middle, *above;      /* by rising height: the middle of a component, and the area of it and of all above */
 };
 
 /* ---- By shape ---- */
@@ -46,7 +47,7 @@ static bool is_cutout(const struct eco_model *model, uint32_t material)
 	return lod_mesh_material(model, material)->cutout && lod_mesh_image(model, material) != NULL;
 }
 
-static enum verdict judge(const struct lod_body *b, bool cutout)
+static enum verdict judge(const struct lod_shape *b, bool cutout)
 {
 	double d = b->diagonal, thin = b->radius / d;
 	bool tube = b->length >= LENGTH_LEAST * d && b->turn <= BLADE_CLEAR;
@@ -80,8 +81,8 @@ static void find_hints(struct finder *f, struct lod_arena *arena)
 		part[i] = lod_name_hint(model->parts[i].name);
 		varied = varied || part[i] != part[0];
 	}
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		const struct lod_body *b = &f->bodies.items[i];
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
 		uint32_t of = parts ? model->part[f->mesh->source[b->first]] : ECO_NONE;
 		if (b->material < model->material_count && !blooms)
 			f->hint[i] = material[b->material];
@@ -99,20 +100,20 @@ static bool is_bark(const uint8_t rgb[3])
 	return rgb[0] > rgb[1] && rgb[1] >= rgb[2] && rgb[0] < 190;
 }
 
-static bool is_plain(const struct lod_body *b)
+static bool is_plain(const struct lod_shape *b)
 {
 	return b->rgb[0] == b->rgb[1] && b->rgb[1] == b->rgb[2];
 }
 
-static uint32_t material_of(const struct finder *f, uint32_t body)
+static uint32_t material_of(const struct finder *f, uint32_t component)
 {
-	uint32_t m = f->bodies.items[body].material;
+	uint32_t m = f->shape[component].material;
 	return m < f->model->material_count ? m : f->model->material_count;
 }
 
 static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[2])
 {
-	const struct lod_body *b = &f->bodies.items[i];
+	const struct lod_shape *b = &f->shape[i];
 	if (clear[1] > 3 * clear[0])
 		return true;
 	if (clear[0] > 3 * clear[1])
@@ -124,17 +125,17 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
 
-/* Doubtful bodies go with the clear ones of their material, by area, where those speak clearly. */
+/* Doubtful components go with the clear ones of their material, by area, where those speak clearly. */
 static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	double (*clear)[2] = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *clear);
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		f->verdict[i] = (uint8_t)judge(&f->bodies.items[i], is_cutout(f->model, f->bodies.items[i].material));
+	for (uint32_t i = 0; i < f->count; i++) {
+		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f->model, f->shape[i].material));
 		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
-			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->bodies.items[i].area;
+			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
 	}
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
+	for (uint32_t i = 0; i < f->count; i++) {
 		bool wood = f->verdict[i] == CLEARLY_WOOD;
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
 			wood = settle_doubt(f, i, clear[material_of(f, i)]);
@@ -143,20 +144,20 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-/* Bodies of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The larger
+/* Components of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The larger
  * area wins; among many copies wood must be twice as much, since what comes in many copies usually is a leaf. */
 static void settle_copies(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	uint32_t n = f->bodies.count;
+	uint32_t n = f->count;
 	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
 	for (uint32_t i = 0; i < n; i++)
-		by[i] = (struct lod_keyed){ (uint64_t)f->bodies.items[i].material << 32 | f->bodies.items[i].triangle_count, i };
+		by[i] = (struct lod_keyed){ (uint64_t)f->shape[i].material << 32 | f->shape[i].triangle_count, i };
 	lod_sort(arena, by, n);
 	for (uint32_t first = 0, end; first < n; first = end) {
 		double area[ECO_ORGAN_COUNT] = { 0 };
 		for (end = first; end < n && by[end].key == by[first].key; end++)
-			area[f->organ[by[end].value]] += f->bodies.items[by[end].value].area;
+			area[f->organ[by[end].value]] += f->shape[by[end].value].area;
 		double need = end - first >= COPIES_MANY ? 2 : 1;
 		bool wood = area[ECO_ORGAN_WOOD] > need * area[ECO_ORGAN_FOLIAGE];
 		for (uint32_t i = first; i < end; i++)
@@ -168,8 +169,8 @@ static void settle_copies(struct finder *f, struct lod_arena *arena)
 /* A patch of another colour inlaid in bark is bark: all of its border continues in wood. A bud at a stem's end has next to no border. */
 static void settle_inlays(struct finder *f)
 {
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		const struct lod_body *b = &f->bodies.items[i], *host = &f->bodies.items[b->glued_to];
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i], *host = &f->shape[b->glued_to];
 		if (b->open > 0.05 && b->glued > 0.75 && f->organ[b->glued_to] == ECO_ORGAN_WOOD && b->area < 0.25 * host->area)
 			f->organ[i] = ECO_ORGAN_WOOD;
 	}
@@ -182,20 +183,20 @@ static void settle_inlays(struct finder *f)
 #define THING_ABOVE 0.3          /* of the plant's area that is above it */
 #define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
 #define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
-#define FEW 4u                   /* bodies of its material, of a vessel or soil */
+#define FEW 4u                   /* components of its material, of a vessel or soil */
 
-/* Bodies by the heights of their middles, to answer how much of the plant is above. */
+/* Components by the heights of their middles, to answer how much of the plant is above. */
 static void sort_heights(struct finder *f, struct lod_arena *arena)
 {
-	uint32_t n = f->bodies.count;
+	uint32_t n = f->count;
 	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
 	f->middle = lod_arena_take(arena, n, sizeof *f->middle);
 	f->above = lod_arena_take(arena, (size_t)n + 1, sizeof *f->above);
 	for (uint32_t i = 0; i < n; i++)
-		by[i] = (struct lod_keyed){ lod_sort_key((double)f->bodies.items[i].low[2] + f->bodies.items[i].high[2] - 2 * f->mesh->low[2]), i };
+		by[i] = (struct lod_keyed){ lod_sort_key((double)f->shape[i].low[2] + f->shape[i].high[2] - 2 * f->mesh->low[2]), i };
 	lod_sort(arena, by, n);
 	for (uint32_t i = n; i-- > 0;) {
-		const struct lod_body *b = &f->bodies.items[by[i].value];
+		const struct lod_shape *b = &f->shape[by[i].value];
 		f->middle[i] = ((double)b->low[2] + b->high[2]) / 2;
 		f->above[i] = f->above[i + 1] + b->area;
 	}
@@ -203,7 +204,7 @@ static void sort_heights(struct finder *f, struct lod_arena *arena)
 
 static double area_above(const struct finder *f, double z)
 {
-	uint32_t low = 0, high = f->bodies.count;
+	uint32_t low = 0, high = f->count;
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
 		if (f->middle[middle] > z)
@@ -217,20 +218,20 @@ static double area_above(const struct finder *f, double z)
 /* The plant is above it, and it is not green nor small. */
 static bool is_below(const struct finder *f, uint32_t i)
 {
-	const struct lod_body *b = &f->bodies.items[i];
+	const struct lod_shape *b = &f->shape[i];
 	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
 		&& !is_cutout(f->model, b->material) && area_above(f, b->high[2]) > THING_ABOVE * f->area;
 }
 
 static bool on_ground(const struct finder *f, uint32_t i)
 {
-	return f->bodies.items[i].low[2] - f->mesh->low[2] < FOOT * f->height;
+	return f->shape[i].low[2] - f->mesh->low[2] < FOOT * f->height;
 }
 
 /* Solid: `alone` says that solids are all there is. */
 static bool is_thing(const struct finder *f, uint32_t i, bool alone)
 {
-	const struct lod_body *b = &f->bodies.items[i];
+	const struct lod_shape *b = &f->shape[i];
 	if (f->hint[i] != LOD_HINT_NONE)
 		return f->hint[i] == LOD_HINT_WOOD;
 	if (alone && b->diagonal > FRUIT * f->diagonal)
@@ -241,7 +242,7 @@ static bool is_thing(const struct finder *f, uint32_t i, bool alone)
 /* A pot with walls, or a level sheet, as the soil in it or the ground around a plant. */
 static bool is_vessel(const struct finder *f, uint32_t i)
 {
-	const struct lod_body *b = &f->bodies.items[i];
+	const struct lod_shape *b = &f->shape[i];
 	bool walls = b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal && on_ground(f, i);
 	bool soil = b->level > 0.85 && b->high[2] - b->low[2] < 0.2 * b->diagonal;
 	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
@@ -251,23 +252,23 @@ static bool is_vessel(const struct finder *f, uint32_t i)
 static void settle_things(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	struct { double things, all; uint32_t bodies; } *of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
+	struct { double things, all; uint32_t count; } *of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
 	double solid = 0;
 	sort_heights(f, arena);
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		solid += f->verdict[i] == SOLID ? f->bodies.items[i].area : 0;
-		of[material_of(f, i)].bodies++;
-		of[material_of(f, i)].all += f->bodies.items[i].area;
+	for (uint32_t i = 0; i < f->count; i++) {
+		solid += f->verdict[i] == SOLID ? f->shape[i].area : 0;
+		of[material_of(f, i)].count++;
+		of[material_of(f, i)].all += f->shape[i].area;
 	}
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
+	for (uint32_t i = 0; i < f->count; i++) {
 		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
-		thing = thing || (of[material_of(f, i)].bodies <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
+		thing = thing || (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
 		if (thing) {
 			f->organ[i] = ECO_ORGAN_WOOD;
-			of[material_of(f, i)].things += f->bodies.items[i].area;
+			of[material_of(f, i)].things += f->shape[i].area;
 		}
 	}
-	for (uint32_t i = 0; i < f->bodies.count; i++)
+	for (uint32_t i = 0; i < f->count; i++)
 		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i))
 			f->organ[i] = ECO_ORGAN_WOOD;
 	lod_arena_release(arena, mark);
@@ -278,8 +279,8 @@ static void settle_herbs(struct finder *f)
 {
 	double wood = 0, green = 0, straws = 0;
 	uint32_t straw_count = 0;
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		const struct lod_body *b = &f->bodies.items[i];
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
 		if (f->organ[i] != ECO_ORGAN_WOOD)
 			continue;
 		bool straw = b->length < 1.25 * b->diagonal && b->low[2] - f->mesh->low[2] < FOOT * f->height;
@@ -290,7 +291,7 @@ static void settle_herbs(struct finder *f)
 	}
 	if (wood < 0.95 * f->area || (green < 0.9 * wood && (straws < 0.8 * wood || straw_count < 6)))
 		return;
-	for (uint32_t i = 0; i < f->bodies.count; i++)
+	for (uint32_t i = 0; i < f->count; i++)
 		f->organ[i] = ECO_ORGAN_FOLIAGE;
 }
 
@@ -316,22 +317,24 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 
 static void prepare(struct finder *f, struct lod_arena *arena)
 {
-	uint32_t n = f->bodies.count;
+	uint32_t n = f->count;
 	f->verdict = lod_arena_take(arena, n, sizeof *f->verdict);
 	f->organ = lod_arena_take(arena, n, sizeof *f->organ);
 	f->fixed = lod_arena_take(arena, n, sizeof *f->fixed);
 	f->hint = lod_arena_take(arena, n, sizeof *f->hint);
 	for (uint32_t i = 0; i < n; i++)
-		f->area += f->bodies.items[i].area;
+		f->area += f->shape[i].area;
 	f->height = (double)f->mesh->high[2] - f->mesh->low[2];
+	for (int a = 0; a < 3; a++)
+		f->extent = fmax(f->extent, (double)f->mesh->high[a] - f->mesh->low[a]);
 	f->diagonal = lod_v3_distance(lod_v3_of(f->mesh->low), lod_v3_of(f->mesh->high));
 	find_hints(f, arena);
 }
 
 static void apply_rules(struct finder *f)
 {
-	for (uint32_t i = 0; i < f->bodies.count; i++) {
-		uint8_t rule = f->mesh->rule[f->bodies.items[i].first];
+	for (uint32_t i = 0; i < f->count; i++) {
+		uint8_t rule = f->mesh->rule[f->shape[i].first];
 		f->fixed[i] = rule != ECO_ORGAN_FOUND;
 		f->organ[i] = f->fixed[i] ? rule : f->organ[i];
 	}
@@ -339,35 +342,17 @@ static void apply_rules(struct finder *f)
 
 static void describe_components(struct lod_organs *organs, const struct finder *f)
 {
-	const struct lod_mesh *mesh = f->mesh;
-	for (uint32_t i = 0; i < mesh->component_count; i++) {
-		const struct lod_body *b = &f->bodies.items[f->bodies.of[i]];
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
 		struct lod_component *c = &organs->components[i];
-		double rgb[3] = { 0, 0, 0 }, weight = 0;
-		*c = (struct lod_component){ .organ = f->organ[f->bodies.of[i]], .radius = b->radius, .turn = b->turn,
-			.low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
-		c->triangle_count = mesh->member_first[i + 1] - mesh->member_first[i];
-		c->material = mesh->material[mesh->member[mesh->member_first[i]]];
+		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material, .organ = f->organ[i], .area = b->area,
+			.radius = b->radius, .length = b->length, .turn = b->turn };
 		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
 		c->closed = b->open < 0.02;
-		for (uint32_t j = mesh->member_first[i]; j < mesh->member_first[i + 1]; j++) {
-			uint32_t t = mesh->member[j];
-			struct lod_v3 p[3];
-			for (uint32_t k = 0; k < 3; k++) {
-				const float *at = mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k];
-				p[k] = lod_v3_of(at);
-				for (int a = 0; a < 3; a++) {
-					c->low[a] = fminf(c->low[a], at[a]);
-					c->high[a] = fmaxf(c->high[a], at[a]);
-				}
-				rgb[k] += organs->rgb[t][k] * organs->area[t];
-			}
-			c->area += lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
-			weight += organs->area[t];
-		}
-		c->length = b->area > 0 ? b->length * c->area / b->area : 0;
-		for (int k = 0; k < 3; k++)
-			c->rgb[k] = (uint8_t)(weight > 0 ? rgb[k] / weight + 0.5 : 0);
+		c->stout = b->radius > THICK_CLEAR * b->diagonal || b->length < LENGTH_LEAST * b->diagonal;
+		memcpy(c->low, b->low, sizeof c->low);
+		memcpy(c->high, b->high, sizeof c->high);
+		memcpy(c->rgb, b->rgb, sizeof c->rgb);
 	}
 }
 
@@ -376,11 +361,11 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
 	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);
 	colour_triangles(organs, mesh, model);
-	lod_organs_split(mesh, (const uint8_t (*)[3])organs->rgb, arena);
+	lod_organs_split(mesh, model, (const uint8_t (*)[3])organs->rgb, arena);
 	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
 	struct lod_arena_piece *mark = arena->last;
-	struct finder f = { .mesh = mesh, .model = model };
-	lod_bodies_find(&f.bodies, mesh, model, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
+	struct finder f = { .mesh = mesh, .model = model, .count = mesh->component_count };
+	f.shape = lod_shapes_find(mesh, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
 	prepare(&f, arena);
 	settle_doubts(&f, arena);
 	settle_copies(&f, arena);
@@ -389,7 +374,7 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 	settle_inlays(&f);
 	settle_herbs(&f);
 	apply_rules(&f);
-	lod_flowers_find(f.organ, &f.bodies, f.fixed, f.hint, fmax(f.height, fmax((double)mesh->high[0] - mesh->low[0], (double)mesh->high[1] - mesh->low[1])));
+	lod_flowers_find(f.organ, f.shape, f.count, f.fixed, f.hint, f.extent);
 	describe_components(organs, &f);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &organs->components[mesh->component[t]];

@@ -6,12 +6,12 @@
  *   r = A / (2 M),  L = M / pi
  *
  * follow from sums over edges (Steiner's formula for polyhedra: M is half the sum of length times angle, concave edges counted
- * negative). Wood is thin (r against the body's diagonal), as long as it is large (L against the same: a sheet's M is much too small
+ * negative). Wood is thin (r against the component's diagonal), as long as it is large (L against the same: a sheet's M is much too small
  * for its extent), and round: its volume V fills what A and M allow (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for blades), and
  * the angles around it are all moderate, while a closed blade has its whole turn in two sharp rims.
  *
- * Where shape leaves doubt, a body follows the clear ones of its material: artists put bark and leaves apart, and this asks only
- * whether two bodies share a material, not what it is called. Then names break the tie (organ_name.h), then colours.
+ * Where shape leaves doubt, a component follows the clear ones of its material: artists put bark and leaves apart, and this asks only
+ * whether two components share a material, not what it is called. Then names break the tie (organ_name.h), then colours.
  *
  * What is thick is a crown or fruit modelled as a hull, or else a thing: a stump, a stout trunk, a pot, a rock. Things stand on the
  * ground with most of the plant above them, or are all there is and brown; soil is a level sheet that is neither green nor one of many.
@@ -32,7 +32,8 @@ struct lod_component {
 	uint8_t organ;               /* enum eco_organ */
 	bool closed;                 /* no border to speak of: each ray hits it twice, its area counts half */
 	double area;                 /* m^2, all triangles, both sides of what is closed */
-	double radius, length;       /* of the tube that it would be; of its body where that is larger than it (organ_shape.h) */
+	bool stout;                  /* no tube at all: a pot, a stump, soil */
+	double radius, length;       /* of the tube that it would be */
 	double turn;                 /* radians, mean edge angle weighted by angle: 2 pi / k for tubes of k sides */
 	float low[3], high[3];
 	uint8_t rgb[3];              /* mean colour */
@@ -44,7 +45,7 @@ struct lod_organs {
 	uint8_t (*rgb)[3];           /* per triangle, mean colour of what is opaque */
 };
 
-/* Arrays come from `arena`. Components of the mesh that hold several organs are taken apart (organ_split.h). */
+/* Arrays come from `arena`. The mesh's components are regrouped (organ_split.h). */
 void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena);
 
 #endif

@@ -41,20 +41,20 @@ struct census {
 	double greens;               /* of anything green, stems too */
 	double other;                /* of wood that is not green */
 	struct lod_v3 reference;     /* mean chroma of foliage that is no candidate, and of green stems */
-	struct { double area; uint32_t bodies; } green[KINDS], warm[KINDS];  /* foliage by number of triangles */
+	struct { double area; uint32_t count; } green[KINDS], warm[KINDS];  /* foliage by number of triangles */
 };
 
-static uint32_t kind_of(const struct lod_body *body)
+static uint32_t kind_of(const struct lod_shape *shape)
 {
-	return body->triangle_count < KINDS ? body->triangle_count : 0;
+	return shape->triangle_count < KINDS ? shape->triangle_count : 0;
 }
 
-static struct census count(const uint8_t *organ, const struct lod_bodies *bodies, double extent)
+static struct census take_census(const uint8_t *organ, const struct lod_shape *shapes, uint32_t count, double extent)
 {
 	struct census c = { .reference = { 0, 0, 0 } };
 	double weight = 0;
-	for (uint32_t i = 0; i < bodies->count; i++) {
-		const struct lod_body *b = &bodies->items[i];
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_shape *b = &shapes[i];
 		enum colour colour = colour_of(b->rgb);
 		bool wood = organ[i] == ECO_ORGAN_WOOD;
 		if (colour == GREEN)
@@ -65,11 +65,11 @@ static struct census count(const uint8_t *organ, const struct lod_bodies *bodies
 			c.area[colour] += b->area;
 		if (!wood && colour == GREEN) {
 			c.green[kind_of(b)].area += b->area;
-			c.green[kind_of(b)].bodies++;
+			c.green[kind_of(b)].count++;
 		}
 		if (!wood && colour == WARM) {
 			c.warm[kind_of(b)].area += b->area;
-			c.warm[kind_of(b)].bodies++;
+			c.warm[kind_of(b)].count++;
 		}
 		if (colour == GREEN || (!wood && colour == DULL)) {
 			c.reference = lod_v3_add(c.reference, lod_v3_scale(chroma(b->rgb), b->area));
@@ -84,13 +84,13 @@ static struct census count(const uint8_t *organ, const struct lod_bodies *bodies
 /* Is it made as green leaves are, of as many triangles and about as large on the mean? Then it may be one of them in autumn. */
 static bool is_leaf_made(const struct census *c, uint32_t kind)
 {
-	if (c->green[kind].bodies == 0 || c->warm[kind].bodies == 0)
+	if (c->green[kind].count == 0 || c->warm[kind].count == 0)
 		return false;
-	double green = c->green[kind].area / c->green[kind].bodies, warm = c->warm[kind].area / c->warm[kind].bodies;
+	double green = c->green[kind].area / c->green[kind].count, warm = c->warm[kind].area / c->warm[kind].count;
 	return green < ALIKE * warm && warm < ALIKE * green;
 }
 
-static bool is_flower(const struct census *c, const struct lod_body *b, enum lod_hint hint)
+static bool is_flower(const struct census *c, const struct lod_shape *b, enum lod_hint hint)
 {
 	enum colour colour = colour_of(b->rgb);
 	double candidates = c->area[WARM] + c->area[PALE] + c->area[COOL];
@@ -111,11 +111,11 @@ static bool is_flower(const struct census *c, const struct lod_body *b, enum lod
 	}
 }
 
-void lod_flowers_find(uint8_t *organ, const struct lod_bodies *bodies, const bool *fixed, const enum lod_hint *hint, double extent)
+void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed, const enum lod_hint *hint, double extent)
 {
-	struct census c = count(organ, bodies, extent);
-	for (uint32_t i = 0; i < bodies->count; i++) {
-		const struct lod_body *b = &bodies->items[i];
+	struct census c = take_census(organ, shapes, count, extent);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_shape *b = &shapes[i];
 		if (organ[i] == ECO_ORGAN_FOLIAGE && !fixed[i] && b->diagonal <= SMALL * extent && is_flower(&c, b, hint[i]))
 			organ[i] = ECO_ORGAN_FLOWER;
 	}

@@ -1,15 +1,13 @@
-/* Everything is a sum over triangles and edges, so that bodies are measured in one pass over their members whatever their form.
- * Volume is the sum of tetrahedra towards any one point; where a body is open (tubes mostly are, at both ends) each loop of its border
+/* Everything is a sum over triangles and edges, so that components are measured in one pass whatever their form.
+ * Volume is the sum of tetrahedra towards any one point; where a component is open (tubes mostly are, at both ends) each loop of its border
  * is closed by a fan around the loop's middle. Soups are wound at random, so that triangles are first made to look to one side. */
 #include "lod/organ_shape.h"
 
 #include <math.h>
-#include <string.h>
 
-#include "lod/sort.h"
 #include "lod/vector.h"
 
-struct sums {                    /* over one body */
+struct sums {                    /* over one component */
 	double bend, angle, angle2;  /* length-weighted sums of signed, absolute and squared angle */
 	double border, edges, glued; /* lengths */
 	double volume, level, rgb[3], opaque;
@@ -19,14 +17,13 @@ struct border { uint32_t from, to; };
 
 struct measure {
 	const struct lod_mesh *mesh;
-	struct lod_bodies *bodies;
 	const int8_t *sign;
 	const uint8_t (*rgb)[3];
 	const double *opaque;
-	struct lod_v3 origin;        /* of the body: keeps sums small */
-	struct border *border;       /* edges of the body's border, along its triangles' winding after `sign` */
+	struct lod_v3 origin;        /* of the component: keeps sums small */
+	struct border *border;       /* edges of the component's border, along its triangles' winding after `sign` */
 	uint32_t border_count;
-	uint32_t *loop;              /* per vertex: union-find over a body's border */
+	uint32_t *loop;              /* per vertex: union-find over that border */
 	struct lod_v3 *middle;       /* per vertex: of a loop's root, the sum of its edges' starts */
 	uint32_t *length;            /* per vertex: of a loop's root, its edges */
 };
@@ -54,67 +51,11 @@ static uint32_t root_of(uint32_t *parent, uint32_t i)
 	return i;
 }
 
-/* ---- Which components are one body ---- */
-
-/* Colours of one surface: materials of one name and image, both green or both not. */
-static bool kin(const struct eco_model *model, const struct lod_mesh *mesh, const uint8_t (*rgb)[3], uint32_t t, uint32_t u)
-{
-	uint32_t a = mesh->material[t], b = mesh->material[u];
-	if (a == b || a >= model->material_count || b >= model->material_count)
-		return false;
-	const struct eco_material *m = &model->materials[a], *n = &model->materials[b];
-	return m->name[0] && strcmp(m->name, n->name) == 0 && m->image == n->image
-		&& lod_colour_is_green(rgb[t]) == lod_colour_is_green(rgb[u]);
-}
-
-static void join_components(struct lod_bodies *bodies, const struct lod_mesh *mesh, const struct eco_model *model,
-	const uint8_t (*rgb)[3], struct lod_arena *arena)
-{
-	bodies->of = lod_arena_take(arena, mesh->component_count, sizeof *bodies->of);
-	for (uint32_t c = 0; c < mesh->component_count; c++)
-		bodies->of[c] = c;
-	for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) {
-		uint32_t t = (uint32_t)(i / 3), u = mesh->across[i] == ECO_NONE ? t : mesh->across[i] / 3;
-		if (u <= t || mesh->component[t] == mesh->component[u] || mesh->rule[t] != mesh->rule[u] || !kin(model, mesh, rgb, t, u))
-			continue;
-		uint32_t a = root_of(bodies->of, mesh->component[t]), b = root_of(bodies->of, mesh->component[u]);
-		bodies->of[a < b ? b : a] = a < b ? a : b;
-	}
-	for (uint32_t c = 0; c < mesh->component_count; c++)
-		bodies->of[c] = root_of(bodies->of, c);
-}
-
-/* Numbers the bodies; `first` and `member` list the components of each. */
-static void number_bodies(struct lod_bodies *bodies, const struct lod_mesh *mesh, uint32_t **first, uint32_t **member,
-	struct lod_arena *arena)
-{
-	uint32_t n = mesh->component_count, *number = lod_arena_take(arena, n, sizeof *number);
-	for (uint32_t c = 0; c < n; c++)     /* a root is the smallest of its body */
-		number[c] = bodies->of[c] == c ? bodies->count++ : number[bodies->of[c]];
-	memcpy(bodies->of, number, n * sizeof *number);
-	*first = lod_arena_take(arena, (size_t)bodies->count + 2, sizeof **first);
-	*member = lod_arena_take(arena, n, sizeof **member);
-	for (uint32_t c = 0; c < n; c++)
-		(*first)[bodies->of[c] + 2]++;
-	for (uint32_t b = 2; b <= bodies->count + 1; b++)
-		(*first)[b] += (*first)[b - 1];
-	for (uint32_t c = 0; c < n; c++)
-		(*member)[(*first)[bodies->of[c] + 1]++] = c;
-}
-
-static uint32_t across_in_body(const struct measure *m, uint32_t t, uint32_t k)
-{
-	uint32_t edge = m->mesh->across[3 * (size_t)t + k];
-	const uint32_t *component = m->mesh->component, *of = m->bodies->of;
-	return edge != ECO_NONE && of[component[edge / 3]] == of[component[t]] ? edge : ECO_NONE;
-}
-
 /* ---- One side ---- */
 
 /* 1 or -1 per triangle, so that neighbours look to the same side. */
-static int8_t *orient(const struct measure *m, struct lod_arena *arena)
+static int8_t *orient(const struct lod_mesh *mesh, struct lod_arena *arena)
 {
-	const struct lod_mesh *mesh = m->mesh;
 	int8_t *sign = lod_arena_take(arena, mesh->triangle_count, sizeof *sign);
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *stack = lod_arena_take(arena, mesh->triangle_count, sizeof *stack), depth = 0;
@@ -126,7 +67,7 @@ static int8_t *orient(const struct measure *m, struct lod_arena *arena)
 		while (depth) {
 			uint32_t t = stack[--depth];
 			for (uint32_t k = 0; k < 3; k++) {
-				uint32_t edge = across_in_body(m, t, k);
+				uint32_t edge = lod_mesh_across(mesh, t, k);
 				if (edge == ECO_NONE || sign[edge / 3])
 					continue;
 				/* Wound alike, two triangles run along their common edge in opposite directions. */
@@ -146,7 +87,7 @@ static double volume_of(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c)
 	return lod_v3_dot(a, lod_v3_cross(b, c)) / 6;
 }
 
-static void add_border(struct measure *m, struct lod_body *body, struct sums *sums, uint32_t t, uint32_t k, double length)
+static void add_border(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t, uint32_t k, double length)
 {
 	const struct lod_mesh *mesh = m->mesh;
 	uint32_t other = mesh->across[3 * (size_t)t + k], from = mesh->index[3 * (size_t)t + k], to = mesh->index[3 * (size_t)t + (k + 1) % 3];
@@ -154,20 +95,20 @@ static void add_border(struct measure *m, struct lod_body *body, struct sums *su
 	sums->border += length;
 	if (other != ECO_NONE) {
 		sums->glued += length;
-		body->glued_to = m->bodies->of[mesh->component[other / 3]];
+		shape->glued_to = mesh->component[other / 3];
 	}
 }
 
-static void add_edges(struct measure *m, struct lod_body *body, struct sums *sums, uint32_t t)
+static void add_edges(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t)
 {
 	const struct lod_mesh *mesh = m->mesh;
 	struct lod_v3 normal = lod_v3_scale(lod_v3_unit(area_normal(mesh, t)), m->sign[t]);
 	for (uint32_t k = 0; k < 3; k++) {
-		uint32_t edge = across_in_body(m, t, k), u = edge / 3;
+		uint32_t edge = lod_mesh_across(m->mesh, t, k), u = edge / 3;
 		double length = lod_v3_distance(corner(mesh, t, k), corner(mesh, t, k + 1));
 		sums->edges += length;
 		if (edge == ECO_NONE)
-			add_border(m, body, sums, t, k, length);
+			add_border(m, shape, sums, t, k, length);
 		if (edge == ECO_NONE || u < t)
 			continue;
 		struct lod_v3 other = lod_v3_scale(lod_v3_unit(area_normal(mesh, u)), m->sign[u]);
@@ -179,30 +120,30 @@ static void add_edges(struct measure *m, struct lod_body *body, struct sums *sum
 	}
 }
 
-static void add_triangle(struct measure *m, struct lod_body *body, struct sums *sums, uint32_t t)
+static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t)
 {
 	const struct lod_mesh *mesh = m->mesh;
 	struct lod_v3 normal = area_normal(mesh, t);
 	double area = lod_v3_length(normal);
-	if (body->triangle_count++ == 0) {
-		body->first = t;
-		body->material = mesh->material[t];
+	if (shape->triangle_count++ == 0) {
+		shape->first = t;
+		shape->material = mesh->material[t];
 		m->origin = corner(mesh, t, 0);
 	}
 	for (uint32_t k = 0; k < 3; k++)
 		for (int a = 0; a < 3; a++) {
 			float p = mesh->place[3 * (size_t)mesh->index[3 * (size_t)t + k] + a];
-			body->low[a] = fminf(body->low[a], p);
-			body->high[a] = fmaxf(body->high[a], p);
+			shape->low[a] = fminf(shape->low[a], p);
+			shape->high[a] = fmaxf(shape->high[a], p);
 		}
-	body->area += area;
+	shape->area += area;
 	sums->level += fabs(normal.z);
 	sums->volume += m->sign[t] * volume_of(lod_v3_sub(corner(mesh, t, 0), m->origin), lod_v3_sub(corner(mesh, t, 1), m->origin),
 		lod_v3_sub(corner(mesh, t, 2), m->origin));
 	for (int k = 0; k < 3; k++)
 		sums->rgb[k] += m->rgb[t][k] * m->opaque[t];
 	sums->opaque += m->opaque[t];
-	add_edges(m, body, sums, t);
+	add_edges(m, shape, sums, t);
 }
 
 /* What the fans that close the loops of the border add to the volume. */
@@ -232,53 +173,48 @@ static double close_loops(struct measure *m)
 	return volume;
 }
 
-static void finish(struct lod_body *body, const struct sums *sums)
+static void finish(struct lod_shape *shape, const struct sums *sums)
 {
 	double bend = fabs(sums->bend) / 2;
-	body->diagonal = lod_v3_distance(lod_v3_of(body->low), lod_v3_of(body->high));
-	body->length = bend / LOD_PI;
-	body->radius = bend > 0 ? body->area / (2 * bend) : INFINITY;
-	body->turn = sums->angle > 0 ? sums->angle2 / sums->angle : 0;
-	body->round = body->area > 0 ? 4 * fabs(sums->volume) * bend / (body->area * body->area) : 0;
-	body->level = body->area > 0 ? sums->level / body->area : 0;
-	body->open = sums->edges > 0 ? sums->border / sums->edges : 0;
-	body->glued = sums->border > 0 ? sums->glued / sums->border : 0;
+	shape->diagonal = lod_v3_distance(lod_v3_of(shape->low), lod_v3_of(shape->high));
+	shape->length = bend / LOD_PI;
+	shape->radius = bend > 0 ? shape->area / (2 * bend) : INFINITY;
+	shape->turn = sums->angle > 0 ? sums->angle2 / sums->angle : 0;
+	shape->round = shape->area > 0 ? 4 * fabs(sums->volume) * bend / (shape->area * shape->area) : 0;
+	shape->level = shape->area > 0 ? sums->level / shape->area : 0;
+	shape->open = sums->edges > 0 ? sums->border / sums->edges : 0;
+	shape->glued = sums->border > 0 ? sums->glued / sums->border : 0;
 	for (int k = 0; k < 3; k++)
-		body->rgb[k] = (uint8_t)(sums->opaque > 0 ? sums->rgb[k] / sums->opaque + 0.5 : 0);
+		shape->rgb[k] = (uint8_t)(sums->opaque > 0 ? sums->rgb[k] / sums->opaque + 0.5 : 0);
 }
 
-static void measure_body(struct measure *m, struct lod_body *body, const uint32_t *component, uint32_t count)
+static void measure_component(struct measure *m, struct lod_shape *shape, uint32_t c)
 {
 	const struct lod_mesh *mesh = m->mesh;
 	struct sums sums = { 0 };
 	for (int a = 0; a < 3; a++) {
-		body->low[a] = INFINITY;
-		body->high[a] = -INFINITY;
+		shape->low[a] = INFINITY;
+		shape->high[a] = -INFINITY;
 	}
 	m->border_count = 0;
-	for (uint32_t i = 0; i < count; i++)
-		for (uint32_t j = mesh->member_first[component[i]]; j < mesh->member_first[component[i] + 1]; j++)
-			add_triangle(m, body, &sums, mesh->member[j]);
+	for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++)
+		add_triangle(m, shape, &sums, mesh->member[i]);
 	sums.volume += close_loops(m);
-	finish(body, &sums);
+	finish(shape, &sums);
 }
 
-void lod_bodies_find(struct lod_bodies *bodies, const struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3],
-	const double *opaque, struct lod_arena *arena)
+struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque, struct lod_arena *arena)
 {
-	*bodies = (struct lod_bodies){ 0 };
-	join_components(bodies, mesh, model, rgb, arena);
-	bodies->items = lod_arena_take(arena, mesh->component_count, sizeof *bodies->items);
+	struct lod_shape *shapes = lod_arena_take(arena, mesh->component_count, sizeof *shapes);
 	struct lod_arena_piece *mark = arena->last;
-	struct measure m = { .mesh = mesh, .bodies = bodies, .rgb = rgb, .opaque = opaque };
-	uint32_t *first, *member;
-	number_bodies(bodies, mesh, &first, &member, arena);
-	m.sign = orient(&m, arena);
+	struct measure m = { .mesh = mesh, .rgb = rgb, .opaque = opaque };
+	m.sign = orient(mesh, arena);
 	m.border = lod_arena_take(arena, 3 * (size_t)mesh->triangle_count, sizeof *m.border);
 	m.loop = lod_arena_take(arena, mesh->vertex_count, sizeof *m.loop);
 	m.length = lod_arena_take(arena, mesh->vertex_count, sizeof *m.length);
 	m.middle = lod_arena_take(arena, mesh->vertex_count, sizeof *m.middle);
-	for (uint32_t b = 0; b < bodies->count; b++)
-		measure_body(&m, &bodies->items[b], member + first[b], first[b + 1] - first[b]);
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		measure_component(&m, &shapes[c], c);
 	lod_arena_release(arena, mark);
+	return shapes;
 }

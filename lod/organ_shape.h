@@ -1,14 +1,10 @@
-/* The shapes of a model's bodies, as organ.h needs them. Private to the finder of organs.
- *
- * A body is what hangs together as one surface: components whose common edges have two triangles, whose materials differ in nothing
- * but a colour (as those that an import makes of vertex colours do), and which are both green or both not. Elsewhere a body is a
- * component. */
+/* The shapes of a model's components, as organ.h needs them. Private to the finder of organs. */
 #ifndef LOD_ORGAN_SHAPE_H
 #define LOD_ORGAN_SHAPE_H
 
 #include "lod/weld.h"
 
-struct lod_body {
+struct lod_shape {
 	uint32_t triangle_count, first, material;    /* its first triangle, and that one's material */
 	double area;                 /* m^2, all triangles */
 	double radius, length;       /* of the tube that it would be (organ.h) */
@@ -17,23 +13,16 @@ struct lod_body {
 	double diagonal;             /* of its bounds */
 	double level;                /* mean |z| of its normals, by area: 1 for the level, 0.5 for a ball */
 	double open;                 /* share of its edges that is border, by length */
-	double glued;                /* share of that border which continues in another body */
-	uint32_t glued_to;           /* the last such body */
+	double glued;                /* share of that border which continues in another component */
+	uint32_t glued_to;           /* the last such component */
 	float low[3], high[3];
 	uint8_t rgb[3];              /* mean colour by what is opaque */
-};
-
-struct lod_bodies {
-	uint32_t count;
-	struct lod_body *items;
-	uint32_t *of;                /* per component */
 };
 
 /* Whether a colour is a leaf's in summer: green before red and blue. */
 bool lod_colour_is_green(const uint8_t rgb[3]);
 
-/* `rgb` and `opaque` (m^2) are per triangle. Arrays come from `arena`. */
-void lod_bodies_find(struct lod_bodies *bodies, const struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3],
-	const double *opaque, struct lod_arena *arena);
+/* One per component, from `arena`. `rgb` and `opaque` (m^2) are per triangle. */
+struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque, struct lod_arena *arena);
 
 #endif

@@ -24,6 +24,7 @@ struct part { double area, bend, edges, border; float low[3], high[3]; uint32_t 
 
 struct splitter {
 	struct lod_mesh *mesh;
+	const struct eco_model *model;
 	const uint8_t (*rgb)[3];
 	uint32_t *label;             /* per triangle: a triangle of its part, the same for all of the part */
 	uint32_t *parent;            /* union-find over triangles */
@@ -79,6 +80,34 @@ static void include(struct part *part, const struct lod_mesh *mesh, uint32_t t)
 static double diagonal(const struct part *p)
 {
 	return lod_v3_distance(lod_v3_of(p->low), lod_v3_of(p->high));
+}
+
+/* ---- Colours of one surface ---- */
+
+static bool kin(const struct splitter *s, uint32_t t, uint32_t u)
+{
+	uint32_t a = s->mesh->material[t], b = s->mesh->material[u];
+	if (a == b || a >= s->model->material_count || b >= s->model->material_count || s->mesh->rule[t] != s->mesh->rule[u])
+		return false;
+	const struct eco_material *m = &s->model->materials[a], *n = &s->model->materials[b];
+	return m->name[0] && strcmp(m->name, n->name) == 0 && m->image == n->image
+		&& lod_colour_is_green(s->rgb[t]) == lod_colour_is_green(s->rgb[u]);
+}
+
+static void join_kin(struct splitter *s)
+{
+	const struct lod_mesh *mesh = s->mesh;
+	for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) {
+		uint32_t t = (uint32_t)(i / 3), u = mesh->across[i] == ECO_NONE ? t : mesh->across[i] / 3;
+		if (u <= t || s->label[t] == s->label[u] || !kin(s, t, u))
+			continue;
+		join(s->parent, s->label[t], s->label[u]);
+		s->any = true;
+	}
+	for (uint32_t t = 0; t < mesh->triangle_count && s->any; t++)
+		s->label[t] = root_of(s->parent, s->label[t]);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		s->parent[t] = t;
 }
 
 /* ---- By colour ---- */
@@ -241,10 +270,10 @@ static void number_again(struct splitter *s, struct lod_arena *arena)
 		mesh->member[mesh->member_first[mesh->component[t] + 1]++] = t;
 }
 
-void lod_organs_split(struct lod_mesh *mesh, const uint8_t (*rgb)[3], struct lod_arena *arena)
+void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3], struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	struct splitter s = { .mesh = mesh, .rgb = rgb };
+	struct splitter s = { .mesh = mesh, .model = model, .rgb = rgb };
 	s.label = lod_arena_take(arena, mesh->triangle_count, sizeof *s.label);
 	s.parent = lod_arena_take(arena, mesh->triangle_count, sizeof *s.parent);
 	s.part = lod_arena_take(arena, mesh->triangle_count, sizeof *s.part);
@@ -252,6 +281,7 @@ void lod_organs_split(struct lod_mesh *mesh, const uint8_t (*rgb)[3], struct lod
 		s.label[t] = mesh->member[mesh->member_first[mesh->component[t]]];
 		s.parent[t] = t;
 	}
+	join_kin(&s);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
 		part_colours(&s, mesh->member + mesh->member_first[c], mesh->member_first[c + 1] - mesh->member_first[c]);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
