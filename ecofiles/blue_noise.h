@@ -1,0 +1,16 @@
+/* Points that are spread evenly whatever their number: a progressive blue-noise set on a square that repeats without seams.
+ *
+ * Random candidates lose the most crowded of them until the wanted number is left, and again for each halving of that number; the
+ * order of loss, read backwards, is the order of the set (Yuksel 2015, sample elimination, with its progressive ordering). */
+#ifndef ECO_BLUE_NOISE_H
+#define ECO_BLUE_NOISE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define ECO_BLUE_NOISE_POINTS 4096u
+
+/* x and y in 1/65536 of the square's side; any first n are spread evenly. The same on every machine. False when memory ran out. */
+bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
+
+#endif
