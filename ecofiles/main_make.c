@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_times.h"
@@ -29,18 +30,35 @@ void *make_append(struct make *m, struct make_array *array, size_t size)
 	return (uint8_t *)array->items + size * array->count++;
 }
 
-enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
-	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
+static enum eco_code keep_list(struct make *m, uint32_t list_id)
 {
 	static const uint32_t needs[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES, [ECO_LIST_LINES] = ECO_NEED_LINES,
 		[ECO_LIST_POINTS] = ECO_NEED_POINTS, [ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
-	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id, m->error);
-	struct eco_list *stored = code ? NULL : make_append(m, &m->lists, sizeof *stored);
+	struct eco_list *stored = make_append(m, &m->lists, sizeof *stored);
 	if (!stored)
-		return code ? code : ECO_NO_MEMORY;
-	*stored = *eco_pack_list(m->writer, *list_id);
-	m->scene.needs |= needs[list->kind];
+		return ECO_NO_MEMORY;
+	*stored = *eco_pack_list(m->writer, list_id);
+	m->scene.needs |= needs[stored->kind];
 	return ECO_OK;
+}
+
+enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
+	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
+{
+	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id, m->error);
+	return code ? code : keep_list(m, *list_id);
+}
+
+enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id)
+{
+	enum eco_code code = eco_pack_add_encoded(m->writer, list, encoded, list_id, m->error);
+	return code ? code : keep_list(m, *list_id);
+}
+
+uint32_t make_threads(const struct make *m)
+{
+	long processors = sysconf(_SC_NPROCESSORS_ONLN);
+	return m->options->jobs ? m->options->jobs : processors > 64 ? 64 : processors > 0 ? (uint32_t)processors : 1;
 }
 
 /* ---- Ground ---- */
@@ -183,7 +201,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	make_plants_free(&m);
 	eco_ground_free(&m.ground);
 	eco_sources_free(&m.sources);
-	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children, &m.lists, &m.places, &m.palette };
+	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children, &m.lists, &m.places, &m.palette, &m.stands };
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
 	return code;

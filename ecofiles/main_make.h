@@ -43,11 +43,12 @@ struct make_plant {              /* a model as it will be in the pack */
 };
 
 struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };
+struct make_nested { double at[3]; uint32_t child; };        /* where a child of the source stands */
 
 struct make_eco {                /* an eco file with its places, tiled */
 	struct make_place *places;   uint32_t place_count, place_capacity;
-	struct lod_tile_item *items; uint32_t item_count;        /* places, then nested eco files */
-	struct lod_tiles tiles;
+	struct make_nested *nested;  /* as many as the source has children */
+	struct lod_tiles tiles;      /* items are places, then nested eco files */
 	uint32_t tile_first;
 	double smallest_m;           /* height of the smallest plant in it, nested ones too; INFINITY if there are none */
 	uint64_t instances;          /* nested ones too */
@@ -67,6 +68,7 @@ struct make {
 	uint64_t off_ground;         /* plants and nested eco files beyond its border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
+	struct make_array stands;    /* main_make_tiles.c: plants of one kind in one leaf, a group and a list each */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
 	struct eco_plant *table;     /* per plant */
@@ -80,10 +82,16 @@ void *make_append(struct make *m, struct make_array *array, size_t size);
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
 	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
 
+/* The same for a list that was encoded before. */
+enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id);
+
+uint32_t make_threads(const struct make *m);         /* as many as the options ask for, or the machine has processors */
+
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
 enum eco_code make_places_check(struct make *m);     /* opens every inventory: are its columns and CRS there? */
 enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
+void make_places_drop(struct make *m);               /* of m->ecos all that only tiles are made of */
 void make_places_free(struct make *m);
 enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);

@@ -132,41 +132,54 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 	return ECO_OK;
 }
 
+static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	for (uint32_t i = 0; i < s->child_count; i++) {
+		const struct eco_source_child *child = &s->children[i];
+		const struct make_eco *inner = &m->ecos[child->source];
+		const struct lod_tile_node *root = &inner->tiles.nodes[0];
+		double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+		struct make_nested *nested = &eco->nested[i];
+		*nested = (struct make_nested){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) }, .child = i };
+		items[i] = (struct lod_tile_item){ .reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2],
+			.above = child->scale * root->high[2], .plant = ECO_NONE };
+		memcpy(items[i].at, nested->at, sizeof items[i].at);
+		eco->smallest_m = fmin(eco->smallest_m, child->scale * inner->smallest_m);
+		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
+			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
+	}
+	return ECO_OK;
+}
+
 /* Things to be tiled: the places, then nested eco files with the bounds of theirs (which are tiled before). */
-static enum eco_code gather_items(struct make *m, uint32_t source)
+static enum eco_code tile_places(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
 	uint64_t count = (uint64_t)eco->place_count + s->child_count;
-	eco->items = count < ECO_NONE ? calloc(count + 1, sizeof *eco->items) : NULL;
-	if (!eco->items)
-		return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
-	eco->item_count = (uint32_t)count;
+	struct lod_tile_item *items = count < ECO_NONE ? malloc((count + 1) * sizeof *items) : NULL;
+	enum eco_code code = ECO_OK;
+	eco->nested = calloc(s->child_count + 1u, sizeof *eco->nested);
 	eco->smallest_m = INFINITY;
 	eco->instances = eco->place_count;
-	for (uint32_t i = 0; i < eco->place_count; i++) {
+	if (!items || !eco->nested)
+		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
+	for (uint32_t i = 0; i < eco->place_count && !code; i++) {
 		const struct make_place *p = &eco->places[i];
 		const struct make_plant *plant = &m->plants[p->plant];
-		struct lod_tile_item *item = &eco->items[i];
-		*item = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
-			.plant = p->plant, .index = i };
-		memcpy(item->at, p->at, sizeof item->at);
+		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
+			.plant = p->plant };
+		memcpy(items[i].at, p->at, sizeof items[i].at);
 		eco->smallest_m = fmin(eco->smallest_m, p->scale * plant->built.plant.height_m);
 	}
-	for (uint32_t i = 0; i < s->child_count; i++) {
-		const struct eco_source_child *child = &s->children[i];
-		const struct make_eco *nested = &m->ecos[child->source];
-		const struct lod_tile_node *root = &nested->tiles.nodes[0];
-		double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
-		struct lod_tile_item *item = &eco->items[eco->place_count + i];
-		*item = (struct lod_tile_item){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) },
-			.reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2], .above = child->scale * root->high[2],
-			.plant = ECO_NONE, .index = i };
-		eco->smallest_m = fmin(eco->smallest_m, child->scale * nested->smallest_m);
-		if (__builtin_add_overflow(eco->instances, nested->instances, &eco->instances))
-			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
-	}
-	return ECO_OK;
+	if (!code)
+		code = find_nested(m, source, items + eco->place_count);
+	if (!code)
+		code = lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances, m->error);
+	free(items);
+	return code;
 }
 
 enum eco_code make_places_check(struct make *m)
@@ -196,9 +209,7 @@ enum eco_code make_places(struct make *m)
 		if (!code)
 			code = place_rows(m, s);
 		if (!code)
-			code = gather_items(m, s);
-		if (!code)
-			code = lod_tiles_build(&m->ecos[s].tiles, m->ecos[s].items, m->ecos[s].item_count, m->sources.items[s].tile_instances, m->error);
+			code = tile_places(m, s);
 		if (code)
 			return code;
 	}
@@ -212,12 +223,23 @@ enum eco_code make_places(struct make *m)
 	return ECO_OK;
 }
 
+void make_places_drop(struct make *m)
+{
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		struct make_eco *eco = &m->ecos[s];
+		free(eco->places);
+		free(eco->nested);
+		eco->places = NULL;
+		eco->nested = NULL;
+		lod_tiles_free(&eco->tiles);
+	}
+	free(m->stands.items);
+	m->stands = (struct make_array){ 0 };
+}
+
 void make_places_free(struct make *m)
 {
-	for (uint32_t s = 0; m->ecos && s < m->sources.count; s++) {
-		free(m->ecos[s].places);
-		free(m->ecos[s].items);
-		lod_tiles_free(&m->ecos[s].tiles);
-	}
+	if (m->ecos)
+		make_places_drop(m);
 	free(m->ecos);
 }

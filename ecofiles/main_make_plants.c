@@ -272,13 +272,10 @@ static void *work_on(void *ctx)
 static uint32_t thread_count(const struct make *m)
 {
 #ifdef __SANITIZE_ADDRESS__
-	uint32_t most = 1;
+	uint32_t jobs = 1;
 #else
-	uint32_t most = 64;
+	uint32_t jobs = make_threads(m);
 #endif
-	long processors = sysconf(_SC_NPROCESSORS_ONLN);
-	uint32_t jobs = m->options->jobs ? m->options->jobs : processors > 0 ? (uint32_t)processors : 1;
-	jobs = jobs > most ? most : jobs;
 	return jobs > m->plant_count ? m->plant_count : jobs;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/bytes.h"
+#include "ecofiles/main_jobs.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_times.h"
 #include "ecofiles/turn.h"
@@ -16,13 +17,19 @@
 
 /* ---- Instance lists ---- */
 
+/* Plants of one kind in one leaf, in order: eco->places[items[0 .. count)]. */
+struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
+
+/* Their list and its twin in the scene's places. */
+struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; };
+
 /* A grid as fine as 1/8192 of the smallest plant's height; its origin is one of its points in the scene's own grid of that step, so a
  * plant at [0, 0, 0] stands there exactly. */
-static void instance_grid(const struct make *m, const struct make_eco *eco, const uint32_t *items, uint32_t count, struct eco_list *list)
+static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
 {
 	double low[3], high[3], height = INFINITY, extent = 0;
-	for (uint32_t k = 0; k < count; k++) {
-		const struct make_place *p = &eco->places[eco->items[items[k]].index];
+	for (uint32_t k = 0; k < stand->count; k++) {
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		height = fmin(height, p->scale * m->plants[p->plant].built.plant.height_m);
 		for (int i = 0; i < 3; i++) {
 			low[i] = k ? fmin(low[i], p->at[i]) : p->at[i];
@@ -66,39 +73,56 @@ static bool append_bytes(struct make *m, const struct eco_writer *w)
 	return true;
 }
 
-/* Items [0, count) of one plant in one leaf: their list, its twin in the places, and the group. */
-static enum eco_code add_group(struct make *m, const struct make_eco *eco, uint32_t tile, const uint32_t *items, uint32_t count)
+static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
-	uint32_t plant = eco->items[items[0]].plant, list_id, end_count = 0, ends[512];
-	struct eco_list list = { .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE, .owner = tile, .plant = plant,
-		.image = ECO_NONE, .partner = ECO_NONE };
+	const struct make *m = ctx;
+	const struct stand *stand = (const struct stand *)m->stands.items + i;
+	struct stand_list *made = result;
+	uint32_t count = stand->count, end_count = 0, ends[512];
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count, .extra_count = 2,
 		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count), .extra = malloc(2 * sizeof(int32_t) * count) };
-	struct eco_writer twin = { 0 };
-	instance_grid(m, eco, items, count, &list);
 	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
+	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
+		.owner = stand->tile, .plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE, .partner = ECO_NONE };
+	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count && !code; k++) {
-		const struct make_place *p = &eco->places[eco->items[items[k]].index];
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		e.corners[k] = 1;
-		for (size_t i = 0; i < 3; i++)
-			e.position[3 * (size_t)k + i] = (int32_t)floor((p->at[i] - list.grid_origin[i]) / list.grid_step[i] + 0.5);
+		for (size_t axis = 0; axis < 3; axis++)
+			e.position[3 * (size_t)k + axis] = (int32_t)floor((p->at[axis] - made->list.grid_origin[axis]) / made->list.grid_step[axis] + 0.5);
 		e.extra[2 * (size_t)k] = p->turn;
 		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
-		write_place(&twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
+		write_place(&made->twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
 	}
 	for (uint32_t end = 0; end < count && end_count < 512;)
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX : count;
-	struct eco_group *group = code ? NULL : make_append(m, &m->groups, sizeof *group);
-	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
-	if (!group || !append_bytes(m, &twin))
-		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u instances", count);
-	if (!code)
-		code = make_add_list(m, &list, &e, ends, end_count, NULL, &list_id);
-	if (!code)
-		*group = (struct eco_group){ tile, plant, list_id, place_first };
-	eco_writer_free(&twin);
+	if (code || made->twin.failed)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
+	else
+		code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
 	eco_elements_free(&e);
 	return code;
+}
+
+static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
+{
+	struct make *m = ctx;
+	struct stand_list *made = result;
+	struct eco_group *group = make_append(m, &m->groups, sizeof *group);
+	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
+	if (!group || !append_bytes(m, &made->twin))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants", (unsigned long long)place_first);
+	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
+	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	return make_add_encoded(m, &made->list, &made->encoded, &group->list);
+}
+
+static void drop_stand(void *result)
+{
+	struct stand_list *made = result;
+	eco_encoded_free(&made->encoded);
+	eco_writer_free(&made->twin);
 }
 
 /* ---- Tables ---- */
@@ -112,29 +136,40 @@ static enum eco_code add_child(struct make *m, const struct eco_child *child)
 	return ECO_OK;
 }
 
-static enum eco_code add_nested(struct make *m, uint32_t source, const struct lod_tile_item *item)
+static enum eco_code add_nested(struct make *m, uint32_t source, const struct make_nested *item)
 {
-	const struct eco_source_child *child = &m->sources.items[source].children[item->index];
+	const struct eco_source_child *child = &m->sources.items[source].children[item->child];
 	m->scene.needs |= ECO_NEED_PLACEMENTS;
 	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
 		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg), .scale = (float)child->scale });
 }
 
-/* A leaf's items lie plant by plant, nested eco files (ECO_NONE) last. */
+static enum eco_code add_stand_of(struct make *m, const struct stand *stand)
+{
+	struct stand *added = make_append(m, &m->stands, sizeof *added);
+	if (!added)
+		return ECO_NO_MEMORY;
+	*added = *stand;
+	return ECO_OK;
+}
+
+/* A leaf's items lie plant by plant, nested eco files last. */
 static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
 {
 	const struct make_eco *eco = &m->ecos[source];
 	const uint32_t *order = eco->tiles.order + node->item_first;
-	for (uint32_t first = 0, end; first < node->item_count; first = end) {
-		const struct lod_tile_item *item = &eco->items[order[first]];
-		enum eco_code code;
-		for (end = first + 1; item->plant != ECO_NONE && end < node->item_count && eco->items[order[end]].plant == item->plant;)
+	enum eco_code code = ECO_OK;
+	for (uint32_t first = 0, end; first < node->item_count && !code; first = end) {
+		end = first + 1;
+		if (order[first] >= eco->place_count) {
+			code = add_nested(m, source, &eco->nested[order[first] - eco->place_count]);
+			continue;
+		}
+		while (end < node->item_count && order[end] < eco->place_count && eco->places[order[end]].plant == eco->places[order[first]].plant)
 			end++;
-		code = item->plant == ECO_NONE ? add_nested(m, source, item) : add_group(m, eco, id, order + first, end - first);
-		if (code)
-			return code;
+		code = add_stand_of(m, &(struct stand){ eco, order + first, id, end - first });
 	}
-	return ECO_OK;
+	return code;
 }
 
 static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
@@ -146,7 +181,7 @@ static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
 	enum eco_code code = ECO_OK;
 	if (!tile)
 		return ECO_NO_MEMORY;
-	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->groups.count, .child_first = (uint32_t)m->children.count };
+	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->stands.count, .child_first = (uint32_t)m->children.count };
 	memcpy(tile->low, node->low, sizeof tile->low);
 	memcpy(tile->high, node->high, sizeof tile->high);
 	for (uint32_t i = 0; i < node->child_count && !code; i++)
@@ -154,14 +189,14 @@ static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
 	if (!code && node->child_count == 0)
 		code = add_leaf(m, source, node, id);
 	tile = (struct eco_tile *)m->tiles.items + id;
-	tile->group_count = (uint32_t)m->groups.count - tile->group_first;
+	tile->group_count = (uint32_t)m->stands.count - tile->group_first;
 	tile->child_count = (uint32_t)m->children.count - tile->child_first;
 	return code;
 }
 
 static enum eco_code add_tiles(struct make *m)
 {
-	uint64_t total = 0, done = 0;
+	uint64_t total = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		m->ecos[s].tile_first = (uint32_t)total;
 		total += m->ecos[s].tiles.node_count;
@@ -169,15 +204,14 @@ static enum eco_code add_tiles(struct make *m)
 	if (total >= ECO_NONE / 4)
 		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files", (unsigned long long)total);
 	for (uint32_t s = 0; s < m->sources.count; s++) {
-		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++, done++) {
+		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++) {
 			enum eco_code code = add_tile(m, s, i);
-			if (!code && !main_progress("packing instances", NULL, (double)done / (double)total))
-				code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 			if (code)
 				return code;
 		}
 	}
-	return ECO_OK;
+	return main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
+		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand, .drop = drop_stand, .ctx = m }, m->error);
 }
 
 static void refer(struct make *m)
@@ -229,46 +263,62 @@ static void add_up(struct make *m)
 
 /* ---- Summaries ---- */
 
-static enum eco_code add_summary(struct make *m, uint32_t tile, const struct lod_pool *pools)
+struct summing { struct make *m; struct lod_pool *pools; };
+struct summary_list { struct eco_list list; struct eco_encoded encoded; bool any; };
+
+static enum eco_code encode_summary(void *ctx, uint64_t tile, void *result, struct eco_error *error)
 {
-	struct eco_tile *tiles = m->tiles.items;
+	const struct summing *summing = ctx;
+	const struct eco_scene *scene = &summing->m->scene;
+	struct summary_list *made = result;
 	struct lod_summary summary;
-	struct eco_list list;
 	struct eco_elements elements;
 	uint32_t ends[64];
-	refer(m);
-	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &m->scene, .pools = pools, .tile = tile,
-		.count = lod_summary_count(&tiles[tile]), .seed = 1 }, m->error);
-	if (code || summary.count == 0) {
-		free(summary.points);
-		return code;
-	}
-	code = lod_summary_list(&summary, &m->scene, tile, m->scene.palette_count, &list, &elements, m->error);
+	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene, .pools = summing->pools,
+		.tile = (uint32_t)tile, .count = lod_summary_count(&scene->tiles[tile]), .seed = 1 }, error);
+	made->any = !code && summary.count > 0;
+	if (made->any)
+		code = lod_summary_list(&summary, scene, (uint32_t)tile, scene->palette_count, &made->list, &elements, error);
 	free(summary.points);
-	if (code)
+	if (code || !made->any)
 		return code;
-	uint32_t end_count = eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64);
-	code = make_add_list(m, &list, &elements, ends, end_count, NULL, &tiles[tile].summary);
+	code = eco_pack_encode(&made->encoded, &made->list, &elements, ends, eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64),
+		error);
 	eco_elements_free(&elements);
-	m->scene.needs |= ECO_NEED_SUMMARIES;
 	return code;
 }
 
+static enum eco_code add_summary(void *ctx, uint64_t tile, void *result, struct eco_error *error)
+{
+	struct make *m = ((struct summing *)ctx)->m;
+	struct summary_list *made = result;
+	struct eco_tile *tiles = m->tiles.items;
+	enum eco_code code = ECO_OK;
+	if (tile % 64 == 0 && !main_progress("summing up tiles", NULL, (double)tile / (double)m->tiles.count))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (made->any) {
+		code = make_add_encoded(m, &made->list, &made->encoded, &tiles[tile].summary);
+		m->scene.needs |= ECO_NEED_SUMMARIES;
+		refer(m);                /* the lists may lie elsewhere now */
+	}
+	return code;
+}
+
+static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list *)result)->encoded); }
+
 static enum eco_code add_summaries(struct make *m)
 {
-	struct lod_pool *pools = calloc(m->plant_count + 1u, sizeof *pools);
-	enum eco_code code = pools ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
+	struct summing summing = { m, calloc(m->plant_count + 1u, sizeof *summing.pools) };
+	enum eco_code code = summing.pools ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 	for (uint32_t i = 0; i < m->plant_count && !code; i++)
-		code = lod_pool_make(&pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS, m->error);
-	for (uint32_t tile = 0; tile < m->tiles.count && !code; tile++) {
-		if (!main_progress("summing up tiles", NULL, (double)tile / (double)m->tiles.count))
-			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-		else
-			code = add_summary(m, tile, pools);
-	}
-	for (uint32_t i = 0; pools && i < m->plant_count; i++)
-		lod_pool_free(&pools[i]);
-	free(pools);
+		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS, m->error);
+	if (!code)
+		code = main_jobs_run(&(struct main_jobs){ .count = m->tiles.count, .threads = make_threads(m),
+			.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary, .drop = drop_summary, .ctx = &summing },
+			m->error);
+	for (uint32_t i = 0; summing.pools && i < m->plant_count; i++)
+		lod_pool_free(&summing.pools[i]);
+	free(summing.pools);
 	return code;
 }
 
@@ -278,6 +328,7 @@ enum eco_code make_tiles(struct make *m)
 	enum eco_code code = add_tiles(m);
 	if (code)
 		return code;
+	make_places_drop(m);             /* everything is in the scene's own tables now */
 	refer(m);
 	add_up(m);
 	main_times_stage(MAIN_STAGE_SUMMARIES);

@@ -97,6 +97,8 @@ void main_times_stage(enum main_stage stage)
 	mine.readers_mb = readers_mb;
 }
 
+enum main_stage main_times_now(void) { return mine.stage; }
+
 void main_times_memory(bool wanted) { by_stage = wanted; }
 
 void main_times_print(FILE *out)

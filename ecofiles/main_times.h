@@ -25,6 +25,7 @@ enum main_stage {
 
 /* From now on the calling thread works on this, until it says otherwise. Threads that work on a stage at once add up. */
 void main_times_stage(enum main_stage stage);
+enum main_stage main_times_now(void);        /* of the calling thread */
 
 /* Memory by stage needs the kernel's peak to be reset between stages, after which other tools read too little: only if asked for. */
 void main_times_memory(bool wanted);

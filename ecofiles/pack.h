@@ -205,6 +205,14 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
 	struct eco_error *error);
+/* The same in two steps, for lists that are not PAIRED: the first needs no writer and may run in any thread, many at a time. Encoded
+ * chunks are freed by the caller, whatever happens. */
+struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
+enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, struct eco_error *error);
+enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id, struct eco_error *error);
+void eco_encoded_free(struct eco_encoded *encoded);
 /* A list of one BYTES chunk. */
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
 	uint32_t *list_id, struct eco_error *error);

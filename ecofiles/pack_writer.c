@@ -257,18 +257,28 @@ static uint32_t count_primitives(const struct eco_elements *elements, uint32_t f
 	return count;
 }
 
+struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
+
+/* The ordinal-th chunk, elements [first, end). */
+static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct eco_list *list, const struct eco_elements *elements,
+	uint32_t ordinal, uint32_t first, uint32_t end, struct eco_error *error)
+{
+	const struct eco_chunk_input input = { list, elements, first, end, ordinal };
+
+	*chunk = (struct eco_encoded_chunk){ .elements = end - first, .primitives = count_primitives(elements, first, end) };
+	return eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
+}
+
 static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
 {
 	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
-		const struct eco_chunk_input input = { list, elements, first, ends[i], i };
-		uint8_t *bytes = NULL;
-		size_t size = 0;
-		enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
+		struct eco_encoded_chunk chunk;
+		enum eco_code code = encode_plain(&chunk, list, elements, i, first, ends[i], error);
 
 		if (code == ECO_OK)
-			code = add_chunk(w, bytes, size, ends[i] - first, count_primitives(elements, first, ends[i]), error);
-		free(bytes);
+			code = add_chunk(w, chunk.bytes, chunk.size, chunk.elements, chunk.primitives, error);
+		free(chunk.bytes);
 		if (code != ECO_OK)
 			return code;
 	}
@@ -342,6 +352,45 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	code = list->coder == ECO_CODER_PAIRED ? add_paired_chunks(writer, list, elements, partner_elements, ends, end_count, error)
 		: add_plain_chunks(writer, list, elements, ends, end_count, error);
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
+}
+
+enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+
+	assert(list->coder != ECO_CODER_PAIRED && list->coder != ECO_CODER_BYTES);
+	assert((end_count > 0 ? ends[end_count - 1] : 0) == elements->element_count);
+	*encoded = (struct eco_encoded){ .chunks = calloc(end_count + 1u, sizeof *encoded->chunks) };
+	if (encoded->chunks == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u chunks", end_count);
+	for (uint32_t first = 0; code == ECO_OK && encoded->count < end_count; first = ends[encoded->count++])
+		code = encode_plain(&encoded->chunks[encoded->count], list, elements, encoded->count, first, ends[encoded->count], error);
+	return code;
+}
+
+void eco_encoded_free(struct eco_encoded *encoded)
+{
+	for (uint32_t i = 0; i < encoded->count; i++)
+		free(encoded->chunks[i].bytes);
+	free(encoded->chunks);
+	*encoded = (struct eco_encoded){ .count = 0 };
+}
+
+enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id, struct eco_error *error)
+{
+	uint32_t chunk_first = writer->chunk_count;
+
+	*list_id = ECO_NONE;
+	for (uint32_t i = 0; i < encoded->count; i++) {
+		const struct eco_encoded_chunk *chunk = &encoded->chunks[i];
+		enum eco_code code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives, error);
+
+		if (code != ECO_OK)
+			return code;
+	}
+	return add_list(writer, list, chunk_first, list_id, error);
 }
 
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
