@@ -14,6 +14,7 @@
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_kd_tree_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 
@@ -189,6 +190,140 @@ bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
 	return false;
 }
 
+// ---- Meshes of glTF files ----
+
+constexpr int kForeignAttributesMax = 32;
+constexpr int kForeignComponentsMax = 64;    // of all attributes of a point
+
+struct Bounds {
+	uint32_t faces, points;
+	bool exceeded;               // out: they were
+};
+
+// The counts at the front of the connectivity, which the decoder would believe.
+bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bounds *bounds)
+{
+	const uint8_t *bytes = reinterpret_cast<const uint8_t *>(buffer.data_head());
+	const size_t size = static_cast<size_t>(buffer.remaining_size());
+	size_t at = 0;
+	uint32_t first, second, symbols, splits;
+
+	if (!varint(bytes, size, &at, &first) || !varint(bytes, size, &at, &second))
+		return false;
+	const uint32_t faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
+	bounds->exceeded = faces > bounds->faces || points > bounds->points;
+	if (bounds->exceeded || !edgebreaker)
+		return !bounds->exceeded;
+	if (at >= size || bytes[at++] > kForeignAttributesMax)
+		return false;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
+}
+
+// A decoder that stops where a count exceeds its bound, before it allocates for it.
+template <class Base, bool kEdgebreaker>
+class Bounded : public Base {
+ public:
+	explicit Bounded(Bounds *bounds) : bounds_(bounds) {}
+
+ protected:
+	bool DecodeConnectivity() override
+	{
+		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_) && Base::DecodeConnectivity();
+	}
+
+	bool CreateAttributesDecoder(int32_t id) override
+	{
+		return id < kForeignAttributesMax && Base::CreateAttributesDecoder(id);
+	}
+
+	bool DecodeAllAttributes() override
+	{
+		const draco::PointCloud *cloud = this->point_cloud();
+		int components = 0;
+
+		for (int32_t i = 0; i < cloud->num_attributes(); i++)
+			components += cloud->attribute(i)->num_components();
+		if (cloud->num_attributes() > kForeignAttributesMax || components > kForeignComponentsMax)
+			return false;
+		bounds_->exceeded = cloud->num_points() > bounds_->points;
+		return !bounds_->exceeded && Base::DecodeAllAttributes();
+	}
+
+ private:
+	Bounds *bounds_;
+};
+
+template <class T>
+T *array_of(size_t count)
+{
+	T *array = static_cast<T *>(std::malloc((count + 1) * sizeof(T)));
+
+	if (array == nullptr)
+		throw std::bad_alloc();
+	return array;
+}
+
+enum eco_code take_foreign_faces(const draco::Mesh &mesh, struct eco_draco_mesh *to, struct eco_error *error)
+{
+	to->index = array_of<uint32_t>(3 * static_cast<size_t>(mesh.num_faces()));
+	to->points = mesh.num_points();
+	to->faces = mesh.num_faces();
+	for (uint32_t f = 0; f < to->faces; f++)
+		for (int c = 0; c < 3; c++) {
+			const uint32_t point = mesh.face(draco::FaceIndex(f))[c].value();
+
+			if (point >= to->points)
+				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
+			to->index[3 * static_cast<size_t>(f) + c] = point;
+		}
+	return ECO_OK;
+}
+
+enum eco_code take_foreign_values(draco::Mesh *mesh, struct eco_draco_attribute *to, struct eco_error *error)
+{
+	const int32_t id = mesh->GetAttributeIdByUniqueId(to->id);
+
+	if (id < 0)
+		return refuse(error, ECO_DAMAGED, "an attribute is missing", "");
+	draco::PointAttribute *a = mesh->attribute(id);
+	const uint32_t points = mesh->num_points();
+	const size_t stored = a->buffer() == nullptr ? 0 : a->buffer()->data_size();
+
+	a->set_normalized(false);
+	to->values = array_of<float>(static_cast<size_t>(points) * to->components);
+	for (uint32_t i = 0; i < points; i++) {
+		const draco::AttributeValueIndex value = a->is_mapping_identity() ? draco::AttributeValueIndex(i)
+			: i < a->indices_map_size() ? a->mapped_index(draco::PointIndex(i)) : draco::AttributeValueIndex(UINT32_MAX);
+
+		if (value.value() >= a->size() || (static_cast<size_t>(value.value()) + 1) * static_cast<size_t>(a->byte_stride()) > stored)
+			return refuse(error, ECO_DAMAGED, "a point names a value that is not there", "");
+		if (!a->ConvertValue<float>(value, static_cast<int8_t>(to->components), to->values + static_cast<size_t>(i) * to->components))
+			return refuse(error, ECO_DAMAGED, "a value that is no number", "");
+	}
+	return ECO_OK;
+}
+
+template <class Decoder>
+enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds, struct eco_draco_attribute *attributes, uint32_t count,
+	struct eco_draco_mesh *to, struct eco_error *error)
+{
+	draco::DecoderBuffer buffer;
+	draco::DecoderOptions options;
+	draco::Mesh mesh;
+	Decoder decoder(bounds);
+
+	buffer.Init(reinterpret_cast<const char *>(bytes), size);
+	const draco::Status status = decoder.Decode(options, &buffer, &mesh);
+	if (bounds->exceeded)
+		return refuse(error, ECO_DAMAGED, "more faces or points than the file says, or than are possible", "");
+	if (!status.ok())
+		return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
+	enum eco_code code = take_foreign_faces(mesh, to, error);
+	for (uint32_t i = 0; i < count && code == ECO_OK; i++)
+		code = take_foreign_values(&mesh, &attributes[i], error);
+	return code;
+}
+
 }  // namespace
 
 // Draco counts symbols in an array with a place for each integer up to the largest: of a dozen plants in a tile, megabytes cleared and
@@ -359,4 +494,32 @@ enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t 
 			return refuse(error, ECO_DAMAGED, "bytes follow the mesh", "");
 		return read_faces(mesh, faces, position, vertex, error);
 	});
+}
+
+enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
+	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error)
+{
+	Bounds bounds = { faces_max, points_max, false };
+
+	*mesh = eco_draco_mesh{};
+	for (uint32_t i = 0; i < attribute_count; i++)
+		attributes[i].values = nullptr;
+	if (size < 11 || std::memcmp(bytes, "DRACO", 5) != 0)
+		return refuse(error, ECO_DAMAGED, "not a stream of it", "");
+	if (bytes[5] != 2 || bytes[6] != 2 || bytes[7] != 1 || bytes[8] > 1)
+		return refuse(error, ECO_UNSUPPORTED, "not a mesh of bitstream version 2.2, which glTF asks for", "");
+	const enum eco_code code = contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
+		if (bytes[8] == 1)
+			return decode_foreign<Bounded<draco::MeshEdgebreakerDecoder, true>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+		return decode_foreign<Bounded<draco::MeshSequentialDecoder, false>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+	});
+	if (code != ECO_OK) {
+		std::free(mesh->index);
+		*mesh = eco_draco_mesh{};
+		for (uint32_t i = 0; i < attribute_count; i++) {
+			std::free(attributes[i].values);
+			attributes[i].values = nullptr;
+		}
+	}
+	return code;
 }

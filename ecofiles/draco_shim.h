@@ -1,4 +1,5 @@
-/* Draco behind four C functions: integers in, bytes out, and back. Nothing else of Draco is visible; exceptions end here.
+/* Draco behind five C functions: integers in, bytes out, and back; and meshes of glTF files. Nothing else of Draco is visible; exceptions
+ * end here.
  *
  * Rows are what Draco calls a point cloud: each row has the same columns, each column 1 to 3 int32. What is encoded is encoded
  * without loss. Callers check the header of a stream (eco_draco_rows_start, eco_draco_mesh_start) before decoding it: the counts in
@@ -51,6 +52,21 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
  * position. ECO_DAMAGED otherwise. */
 enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
 	struct eco_error *error);
+
+/* A mesh that another program wrote (KHR_draco_mesh_compression), with the attributes that are asked for by their unique ids. */
+struct eco_draco_attribute {
+	uint32_t id;
+	uint8_t components;          /* 1 to 16 wanted; those that the stream lacks are 0 */
+	float *values;               /* out: components per point, malloc'ed; integers as they are, not as fractions */
+};
+struct eco_draco_mesh {
+	uint32_t faces, points;
+	uint32_t *index;             /* 3 per face, each < points; malloc'ed */
+};
+/* Streams of bitstream version 2.2 with at most so many faces and points: counts are compared before anything is allocated for them.
+ * Even so small streams may take much memory and time: run it in the child of guard.h. On failure mesh and values are empty. */
+enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
+	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error);
 
 #ifdef __cplusplus
 }

@@ -162,30 +162,19 @@ static float bounded_uv(float value)
 	return fabsf(value) <= 65536 ? value : 0;
 }
 
-/* uv from the image's top left, in glTF's and our sense; assimp's v points up. */
-static void texture_coordinate(const struct eco_uv_transform *t, const struct aiVector3D *from, float to[2])
+/* uv from the image's top left; assimp's v points up. */
+static void texture_coordinate(const struct aiVector3D *from, float to[2])
 {
-	double u = from->x, v = 1 - (double)from->y;
-
-	if (t != NULL && t->used) {
-		double x = u * t->scale[0], y = v * t->scale[1];
-
-		u = t->offset[0] + t->cosine * x + t->sine * y;
-		v = t->offset[1] - t->sine * x + t->cosine * y;
-	}
-	to[0] = bounded_uv((float)u);
-	to[1] = bounded_uv((float)v);
+	to[0] = bounded_uv(from->x);
+	to[1] = bounded_uv((float)(1 - (double)from->y));
 }
 
 static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct aiMatrix4x4 *world)
 {
 	struct eco_model *m = s->model;
 	uint32_t channel = s->channel[mesh->mMaterialIndex];
-	const struct eco_uv_transform *t = mesh->mMaterialIndex < s->file->transform_count ? &s->file->transforms[mesh->mMaterialIndex] : NULL;
 	const struct aiVector3D *uv;
 
-	if (t != NULL && t->channel >= 0 && t->channel < AI_MAX_NUMBER_OF_TEXTURECOORDS)
-		channel = (uint32_t)t->channel;
 	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || mesh->mTextureCoords[channel] == NULL)
 		channel = 0;
 	uv = mesh->mTextureCoords[channel];
@@ -199,20 +188,18 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] = (float)(place[k] - s->frame->base[k]);
 		to[0] = to[1] = 0;
 		if (uv != NULL)
-			texture_coordinate(t, &uv[i], to);
+			texture_coordinate(&uv[i], to);
 	}
 }
 
-static uint8_t color_byte(const struct soup *s, float value)
+static uint8_t color_byte(float value)
 {
 	if (!isfinite(value))
 		return 255;
-	if (s->file->gltf)
-		return eco_srgb_from_linear(value);
 	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
 }
 
-static void mean_color(const struct soup *s, const struct aiColor4D *colors, const unsigned *v, uint8_t rgb[3])
+static void mean_color(const struct aiColor4D *colors, const unsigned *v, uint8_t rgb[3])
 {
 	float sum[3] = { 0, 0, 0 };
 
@@ -222,7 +209,7 @@ static void mean_color(const struct soup *s, const struct aiColor4D *colors, con
 		sum[2] += colors[v[c]].b / 3;
 	}
 	for (int k = 0; k < 3; k++)
-		rgb[k] = color_byte(s, sum[k]);
+		rgb[k] = color_byte(sum[k]);
 }
 
 static bool one_color(const struct aiMesh *mesh)
@@ -255,7 +242,7 @@ static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 		sum[2] += colors[i].b;
 	}
 	for (int k = 0; k < 3; k++)
-		rgb[k] = color_byte(s, (float)(sum[k] / mesh->mNumVertices));
+		rgb[k] = color_byte((float)(sum[k] / mesh->mNumVertices));
 	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
 }
 
@@ -269,7 +256,7 @@ static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const u
 	for (int c = 0; c < 3; c++)
 		if (v[c] >= mesh->mNumVertices)
 			return mesh->mMaterialIndex;
-	mean_color(s, mesh->mColors[0], v, rgb);
+	mean_color(mesh->mColors[0], v, rgb);
 	eco_tint_step(rgb);
 	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
 }
@@ -587,11 +574,7 @@ static void find_frame(struct soup *s, struct eco_model_frame *frame)
 	if (strstr(frame->format, " Importer") != NULL)
 		*strstr(frame->format, " Importer") = 0;
 	frame->convention = z ? ECO_UP_Z : ECO_UP_Y;
-	if (s->file->gltf) {
-		frame->unit_m = 1;
-		frame->up = ECO_UP_Y;
-		set_axes(s->axes, up_from_y, 1);
-	} else if (eco_path_ends_with(s->file->path, ".fbx")) {
+	if (eco_path_ends_with(s->file->path, ".fbx")) {
 		fbx_frame(s, frame);
 	} else if (strstr(format, "Collada") != NULL) {
 		collada_frame(s, frame);
@@ -647,8 +630,7 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	else
 		code = eco_assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
 	if (code == ECO_OK) {
-		if (!s->file->gltf)
-			color_nameless(s->model, s->scene);
+		color_nameless(s->model, s->scene);
 		find_frame(s, frame);
 		code = reserve(s, frame, triangles_max, notes);
 	}

@@ -1,69 +1,81 @@
-/* What glTF files may require beyond assimp 5.2: refused by name, or rewritten. assimp itself ignores what it does not know, and
- * a model that silently lacks its leaves is worse than an error. A WebP texture is an ordinary texture whose `source` sits in an
- * extension: moving it out is all that is needed, for the image module reads WebP. */
-#include "ecofiles/import_model.h"
+/* A glTF model becomes a soup. First the scene is walked and every mesh that stands in it is read once; then it is known which materials
+ * count and how far from the origin all of it is; then each place of each mesh is written out, in double.
+ *
+ * Axes and unit are the format's: Y up, metres. Files that say they require what is not understood here are refused by name: a model
+ * that silently lacks its leaves is worse than an error. */
+#include "ecofiles/import_gltf.h"
 
-#include <errno.h>
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 
-#include "ecofiles/turn.h"
+#define COARSE 1e-4                  /* of the extent: coordinates that are rounded more than that are said to be */
+#define ONE_COLOR 0.02f
 
-#define GLTF_BYTES_MAX ((off_t)1 << 31)
-#define JSON_BYTES_MAX (256u << 20)
-#define MATERIALS_MAX 65536u
-#define CHUNK_JSON 0x4e4f534au
-
-struct extension { const char *name, *why; };
-
-/* Required extensions that are read correctly; every KHR_materials_* only changes a shading that is not computed here. */
-static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_texture_transform", "EXT_texture_webp", "KHR_lights_punctual",
-	"KHR_xmp_json_ld" };
-/* Those that lose geometry even where a file only "uses" them. */
-static const struct extension lossy[] = {
-	{ "EXT_mesh_gpu_instancing", "its instances would be lost: apply them in the program that wrote the file" },
-	{ "EXT_meshopt_compression", "export without meshopt compression (gltfpack without -c)" },
-	{ "KHR_mesh_quantization", "export without quantization (gltfpack -noq)" },
+struct piece {                       /* a primitive, read */
+	struct gltf_surface surface;
+	uint32_t whole;              /* material of all its triangles; ECO_NONE: their vertex colours differ */
 };
 
-static enum eco_code read_file(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
-{
-	FILE *file = fopen(path, "rb");
-	struct stat status;
-	enum eco_code code = ECO_OK;
+struct shape {                       /* a mesh, with the morph weights of the first node that asked for it */
+	uint32_t mesh;
+	const json_t *weights;
+	uint32_t first, count;       /* of its pieces */
+	uint64_t triangles;
+	uint32_t next;               /* another shape of the same mesh */
+};
 
-	*bytes = NULL;
-	if (file == NULL)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
-	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
-		code = eco_fail(error, ECO_IO, "%s: not a regular file", path);
-	else if (status.st_size > GLTF_BYTES_MAX)
-		code = eco_fail(error, ECO_TOO_LARGE, "%s: more than %lld bytes", path, (long long)GLTF_BYTES_MAX);
-	else if ((*bytes = malloc((size_t)status.st_size + 1)) == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
-	else
-		*size = fread(*bytes, 1, (size_t)status.st_size, file);
-	fclose(file);
-	return code;
+struct place { uint32_t shape, node; double world[16]; };
+
+struct soup {
+	struct eco_gltf *doc;
+	struct eco_model *model;
+	struct eco_model_frame *frame;
+	struct eco_notes *notes;
+	struct eco_error *error;
+	uint32_t triangles_max;
+	struct gltf_look *looks;     uint32_t look_count;
+	struct piece *pieces;        uint32_t piece_count, piece_room;
+	struct shape *shapes;        uint32_t shape_count, shape_room;
+	uint32_t *first_shape;       /* per mesh */
+	struct place *places;        uint32_t place_count, place_room;
+	struct gltf_skin *skins;     uint32_t skin_count;
+	struct eco_tints tints;
+	struct gltf_counts counts;
+	uint64_t triangles, vertices, hidden, instances;
+	uint32_t averaged;           /* textured primitives whose vertex colours differ */
+};
+
+static enum eco_code out_of_memory(struct soup *s)
+{
+	return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(s->doc));
 }
 
-static uint32_t u32_at(const uint8_t *p)
+/* Room for one more item. */
+static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 {
-	return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+	uint32_t wanted = *room < 16 ? 16 : *room * 2;
+	void *grown;
+
+	if (count < *room)
+		return true;
+	grown = wanted > *room ? realloc(*items, wanted * size) : NULL;
+	if (grown == NULL)
+		return false;
+	*items = grown;
+	*room = wanted;
+	return true;
 }
 
-static void put_u32(uint8_t *p, uint32_t v)
-{
-	for (int i = 0; i < 4; i++)
-		p[i] = (uint8_t)(v >> (8 * i));
-}
+/* ---- What files require ---- */
 
-/* ---- The document ---- */
+/* Read correctly, or without effect on a plant at rest; every KHR_materials_* only changes a shading that is not computed here. */
+static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_meshopt_compression",
+	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform", "KHR_lights_punctual",
+	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld", "EXT_mesh_primitive_restart",
+	"KHR_mesh_primitive_restart", "EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata", "EXT_lights_image_based",
+	"EXT_lights_ies", "MSFT_lod", "FB_ngon_encoding", "GODOT_single_root" };
 
 static bool is_handled(const char *name)
 {
@@ -75,244 +87,448 @@ static bool is_handled(const char *name)
 	return false;
 }
 
-static enum eco_code check_extensions(const json_t *document, const char *path, struct eco_error *error)
+static enum eco_code check_required(const struct soup *s)
 {
-	const json_t *used = json_object_get(document, "extensionsUsed"), *required = json_object_get(document, "extensionsRequired");
-	const json_t *lists[] = { used, required };
+	const json_t *required = json_object_get(eco_gltf_json(s->doc), "extensionsRequired");
 
-	for (size_t l = 0; l < 2; l++)
-		for (size_t i = 0; i < json_array_size(lists[l]); i++) {
-			const char *name = json_string_value(json_array_get(lists[l], i));
-
-			for (size_t k = 0; name != NULL && k < sizeof lossy / sizeof *lossy; k++)
-				if (strcmp(name, lossy[k].name) == 0)
-					return eco_fail(error, ECO_UNSUPPORTED, "%.200s: uses the glTF extension %s, which is not supported; %s", path, name,
-						lossy[k].why);
-		}
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
 
+		if (name != NULL && strcmp(name, "KHR_texture_basisu") == 0)
+			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension KHR_texture_basisu, which is not supported; export with "
+				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc));
 		if (name == NULL || !is_handled(name))
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %.100s, which is not supported; export without it",
-				path, name != NULL ? name : "(not a name)");
+			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %.100s, which is not supported; export without it",
+				eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");
 	}
 	return ECO_OK;
 }
 
-/* True if something was rewritten. */
-static bool move_webp_sources(json_t *document)
+/* ---- Meshes ---- */
+
+static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
 {
-	json_t *textures = json_object_get(document, "textures");
-	bool changed = false;
-
-	for (size_t i = 0; i < json_array_size(textures); i++) {
-		json_t *texture = json_array_get(textures, i);
-		json_t *webp = json_object_get(json_object_get(texture, "extensions"), "EXT_texture_webp");
-		json_t *source = json_object_get(webp, "source");
-
-		if (json_is_integer(source) && json_object_get(texture, "source") == NULL)
-			changed |= json_object_set(texture, "source", source) == 0;
-	}
-	return changed;
-}
-
-static json_t *draco_indices(json_t *accessors, const json_t *primitive, uint64_t *vertices)
-{
-	const json_t *position = json_object_get(json_object_get(primitive, "attributes"), "POSITION");
-	json_t *indices = json_object_get(primitive, "indices"), *accessor;
-
-	if (json_object_get(json_object_get(primitive, "extensions"), "KHR_draco_mesh_compression") == NULL || !json_is_integer(indices)
-		|| !json_is_integer(position) || json_integer_value(indices) < 0 || json_integer_value(position) < 0)
-		return NULL;
-	accessor = json_array_get(accessors, (size_t)json_integer_value(position));
-	*vertices = (uint64_t)json_integer_value(json_object_get(accessor, "count"));
-	accessor = json_array_get(accessors, (size_t)json_integer_value(indices));
-	return json_integer_value(json_object_get(accessor, "componentType")) == 5125 ? accessor : NULL;
-}
-
-/* assimp 5.2 decodes Draco triangles, but forgets the result where indices are declared as 32-bit (its issue 4789). Declared as 16-bit
- * they mean the same, as long as that suffices. */
-static enum eco_code narrow_draco_indices(json_t *document, const char *path, bool *changed, struct eco_error *error)
-{
-	json_t *meshes = json_object_get(document, "meshes"), *accessors = json_object_get(document, "accessors");
-
-	for (size_t i = 0; i < json_array_size(meshes); i++) {
-		const json_t *primitives = json_object_get(json_array_get(meshes, i), "primitives");
-
-		for (size_t k = 0; k < json_array_size(primitives); k++) {
-			uint64_t vertices = 0;
-			json_t *accessor = draco_indices(accessors, json_array_get(primitives, k), &vertices);
-
-			if (accessor == NULL)
-				continue;
-			if (vertices > 65535)
-				return eco_fail(error, ECO_UNSUPPORTED, "%.200s: uses the glTF extension KHR_draco_mesh_compression with more than 65,535 vertices "
-					"in one mesh, which is not supported; export without it", path);
-			*changed |= json_object_set_new(accessor, "componentType", json_integer(5123)) == 0;
-		}
-	}
-	return ECO_OK;
-}
-
-static void pair_of(const json_t *array, double out[2])
-{
-	for (size_t i = 0; i < 2; i++)
-		if (json_is_number(json_array_get(array, i)) && fabs(json_number_value(json_array_get(array, i))) <= 65536)
-			out[i] = json_number_value(json_array_get(array, i));
-}
-
-static bool read_transform(const json_t *material, struct eco_uv_transform *to)
-{
-	const json_t *texture = json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
-	const json_t *from = json_object_get(json_object_get(texture, "extensions"), "KHR_texture_transform");
-	double radians = json_number_value(json_object_get(from, "rotation"));
-	const json_t *channel = json_object_get(from, "texCoord");
-
-	*to = (struct eco_uv_transform){ .used = from != NULL, .scale = { 1, 1 }, .channel = -1 };
-	pair_of(json_object_get(from, "offset"), to->offset);
-	pair_of(json_object_get(from, "scale"), to->scale);
-	eco_turn_sincos(eco_turn_from_deg(fabs(radians) <= 1e6 ? radians * (180 / 3.14159265358979323846) : 0), &to->sine, &to->cosine);
-	if (json_is_integer(channel) && json_integer_value(channel) >= 0)
-		to->channel = json_integer_value(channel);
-	return to->used;
-}
-
-/* assimp 5.2 turns and scales about the middle of the image; the extension does so about its corner. It is also told to leave the
- * extension alone: the entry is taken out of the document. */
-static enum eco_code take_transforms(json_t *document, struct eco_model_file *file, bool *changed, struct eco_error *error)
-{
-	const json_t *materials = json_object_get(document, "materials");
-	size_t count = json_array_size(materials);
-	bool any = false;
-
-	if (count > MATERIALS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu materials, at most %u are possible", file->path, count, MATERIALS_MAX);
-	file->transforms = calloc(count + 1, sizeof *file->transforms);
-	if (file->transforms == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
-	file->transform_count = (uint32_t)count;
-	for (size_t i = 0; i < count; i++) {
-		json_t *material = json_array_get(materials, i);
-		json_t *texture = json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
-
-		if (read_transform(material, &file->transforms[i])) {
-			json_object_del(json_object_get(texture, "extensions"), "KHR_texture_transform");
-			any = true;
-		}
-	}
-	*changed |= any;
-	return ECO_OK;
-}
-
-/* ---- The container ---- */
-
-/* JSON text within the file: all of a .gltf, the first chunk of a .glb. */
-static bool find_json(const uint8_t *bytes, size_t size, bool *binary, size_t *at, size_t *length)
-{
-	*binary = size >= 4 && memcmp(bytes, "glTF", 4) == 0;
-	*at = 0;
-	*length = size;
-	if (!*binary)
-		return true;
-	if (size < 20 || u32_at(bytes + 4) != 2 || u32_at(bytes + 16) != CHUNK_JSON || u32_at(bytes + 12) > size - 20)
-		return false;
-	*at = 20;
-	*length = u32_at(bytes + 12);
-	return true;
-}
-
-/* The same file with another JSON text. */
-static bool replace_json(struct eco_model_file *file, const uint8_t *bytes, size_t size, bool binary, size_t rest, const char *json)
-{
-	size_t length = strlen(json), padded = binary ? (length + 3) & ~(size_t)3 : length, head = binary ? 20 : 0;
-
-	if (rest > size)
-		rest = size;
-	file->size_bytes = head + padded + (binary ? size - rest : 0);
-	file->bytes = malloc(file->size_bytes + 1);
-	if (file->bytes == NULL || file->size_bytes > UINT32_MAX)
-		return false;
-	memset(file->bytes + head, ' ', padded);
-	memcpy(file->bytes + head, json, length);
-	if (binary) {
-		memcpy(file->bytes, bytes, 20);
-		put_u32(file->bytes + 8, (uint32_t)file->size_bytes);
-		put_u32(file->bytes + 12, (uint32_t)padded);
-		memcpy(file->bytes + head + padded, bytes + rest, size - rest);
-	}
-	return true;
-}
-
-static enum eco_code prepare_document(struct eco_model_file *file, const uint8_t *bytes, size_t size, struct eco_error *error)
-{
-	json_error_t problem;
-	json_t *document;
-	size_t at, length;
-	bool binary, changed;
+	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count, .primitive = primitive,
+		.weights = shape->weights, .mesh = shape->mesh, .number = number, .triangles_max = s->triangles_max, .counts = &s->counts };
+	struct piece *piece;
 	enum eco_code code;
 
-	if (!find_json(bytes, size, &binary, &at, &length))
-		return eco_fail(error, ECO_DAMAGED, "%.300s: not a glTF 2.0 binary file, or cut off", file->path);
-	if (length > JSON_BYTES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %u are possible", file->path, length, JSON_BYTES_MAX);
-	document = json_loadb((const char *)bytes + at, length, 0, &problem);
-	if (document == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", file->path, problem.line, problem.text);
-	code = check_extensions(document, file->path, error);
-	changed = move_webp_sources(document);
-	if (code == ECO_OK)
-		code = narrow_draco_indices(document, file->path, &changed, error);
-	if (code == ECO_OK)
-		code = take_transforms(document, file, &changed, error);
-	if (code == ECO_OK && changed) {
-		char *json = json_dumps(document, JSON_COMPACT);
+	if (!grow((void **)&s->pieces, s->piece_count, &s->piece_room, sizeof *s->pieces))
+		return out_of_memory(s);
+	piece = &s->pieces[s->piece_count];
+	code = gltf_surface_read(&piece->surface, &source, s->error);
+	if (code != ECO_OK)
+		return code;
+	s->piece_count++;
+	shape->count++;
+	shape->triangles += piece->surface.triangle_count;
+	s->looks[piece->surface.material].used = true;
+	return ECO_OK;
+}
 
-		if (json == NULL || !replace_json(file, bytes, size, binary, at + ((length + 3) & ~(size_t)3), json))
-			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", file->path);
-		free(json);
-	}
-	json_decref(document);
+/* The shape of a node's mesh, read if it is new. */
+static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
+{
+	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *weights = json_object_get(node, "weights"), *primitives;
+	struct shape *shape;
+	enum eco_code code = ECO_OK;
+
+	if (json == NULL)
+		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there", eco_gltf_path(s->doc), mesh);
+	if (weights == NULL)
+		weights = json_object_get(json, "weights");
+	for (*found = s->first_shape[mesh]; *found != ECO_NONE; *found = s->shapes[*found].next)
+		if (s->shapes[*found].weights == weights || json_equal(s->shapes[*found].weights, weights))
+			return ECO_OK;
+	if (!grow((void **)&s->shapes, s->shape_count, &s->shape_room, sizeof *s->shapes))
+		return out_of_memory(s);
+	shape = &s->shapes[s->shape_count];
+	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count, .next = s->first_shape[mesh] };
+	primitives = json_object_get(json, "primitives");
+	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
+		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
+	*found = s->first_shape[mesh] = s->shape_count++;
 	return code;
 }
 
-static bool head_has(const char *path, const char *word)
-{
-	char head[513] = "";
-	FILE *file = fopen(path, "rb");
+/* ---- Places ---- */
 
-	if (file == NULL)
-		return false;
-	head[fread(head, 1, sizeof head - 1, file)] = 0;
-	fclose(file);
-	return strstr(head, word) != NULL;
+static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, const double world[16])
+{
+	struct place *place;
+
+	s->triangles += s->shapes[shape].triangles;
+	if (s->triangles > s->triangles_max)
+		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: %llu triangles or more, at most %u are possible", eco_gltf_path(s->doc),
+			(unsigned long long)s->triangles, s->triangles_max);
+	if (!grow((void **)&s->places, s->place_count, &s->place_room, sizeof *s->places))
+		return out_of_memory(s);
+	place = &s->places[s->place_count++];
+	place->shape = shape;
+	place->node = node;
+	memcpy(place->world, world, sizeof place->world);
+	return ECO_OK;
 }
 
-/* Blender writes scene-linear colours to MTL files; other programs write what the screen shall show, or pass on what they read.
- * The library of materials usually has the model's name. */
-static bool from_blender(const char *path, const char *dot)
+static enum eco_code add_instances(struct soup *s, uint32_t shape, uint32_t node, const double world[16], bool *there)
 {
-	char library[4096];
+	struct eco_gltf_instances all;
+	enum eco_code code = eco_gltf_instances_open(s->doc, node, there, &all, s->error);
 
-	if (head_has(path, "Blender"))
-		return true;
-	return dot != NULL && snprintf(library, sizeof library, "%.*s.mtl", (int)(dot - path), path) < (int)sizeof library
-		&& head_has(library, "Blender");
+	if (code != ECO_OK || !*there)
+		return code;
+	for (uint64_t i = 0; i < all.count && s->shapes[shape].triangles > 0 && code == ECO_OK; i++) {
+		double matrix[16];
+
+		eco_gltf_instance_matrix(&all, i, world, matrix);
+		code = add_place(s, shape, node, matrix);
+	}
+	s->instances += all.count;
+	eco_gltf_instances_close(&all);
+	return code;
 }
 
-enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_error *error)
+static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 {
-	const char *dot = strrchr(file->path, '.');
-	uint8_t *bytes;
-	size_t size = 0;
+	struct soup *s = ctx;
+	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
+	uint32_t shape = ECO_NONE;
+	bool instanced = false;
 	enum eco_code code;
 
-	file->gltf = dot != NULL && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
-	file->linear_colors = file->gltf || from_blender(file->path, dot);
-	if (!file->gltf)
+	if (json_object_get(json, "mesh") == NULL)
 		return ECO_OK;
-	code = read_file(file->path, &bytes, &size, error);
+	code = find_shape(s, eco_gltf_index(json, "mesh"), json, &shape);
 	if (code == ECO_OK)
-		code = prepare_document(file, bytes, size, error);
-	free(bytes);
+		code = add_instances(s, shape, node, world, &instanced);
+	if (code == ECO_OK && !instanced && s->shapes[shape].triangles > 0)
+		code = add_place(s, shape, node, world);
+	return code;
+}
+
+/* The skin of a place, read if it is new; NULL: none. */
+static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_skin **skin)
+{
+	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
+	uint32_t index = eco_gltf_index(json, "skin");
+
+	*skin = NULL;
+	if (json_object_get(json, "skin") == NULL)
+		return ECO_OK;
+	if (index >= s->skin_count)
+		return eco_fail(s->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there", eco_gltf_path(s->doc), node);
+	*skin = &s->skins[index];
+	return s->skins[index].matrix != NULL ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
+}
+
+/* A vertex in the scene, Z up. */
+static void place_vertex(const struct gltf_surface *surface, uint32_t v, const struct place *place, const struct gltf_skin *skin, double out[3])
+{
+	const float *p = &surface->position[(size_t)v * 3];
+	const double local[3] = { (double)p[0], (double)p[1], (double)p[2] };
+	double world[3];
+
+	if (skin == NULL || !gltf_skin_place(skin, surface, v, world))
+		eco_gltf_apply(place->world, local, world);
+	out[0] = world[0];
+	out[1] = -world[2];
+	out[2] = world[1];
+}
+
+struct bounds { double low[3], high[3], far; };
+
+static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place, const struct gltf_skin *skin)
+{
+	b->far = fmax(b->far, surface->far);
+	for (uint32_t v = 0; v < surface->vertex_count; v++) {
+		double at[3];
+
+		place_vertex(surface, v, place, skin, at);
+		if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]))
+			continue;
+		for (int k = 0; k < 3; k++) {
+			b->low[k] = fmin(b->low[k], at[k]);
+			b->high[k] = fmax(b->high[k], at[k]);
+		}
+	}
+}
+
+/* Calls act(s, surface, ...) for every piece of every place. */
+typedef enum eco_code act_on(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin);
+
+static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
+{
+	enum eco_code code = ECO_OK;
+
+	for (uint32_t i = 0; i < s->place_count && code == ECO_OK; i++) {
+		const struct place *place = &s->places[i];
+		const struct shape *shape = &s->shapes[place->shape];
+		const struct gltf_skin *skin;
+
+		code = find_skin(s, place->node, &skin);
+		for (uint32_t k = 0; k < shape->count && code == ECO_OK; k++)
+			code = act(s, ctx, &s->pieces[shape->first + k], place, skin);
+	}
+	return code;
+}
+
+static enum eco_code measure(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin)
+{
+	bound_surface(ctx, &piece->surface, place, skin);
+	s->vertices += piece->surface.vertex_count;
+	return ECO_OK;
+}
+
+static enum eco_code choose_base(struct soup *s)
+{
+	struct bounds b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0 };
+	double extent = 0;
+	enum eco_code code = for_all(s, measure, &b);
+
+	if (code != ECO_OK || b.low[0] > b.high[0])
+		return code;
+	eco_model_choose_base(b.low, b.high, s->frame->base);
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, b.high[k] - b.low[k]);
+	if (isfinite(b.far) && b.far * 0x1p-24 > extent * COARSE)
+		eco_note(s->notes, "its coordinates are up to %g from the origin, in single precision, and so only exact to %.2g of their unit: export it "
+			"with a local origin", b.far, b.far * 0x1p-24);
+	return ECO_OK;
+}
+
+/* ---- Colours of vertices ---- */
+
+static bool one_color(const struct gltf_surface *surface)
+{
+	const float *c = surface->color;
+
+	for (size_t i = 3; i < (size_t)surface->vertex_count * 3; i++)
+		if (fabsf(c[i] - c[i % 3]) > ONE_COLOR)
+			return false;
+	return true;
+}
+
+/* A textured primitive gets the mean of its colours: every other colour would be another image, and would cut leaves and branches into
+ * pieces. */
+static void choose_whole(struct soup *s, struct piece *piece)
+{
+	const struct gltf_surface *surface = &piece->surface;
+	double sum[3] = { 0, 0, 0 };
+	uint8_t rgb[3];
+
+	piece->whole = surface->material;
+	if (surface->color == NULL || surface->vertex_count == 0)
+		return;
+	if (!one_color(surface)) {
+		if (s->model->materials[surface->material].image == ECO_NONE) {
+			piece->whole = ECO_NONE;
+			return;
+		}
+		s->averaged++;
+	}
+	for (size_t i = 0; i < (size_t)surface->vertex_count * 3; i++)
+		sum[i % 3] += (double)surface->color[i];
+	for (int k = 0; k < 3; k++)
+		rgb[k] = eco_srgb_from_linear(sum[k] / surface->vertex_count);
+	piece->whole = eco_tints_get(&s->tints, surface->material, rgb);
+}
+
+static uint32_t triangle_material(struct soup *s, const struct piece *piece, const uint32_t *v)
+{
+	const float *c = piece->surface.color;
+	uint8_t rgb[3];
+
+	if (piece->whole != ECO_NONE)
+		return piece->whole;
+	if (v[0] == ECO_NONE || v[1] == ECO_NONE || v[2] == ECO_NONE)
+		return piece->surface.material;
+	for (size_t k = 0; k < 3; k++)
+		rgb[k] = eco_srgb_from_linear(((double)c[(size_t)v[0] * 3 + k] + (double)c[(size_t)v[1] * 3 + k] + (double)c[(size_t)v[2] * 3 + k]) / 3);
+	eco_tint_step(rgb);
+	return eco_tints_get(&s->tints, piece->surface.material, rgb);
+}
+
+/* ---- The soup ---- */
+
+static bool take_memory(struct soup *s)
+{
+	struct eco_model *m = s->model;
+
+	m->position = malloc((s->vertices + 1) * 3 * sizeof *m->position);
+	m->uv = calloc(s->vertices + 1, 2 * sizeof *m->uv);
+	m->index = malloc((s->triangles + 1) * 3 * sizeof *m->index);
+	m->material = malloc((s->triangles + 1) * sizeof *m->material);
+	m->part = malloc((s->triangles + 1) * sizeof *m->part);
+	m->parts = malloc((s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count + 1u : ECO_MODEL_PARTS_MAX) * sizeof *m->parts);
+	return m->position != NULL && m->uv != NULL && m->index != NULL && m->material != NULL && m->part != NULL && m->parts != NULL
+		&& eco_tints_start(&s->tints, m);
+}
+
+/* NODE, MESH or NODE/MESH: programs show one or the other. */
+static void add_part(struct soup *s, const struct place *place)
+{
+	struct eco_model *m = s->model;
+	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name");
+	const char *mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
+	bool both = *node != 0 && *mesh != 0 && strcmp(node, mesh) != 0;
+	struct eco_part part = { .name = "" };
+
+	snprintf(part.name, sizeof part.name, "%s%s%s", node, both ? "/" : "", both || *node == 0 ? mesh : "");
+	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+		m->parts[m->part_count++] = part;
+}
+
+static void add_vertices(struct soup *s, const struct gltf_surface *surface, const struct place *place, const struct gltf_skin *skin)
+{
+	struct eco_model *m = s->model;
+
+	for (uint32_t v = 0; v < surface->vertex_count; v++) {
+		size_t to = (size_t)m->vertex_count + v;
+		double at[3];
+
+		place_vertex(surface, v, place, skin, at);
+		for (size_t k = 0; k < 3; k++)
+			m->position[to * 3 + k] = (float)(at[k] - s->frame->base[k]);
+		if (surface->uv != NULL)
+			memcpy(&m->uv[to * 2], &surface->uv[(size_t)v * 2], 2 * sizeof *m->uv);
+	}
+}
+
+static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin)
+{
+	const struct gltf_surface *surface = &piece->surface;
+	struct eco_model *m = s->model;
+
+	(void)ctx;
+	m->triangles_in += surface->triangle_count;
+	if (s->looks[surface->material].invisible) {
+		m->dropped[ECO_DROP_TRANSPARENT] += surface->triangle_count;
+		s->hidden += surface->triangle_count;
+		return ECO_OK;
+	}
+	add_part(s, place);
+	add_vertices(s, surface, place, skin);
+	for (uint32_t i = 0; i < surface->triangle_count; i++) {
+		const uint32_t *v = &surface->index[(size_t)i * 3];
+
+		for (size_t k = 0; k < 3; k++)
+			m->index[(size_t)m->triangle_count * 3 + k] = v[k] != ECO_NONE ? m->vertex_count + v[k] : ECO_NONE;
+		m->part[m->triangle_count] = m->part_count - 1;
+		m->material[m->triangle_count++] = triangle_material(s, piece, v);
+	}
+	m->vertex_count += surface->vertex_count;
+	return ECO_OK;
+}
+
+/* ---- The file ---- */
+
+static void tell(struct soup *s)
+{
+	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
+
+	if (scenes > 1)
+		eco_note(s->notes, "%zu scenes are in it: the default one is read, else the first", scenes);
+	if (s->instances > 0)
+		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant: if it is an inventory, name it in \"from\"",
+			(unsigned long long)s->instances);
+	if (s->counts.points > 0 || s->counts.lines > 0)
+		eco_note(s->notes, "%llu points and %llu lines are left out: only triangles are drawn", (unsigned long long)s->counts.points,
+			(unsigned long long)s->counts.lines);
+	if (s->counts.shapeless > 0)
+		eco_note(s->notes, "%llu primitives without positions are left out", (unsigned long long)s->counts.shapeless);
+	if (s->counts.partial > 0)
+		eco_note(s->notes, "%llu corners at the ends of lists of triangles make no triangle", (unsigned long long)s->counts.partial);
+	if (s->counts.morphed > 0)
+		eco_note(s->notes, "%llu morph targets of Draco meshes are not applied", (unsigned long long)s->counts.morphed);
+	if (s->counts.faint > 0)
+		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied", (unsigned long long)s->counts.faint);
+	if (s->hidden > 0)
+		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): they are left out", (unsigned long long)s->hidden);
+	if (s->averaged > 0)
+		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
+}
+
+static enum eco_code prepare(struct soup *s)
+{
+	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
+	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
+
+	snprintf(s->frame->format, sizeof s->frame->format, "glTF");
+	s->frame->unit_m = 1;
+	s->frame->up = s->frame->convention = ECO_UP_Y;
+	s->looks = gltf_looks_read(s->doc, &s->look_count);
+	s->first_shape = meshes < ECO_NONE ? malloc((meshes + 1) * sizeof *s->first_shape) : NULL;
+	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
+	if (s->looks == NULL || s->first_shape == NULL || s->skins == NULL)
+		return out_of_memory(s);
+	memset(s->first_shape, 0xff, (meshes + 1) * sizeof *s->first_shape);
+	s->skin_count = (uint32_t)skins;
+	return check_required(s);
+}
+
+static enum eco_code check_totals(const struct soup *s)
+{
+	const char *path = eco_gltf_path(s->doc);
+
+	if (s->triangles == 0 && s->counts.points + s->counts.lines > 0)
+		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and %llu lines; a point cloud has no surfaces: make a "
+			"mesh of it first", path, (unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
+	if (s->triangles == 0)
+		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in its scene", path);
+	return ECO_OK;
+}
+
+static enum eco_code read_soup(struct soup *s)
+{
+	enum eco_code code = prepare(s);
+
+	if (code == ECO_OK)
+		code = eco_gltf_walk(s->doc, visit, s, s->error);
+	if (code == ECO_OK)
+		code = check_totals(s);
+	if (code == ECO_OK)
+		code = choose_base(s);
+	if (code == ECO_OK)
+		code = gltf_materials_read(s->model, s->doc, s->looks, s->look_count, s->notes, s->error);
+	if (code != ECO_OK)
+		return code;
+	if (!take_memory(s))
+		return out_of_memory(s);
+	for (uint32_t i = 0; i < s->piece_count; i++)
+		choose_whole(s, &s->pieces[i]);
+	code = for_all(s, add_piece, NULL);
+	tell(s);
+	return code;
+}
+
+enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
+	struct eco_notes *notes, struct eco_error *error)
+{
+	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error, .triangles_max = triangles_max };
+	enum eco_code code = read_soup(&s);
+
+	eco_tints_end(&s.tints);
+	for (uint32_t i = 0; i < s.piece_count; i++)
+		gltf_surface_free(&s.pieces[i].surface);
+	for (uint32_t i = 0; i < s.skin_count; i++)
+		free(s.skins[i].matrix);
+	free(s.pieces);
+	free(s.shapes);
+	free(s.places);
+	free(s.skins);
+	free(s.looks);
+	free(s.first_shape);
+	return code;
+}
+
+enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
+	struct eco_notes *notes, struct eco_error *error)
+{
+	struct eco_gltf *doc;
+	enum eco_code code = eco_gltf_open(&doc, path, error);
+
+	if (code == ECO_OK)
+		code = eco_gltf_read_document(model, frame, doc, triangles_max, notes, error);
+	eco_gltf_close(doc);
 	return code;
 }

@@ -1,9 +1,7 @@
-/* assimp's materials: one colour, one base colour image, cut out or not. All shading beyond that is left behind.
- *
- * A glTF material says OPAQUE (alpha does not count), MASK with a cutoff, or BLEND; other formats count alpha wherever there is some. */
+/* assimp's materials: one colour, one base colour image, cut out or not. All shading beyond that is left behind. None of these formats
+ * says whether alpha counts: it does wherever there is some. */
 #include "ecofiles/import_model.h"
 
-#include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <math.h>
@@ -95,51 +93,25 @@ static float number_of(const struct aiMaterial *from, const char *key, float oth
 	return value;
 }
 
-static enum eco_alpha alpha_mode(const struct reader *r, const struct aiMaterial *from, float *gain)
-{
-	struct aiString mode;
-
-	if (!r->file->gltf)
-		return ECO_ALPHA_BY_IMAGE;
-	if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &mode) != AI_SUCCESS || strcmp(mode.data, "OPAQUE") == 0)
-		return ECO_ALPHA_OPAQUE;
-	if (strcmp(mode.data, "MASK") == 0) {
-		float cutoff = number_of(from, "$mat.gltf.alphaCutoff", 0.5f);
-
-		if (cutoff <= 0)             /* nothing is below it */
-			return ECO_ALPHA_OPAQUE;
-		*gain = 0.5f / fmaxf(cutoff, 1e-6f);
-		return ECO_ALPHA_MASK;
-	}
-	return ECO_ALPHA_BY_IMAGE;
-}
-
 /* The texture named for the base colour and its uv set. */
 static char *texture_name(const struct aiMaterial *from, enum aiTextureType type, uint32_t *channel)
 {
 	struct aiString path;
 	unsigned uv = 0;
-	int coordinate = 0;
 
 	if (aiGetMaterialTexture(from, type, 0, &path, NULL, &uv, NULL, NULL, NULL, NULL) != AI_SUCCESS || path.length == 0)
 		return NULL;
-	if (channel != NULL) {
-		if (uv == 0 && aiGetMaterialIntegerArray(from, "$tex.file.texCoord", type, 0, &coordinate, NULL) == AI_SUCCESS && coordinate > 0)
-			uv = (unsigned)coordinate;
+	if (channel != NULL)
 		*channel = uv;
-	}
 	return strdup(path.data);
 }
 
-static void color_of(const struct reader *r, const struct aiMaterial *from, struct aiColor4D *color)
+static void color_of(const struct aiMaterial *from, struct aiColor4D *color)
 {
 	*color = (struct aiColor4D){ 0.6f, 0.6f, 0.6f, 1 };
 	if (aiGetMaterialColor(from, "$clr.base", 0, 0, color) != AI_SUCCESS)
 		aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, color);
-	if (!r->file->gltf)
-		color->a = number_of(from, "$mat.opacity", 1);
-	if (!isfinite(color->a))
-		color->a = 1;
+	color->a = number_of(from, "$mat.opacity", 1);
 }
 
 static uint8_t byte_of(const struct reader *r, float value)
@@ -172,13 +144,10 @@ void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *
 /* Alpha that is in the material, whatever its image says. */
 static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 {
-	const struct aiMaterial *from = r->scene->mMaterials[index];
 	struct aiColor4D color;
-	float gain = 1;
-	enum eco_alpha alpha = alpha_mode(r, from, &gain);
 
-	color_of(r, from, &color);
-	*invisible = alpha != ECO_ALPHA_OPAQUE && gain * color.a * 255 + ALPHA_SLACK < 127.5;
+	color_of(r->scene->mMaterials[index], &color);
+	*invisible = color.a * 255 + ALPHA_SLACK < 127.5;
 }
 
 static void read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
@@ -190,12 +159,11 @@ static void read_image(struct reader *r, const struct aiMaterial *from, struct e
 		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
 	if (texture == NULL)
 		return;
-	mask = r->file->gltf ? NULL : texture_name(from, aiTextureType_OPACITY, NULL);
+	mask = texture_name(from, aiTextureType_OPACITY, NULL);
 	wanted.texture = texture;
 	wanted.opacity = mask != NULL && strcmp(mask, texture) != 0 ? mask : NULL;
-	wanted.alpha = alpha_mode(r, from, &wanted.gain);
-	if (wanted.alpha != ECO_ALPHA_OPAQUE && wanted.gain * opacity * 255 + ALPHA_SLACK >= 127.5)
-		wanted.gain *= opacity;
+	if (opacity * 255 + ALPHA_SLACK >= 127.5)
+		wanted.gain = opacity;
 	to->image = eco_images_get(&r->images, &wanted, &to->cutout);
 	free(texture);
 	free(mask);
@@ -208,14 +176,14 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	struct aiColor4D color;
 
 	name_of(from, to->name);
-	color_of(r, from, &color);
+	color_of(from, &color);
 	if (!invisible)
 		read_image(r, from, to, color.a, channel);
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);
-	/* elsewhere than in glTF a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
-	if (to->image != ECO_NONE && !r->file->gltf)
+	/* a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);
 }
 
@@ -235,8 +203,7 @@ enum eco_code eco_assimp_materials(struct eco_model *model, const struct aiScene
 		model->materials[i].image = ECO_NONE;
 		judge_alpha(&r, i, &invisible[i]);
 	}
-	if (!file->gltf)
-		eco_model_see_invisible(invisible, scene->mNumMaterials, notes);
+	eco_model_see_invisible(invisible, scene->mNumMaterials, notes);
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++)
 		read_material(&r, i, &channel[i], invisible[i]);
 	eco_images_end(&r.images);

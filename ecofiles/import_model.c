@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/gltf.h"
 #include "ecofiles/guard.h"
 #include "ecofiles/image.h"
 #include "ecofiles/model_clean.h"
@@ -174,18 +175,16 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 {
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };
-	enum eco_code code = eco_model_file_prepare(&file, error);
+	enum eco_code code = ECO_OK;
 
-	if (!file.gltf)
-		file.linear_colors = written_by_blender(job->path);
-	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
+	file.linear_colors = written_by_blender(job->path);
+	if (eco_path_ends_with(job->path, ".ply"))
 		code = eco_ply_prepare(&file, base, error);
 	if (code == ECO_OK)
 		code = eco_assimp_read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
 	for (int k = 0; k < 3; k++)
 		head->frame.base[k] += base[k];
 	free(file.bytes);
-	free(file.transforms);
 	return code;
 }
 
@@ -201,6 +200,8 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	code = eco_model_file_check(job->path, error);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
 		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+	else if (code == ECO_OK && (eco_gltf_is_path(job->path) || eco_file_head_has(job->path, 4, "glTF")))
+		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
 	else if (code == ECO_OK)
 		code = read_with_assimp(head, job, error);
 	head->uv = head->model.uv != NULL;

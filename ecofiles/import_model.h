@@ -20,6 +20,7 @@
 #define ECO_MODEL_FILE_MAX ((uint64_t)1 << 32)
 
 struct aiScene;
+struct eco_gltf;
 
 /* Sentences for the user that are not errors, one a line; what does not fit is left out. */
 struct eco_notes {
@@ -37,22 +38,12 @@ struct eco_model_frame {
 	enum eco_up convention;      /* Y or Z: what files of that format mean as a rule */
 };
 
-/* KHR_texture_transform of a material's base colour: uv' = offset + turned(scale * uv), v pointing down. */
-struct eco_uv_transform {
-	bool used;
-	double offset[2], scale[2], sine, cosine;
-	int64_t channel;             /* -1: as the texture says */
-};
-
 /* A model file as assimp shall see it. */
 struct eco_model_file {
 	const char *path;
-	bool gltf;                   /* glTF or GLB: colours are linear, alpha modes are stated */
 	bool linear_colors;          /* material colours are linear */
 	uint8_t *bytes;              /* instead of the file's own, malloc'ed; NULL: as on disk */
 	size_t size_bytes;
-	struct eco_uv_transform *transforms;     /* glTF: per material, malloc'ed; NULL: none has any */
-	uint32_t transform_count;
 };
 
 /* ---- Files (import_file.c) ---- */
@@ -78,10 +69,13 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 
 /* ---- Readers ---- */
 
-/* glTF and GLB: refuses by name what cannot be read; where textures come as an extension (WebP) writes a document that says the
- * same without it; notes texture transforms, which assimp gets wrong. Other files: only looks who wrote them. The caller frees
- * bytes and transforms. */
-enum eco_code eco_model_file_prepare(struct eco_model_file *file, struct eco_error *error);
+/* glTF 2.0 and GLB: what stands in the scene that a viewer would show, instances too, at rest. What files require and is not read is
+ * refused by name. */
+enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
+	struct eco_notes *notes, struct eco_error *error);
+/* The same of a document that is open (gltf.h). On failure *model holds what there was so far: free it. */
+enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
+	struct eco_notes *notes, struct eco_error *error);
 
 /* What assimp reads: positions, uv from the top left, materials, parts and images; triangles_in and what assimp could not
  * triangulate are counted. Not cleaned. */
