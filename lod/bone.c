@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "lod/light.h"
 #include "lod/sort.h"
 #include "lod/tube.h"
 
@@ -57,8 +58,7 @@ static bool straight(const struct lod_tube *tube, const uint32_t *chain, const u
 
 struct lines { struct lod_bones *bones; uint32_t capacity; struct lod_arena *arena; };
 
-static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
-	uint32_t bones, bool strip)
+static struct lod_bone *add(struct lines *lines)
 {
 	struct lod_bones *out = lines->bones;
 	if (out->count == lines->capacity) {
@@ -69,14 +69,20 @@ static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t 
 		out->items = bigger;
 		lines->capacity = wanted;
 	}
+	return &out->items[out->count++];
+}
+
+static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
+	uint32_t bones, bool strip)
+{
 	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
 	double area = 0, length = lod_v3_distance(a, b);
 	for (uint32_t i = 0; i < bones; i++) {
 		area += tube->bones[bone[i]].area;
-		tube->bones[bone[i]].line = out->count;
+		tube->bones[bone[i]].line = lines->bones->count;
 	}
 	double width = width_of(tube, chain, bones, area, length, strip);
-	out->items[out->count++] = (struct lod_bone){ .end = { a, b }, .width = width, .component = component };
+	*add(lines) = (struct lod_bone){ .end = { a, b }, .width = width, .component = component };
 }
 
 /* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as they may be. */
@@ -129,9 +135,10 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 			}
 }
 
-/* Each vertex counts for the nearest of the lines through its piece. */
-static void measure(struct lod_tube *tube, struct lod_bones *bones, struct lod_arena *arena)
+/* Each vertex counts for the nearest of the lines through its piece; lines from `own` on are this component's. */
+static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own, const struct lod_organs *organs, struct lod_arena *arena)
 {
+	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
 	uint32_t most = tube->offset[tube->triangle_count], *first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
 	uint32_t *through = lod_arena_take(arena, tube->bone_count, sizeof *through);
 	for (uint32_t b = 0; b < tube->bone_count; b++)
@@ -157,8 +164,38 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, struct lod_a
 					nearest = line;
 				}
 			}
-			if (nearest)
-				nearest->error = fmax(nearest->error, best);
+			if (!nearest)
+				continue;
+			nearest->error = fmax(nearest->error, best);
+			lod_light_add(&light[nearest - bones->items - own], organs->rgb[tube->member[t]], organs->area[tube->member[t]]);
+		}
+	for (uint32_t i = own; i < bones->count; i++) {
+		memcpy(bones->items[i].rgb, organs->components[bones->items[i].component].rgb, 3);
+		lod_light_mean(&light[i - own], bones->items[i].rgb);
+	}
+}
+
+/* ---- Things ---- */
+
+/* What is no tube has no skeleton: one line along the longest side of its box, as wide as the other two on the mean. */
+static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c, uint32_t component)
+{
+	double side[3];
+	int along = 0;
+	for (int a = 0; a < 3; a++) {
+		side[a] = (double)c->high[a] - c->low[a];
+		along = side[a] > side[along] ? a : along;
+	}
+	struct lod_v3 middle = lod_v3_mix(lod_v3_of(c->low), lod_v3_of(c->high), 0.5);
+	struct lod_v3 half = { along == 0 ? side[0] / 2 : 0, along == 1 ? side[1] / 2 : 0, along == 2 ? side[2] / 2 : 0 };
+	struct lod_bone *line = add(lines);
+	*line = (struct lod_bone){ .end = { lod_v3_sub(middle, half), lod_v3_add(middle, half) }, .component = component,
+		.width = (side[(along + 1) % 3] + side[(along + 2) % 3]) / 2 };
+	memcpy(line->rgb, c->rgb, 3);
+	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
+		for (uint32_t k = 0; k < 3; k++) {
+			struct lod_v3 p = lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)mesh->member[i] + k]);
+			line->error = fmax(line->error, distance_to(p, line->end[0], line->end[1]) - line->width / 2);
 		}
 }
 
@@ -171,9 +208,14 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 		if (organs->components[c].organ != ECO_ORGAN_WOOD)
 			continue;
 		struct lod_tube tube;
+		uint32_t own = lines->bones->count;
+		if (organs->components[c].stout) {
+			lay_thing(lines, mesh, &organs->components[c], c);
+			continue;
+		}
 		lod_tube_make(&tube, mesh, organs, c, local, scratch);
 		lay_lines(&tube, lines, c);
-		measure(&tube, lines->bones, scratch);
+		measure(&tube, lines->bones, own, organs, scratch);
 		lod_arena_free(scratch);
 	}
 }

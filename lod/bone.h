@@ -7,7 +7,7 @@
  * run on straight at similar width become one.
  *
  * A line is as wide as area asks: a tube of surface a and length l has diameter a / (pi l), an open strip width a / l, and so all lines
- * together project to the same area as the wood. */
+ * together project to the same area as the wood. What is treated as wood and is no tube (pots, stumps) gets one line through its box. */
 #ifndef LOD_BONE_H
 #define LOD_BONE_H
 
@@ -18,6 +18,7 @@ struct lod_bone {
 	struct lod_v3 end[2];        /* metres */
 	double width, error;         /* metres; greatest distance from what the line stands for, less its radius */
 	uint32_t component;
+	uint8_t rgb[3];              /* mean of the triangles that it stands for */
 };
 
 struct lod_bones {

@@ -105,8 +105,11 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 		lod_element_uv(items[i], draft->mesh, uv);
 		for (uint32_t k = 0; k < items[i]->corners; k++)
 			put_corner(&list->elements, draft->mesh->grid + 3 * (size_t)items[i]->vertex[k], uv + 2 * k);
-		if (extra)
-			extra[0] = (int32_t)lod_palette_index(draft->palette, draft->organs->rgb[items[i]->triangle[0]]);
+		if (extra) {
+			uint8_t rgb[3];
+			lod_organs_mean(draft->organs, items[i]->triangle, items[i]->corners - 2u, rgb);
+			extra[0] = (int32_t)lod_palette_index(draft->palette, rgb);
+		}
 	}
 	return finish_in_chunks(draft, list);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lod/light.h"
 #include "lod/organ_flower.h"
 #include "lod/organ_name.h"
 #include "lod/organ_shape.h"
@@ -22,6 +23,7 @@
 #define LENGTH_LEAST 0.7         /* of the diagonal; a blade folded to a right angle has 0.25 */
 #define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
 #define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
+#define STOUT 0.1                /* r/d of what has no use for a skeleton */
 
 #define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
 
@@ -36,6 +38,7 @@ struct finder {
 	/* per component */
 	uint8_t *verdict, *organ;
 	bool *fixed;                 /* by a rule */
+	bool *thing;
 	enum lod_hint *hint;
 	double *middle, *above;      /* by rising height: the middle of a component, and the area of it and of all above */
 };
@@ -239,11 +242,16 @@ static bool is_thing(const struct finder *f, uint32_t i, bool alone)
 	return is_below(f, i) && on_ground(f, i);
 }
 
+static bool has_walls(const struct lod_shape *b)
+{
+	return b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal;
+}
+
 /* A pot with walls, or a level sheet, as the soil in it or the ground around a plant. */
 static bool is_vessel(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
-	bool walls = b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal && on_ground(f, i);
+	bool walls = has_walls(b) && on_ground(f, i);
 	bool soil = b->level > 0.85 && b->high[2] - b->low[2] < 0.2 * b->diagonal;
 	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
 }
@@ -265,12 +273,15 @@ static void settle_things(struct finder *f, struct lod_arena *arena)
 		thing = thing || (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
 		if (thing) {
 			f->organ[i] = ECO_ORGAN_WOOD;
+			f->thing[i] = f->verdict[i] != SOLID || f->shape[i].diagonal > FRUIT * f->diagonal;
 			of[material_of(f, i)].things += f->shape[i].area;
 		}
 	}
 	for (uint32_t i = 0; i < f->count; i++)
-		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i))
+		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i) && f->organ[i] != ECO_ORGAN_WOOD) {
 			f->organ[i] = ECO_ORGAN_WOOD;
+			f->thing[i] = true;
+		}
 	lod_arena_release(arena, mark);
 }
 
@@ -297,22 +308,52 @@ static void settle_herbs(struct finder *f)
 
 /* ---- All ---- */
 
-static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model)
+static double area_of(const struct lod_mesh *mesh, uint32_t t)
 {
+	const uint32_t *v = mesh->index + 3 * (size_t)t;
+	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
+	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
+}
+
+/* Triangles image by image, and for cut-outs apart: one image's sums at a time. */
+static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model,
+	struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *by = lod_arena_take(arena, mesh->triangle_count, sizeof *by);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-		const struct eco_material *material = lod_mesh_material(model, mesh->material[t]);
 		const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
-		const uint32_t *v = mesh->index + 3 * (size_t)t;
-		struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
+		bool cutout = lod_mesh_material(model, mesh->material[t])->cutout;
+		by[t] = (struct lod_keyed){ image ? 2 * (uint64_t)(image - model->images) + 2 + cutout : 0, t };
+	}
+	lod_sort(arena, by, mesh->triangle_count);
+	struct lod_arena_piece *sorted = arena->last;
+	struct lod_texels texels = { 0 };
+	for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+		uint32_t t = by[i].value;
+		const struct eco_material *material = lod_mesh_material(model, mesh->material[t]);
 		double share = 1;
-		if (image)
-			share = lod_texel_mean(image, material->cutout, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
+		if (by[i].key > 0 && (i == 0 || by[i].key != by[i - 1].key)) {
+			lod_arena_release(arena, sorted);
+			lod_texels_open(&texels, lod_mesh_image(model, mesh->material[t]), material->cutout, arena);
+		}
+		if (by[i].key > 0)
+			share = lod_texels_mean(&texels, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
 		else
 			memcpy(organs->rgb[t], material->rgb, 3);
-		organs->area[t] = lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
 		/* No opaque sample does not mean nothing: a fraction of a sample's worth keeps it drawable. */
-		organs->area[t] *= share > 0 ? share : 1.0 / 256;
+		organs->area[t] = area_of(mesh, t) * (share > 0 ? share : 1.0 / 256);
 	}
+	lod_arena_release(arena, mark);
+}
+
+void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count, uint8_t rgb[3])
+{
+	struct lod_light light = { { 0, 0, 0 }, 0 };
+	memcpy(rgb, organs->rgb[triangles[0]], 3);
+	for (uint32_t i = 0; i < count; i++)
+		lod_light_add(&light, organs->rgb[triangles[i]], organs->area[triangles[i]]);
+	lod_light_mean(&light, rgb);
 }
 
 static void prepare(struct finder *f, struct lod_arena *arena)
@@ -321,6 +362,7 @@ static void prepare(struct finder *f, struct lod_arena *arena)
 	f->verdict = lod_arena_take(arena, n, sizeof *f->verdict);
 	f->organ = lod_arena_take(arena, n, sizeof *f->organ);
 	f->fixed = lod_arena_take(arena, n, sizeof *f->fixed);
+	f->thing = lod_arena_take(arena, n, sizeof *f->thing);
 	f->hint = lod_arena_take(arena, n, sizeof *f->hint);
 	for (uint32_t i = 0; i < n; i++)
 		f->area += f->shape[i].area;
@@ -349,7 +391,7 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 			.radius = b->radius, .length = b->length, .turn = b->turn };
 		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
 		c->closed = b->open < 0.02;
-		c->stout = b->radius > THICK_CLEAR * b->diagonal || b->length < LENGTH_LEAST * b->diagonal;
+		c->stout = c->organ == ECO_ORGAN_WOOD && (f->thing[i] || (f->verdict[i] == SOLID && b->radius > STOUT * b->diagonal) || has_walls(b));
 		memcpy(c->low, b->low, sizeof c->low);
 		memcpy(c->high, b->high, sizeof c->high);
 		memcpy(c->rgb, b->rgb, sizeof c->rgb);
@@ -360,7 +402,7 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 {
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
 	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);
-	colour_triangles(organs, mesh, model);
+	colour_triangles(organs, mesh, model, arena);
 	lod_organs_split(mesh, model, (const uint8_t (*)[3])organs->rgb, arena);
 	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
 	struct lod_arena_piece *mark = arena->last;

@@ -48,4 +48,7 @@ struct lod_organs {
 /* Arrays come from `arena`. The mesh's components are regrouped (organ_split.h). */
 void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena);
 
+/* Mean colour of at least one triangle, by what is opaque of them. */
+void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count, uint8_t rgb[3]);
+
 #endif

@@ -5,12 +5,14 @@
 
 #include <math.h>
 
+#include "lod/light.h"
 #include "lod/vector.h"
 
 struct sums {                    /* over one component */
 	double bend, angle, angle2;  /* length-weighted sums of signed, absolute and squared angle */
 	double border, edges, glued; /* lengths */
-	double volume, level, rgb[3], opaque;
+	double volume, level;
+	struct lod_light light;
 };
 
 struct border { uint32_t from, to; };
@@ -140,9 +142,7 @@ static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums
 	sums->level += fabs(normal.z);
 	sums->volume += m->sign[t] * volume_of(lod_v3_sub(corner(mesh, t, 0), m->origin), lod_v3_sub(corner(mesh, t, 1), m->origin),
 		lod_v3_sub(corner(mesh, t, 2), m->origin));
-	for (int k = 0; k < 3; k++)
-		sums->rgb[k] += m->rgb[t][k] * m->opaque[t];
-	sums->opaque += m->opaque[t];
+	lod_light_add(&sums->light, m->rgb[t], m->opaque[t]);
 	add_edges(m, shape, sums, t);
 }
 
@@ -184,8 +184,7 @@ static void finish(struct lod_shape *shape, const struct sums *sums)
 	shape->level = shape->area > 0 ? sums->level / shape->area : 0;
 	shape->open = sums->edges > 0 ? sums->border / sums->edges : 0;
 	shape->glued = sums->border > 0 ? sums->glued / sums->border : 0;
-	for (int k = 0; k < 3; k++)
-		shape->rgb[k] = (uint8_t)(sums->opaque > 0 ? sums->rgb[k] / sums->opaque + 0.5 : 0);
+	lod_light_mean(&sums->light, shape->rgb);
 }
 
 static void measure_component(struct measure *m, struct lod_shape *shape, uint32_t c)

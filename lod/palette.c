@@ -2,9 +2,11 @@
 
 #include <string.h>
 
+#include "lod/light.h"
+
 #define BINS 32768u
 
-struct tally { uint64_t weight, sum[3]; };
+struct tally { uint64_t weight, light[3]; };
 struct box { uint32_t first, end; uint64_t weight; };
 
 static uint32_t bin_of(const uint8_t rgb[3])
@@ -99,7 +101,7 @@ void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint
 		uint64_t weight = weights[i] ? weights[i] : 1;
 		t->weight += weight;
 		for (int k = 0; k < 3; k++)
-			t->sum[k] += weight * rgb[i][k];
+			t->light[k] += weight * lod_light_of[rgb[i][k]];
 	}
 	for (uint32_t b = 0; b < BINS; b++)
 		if (tally[b].weight) {
@@ -122,26 +124,40 @@ void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint
 			break;
 		cut(bins, tally, &boxes[best], &boxes[p->count], best_axis, scratch);
 	}
+	memset(p->bin, 0xff, sizeof p->bin);
 	for (uint32_t i = 0; i < p->count; i++) {
 		struct tally sum = { 0 };
 		for (uint32_t j = boxes[i].first; j < boxes[i].end; j++) {
 			p->bin[bins[j]] = (uint16_t)i;
 			sum.weight += tally[bins[j]].weight;
 			for (int k = 0; k < 3; k++)
-				sum.sum[k] += tally[bins[j]].sum[k];
+				sum.light[k] += tally[bins[j]].light[k];
 		}
 		for (int k = 0; k < 3; k++)
-			p->rgb[i][k] = (uint8_t)((sum.sum[k] + sum.weight / 2) / sum.weight);
+			p->rgb[i][k] = lod_light_byte((double)sum.light[k] / (double)sum.weight);
 	}
 	lod_arena_release(arena, mark);
 }
 
+static uint32_t nearest(const struct lod_palette *p, const uint8_t rgb[3])
+{
+	uint32_t best = 0, least = UINT32_MAX;
+	for (uint32_t i = 0; i < p->count; i++) {
+		uint32_t distance = 0;
+		for (int k = 0; k < 3; k++) {
+			int d = p->rgb[i][k] - rgb[k];
+			distance += (uint32_t)(d * d);
+		}
+		if (distance < least) {
+			least = distance;
+			best = i;
+		}
+	}
+	return best;
+}
+
 uint32_t lod_palette_index(const struct lod_palette *p, const uint8_t rgb[3])
 {
-	if (!p->exact)
-		return p->bin[bin_of(rgb)];
-	for (uint32_t i = 0; i < p->count; i++)
-		if (memcmp(p->rgb[i], rgb, 3) == 0)
-			return i;
-	return 0;
+	uint16_t bin = p->exact ? LOD_PALETTE_NONE : p->bin[bin_of(rgb)];
+	return bin == LOD_PALETTE_NONE ? nearest(p, rgb) : bin;
 }

@@ -1,4 +1,5 @@
-/* Up to 64 colours for a whole plant: exactly its colours where they are few, else by median cut. Integers only. */
+/* Up to 64 colours for a whole plant: exactly its colours where they are few, else by median cut, each the mean light of what it stands
+ * for. A pure function of the colours. */
 #ifndef LOD_PALETTE_H
 #define LOD_PALETTE_H
 
@@ -8,17 +9,19 @@
 #include "lod/arena.h"
 
 #define LOD_PALETTE_MAX 64u
+#define LOD_PALETTE_NONE UINT16_MAX
 
 struct lod_palette {
 	uint32_t count;
 	uint8_t rgb[LOD_PALETTE_MAX][3];
-	uint16_t bin[32768];         /* by the upper five bits of red, green, blue: the entry that stands for it */
+	uint16_t bin[32768];         /* by the upper five bits of red, green, blue: the entry that stands for it, or LOD_PALETTE_NONE */
 	bool exact;
 };
 
 /* weights[i] says how often colour i is used (0 counts as 1). */
 void lod_palette_make(struct lod_palette *palette, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
 	struct lod_arena *arena);
+/* The entry of a colour that the palette was made of; the nearest one to any other. */
 uint32_t lod_palette_index(const struct lod_palette *palette, const uint8_t rgb[3]);
 
 #endif

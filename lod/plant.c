@@ -10,6 +10,7 @@
 #include "lod/grid.h"
 #include "lod/plant_state.h"
 #include "lod/sort.h"
+#include "lod/vector.h"
 
 #define TRIANGLES_MAX (1u << 28)
 #define CELL_TRIANGLES 4096u
@@ -211,7 +212,7 @@ static void make_palette(struct lod_build *b)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_mesh *mesh = &b->mesh;
-	size_t most = (size_t)mesh->component_count + mesh->triangle_count + 2 * (size_t)mesh->triangle_count;
+	size_t most = (size_t)mesh->component_count + b->bones.count + b->elements.count + 3 * (size_t)mesh->triangle_count;
 	uint8_t (*rgb)[3] = lod_arena_take(&b->arena, most, sizeof *rgb);
 	uint32_t *weights = lod_arena_take(&b->arena, most, sizeof *weights), count = 0;
 	double unit = b->plant->plant.area > 0 ? 1e8 / b->plant->plant.area : 0;
@@ -220,13 +221,23 @@ static void make_palette(struct lod_build *b)
 			memcpy(rgb[count], b->organs.components[c].rgb, 3);
 			weights[count++] = (uint32_t)(b->organs.components[c].area / 2 * unit);
 		}
+	for (uint32_t i = 0; i < b->bones.count; i++) {
+		const struct lod_bone *bone = &b->bones.items[i];
+		memcpy(rgb[count], bone->rgb, 3);
+		weights[count++] = (uint32_t)(lod_v3_distance(bone->end[0], bone->end[1]) * bone->width * unit);
+	}
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		if (image_of(b, mesh->material[t]) == ECO_NONE) {
 			memcpy(rgb[count], b->organs.rgb[t], 3);
 			weights[count++] = (uint32_t)(b->organs.area[t] * unit);
 		}
 	for (uint32_t i = 0; i < b->elements.count; i++) {
-		uint32_t points = b->points[i] ? 2 * (b->elements.items[i].corners - 2u) : 1;
+		const struct lod_element *e = &b->elements.items[i];
+		uint32_t points = b->points[i] ? 2 * (e->corners - 2u) : 1;
+		if (image_of(b, mesh->material[e->triangle[0]]) == ECO_NONE) {
+			lod_organs_mean(&b->organs, e->triangle, e->corners - 2u, rgb[count]);
+			weights[count++] = (uint32_t)(b->area[i] * unit);
+		}
 		for (uint32_t k = 0; k < points; k++) {
 			memcpy(rgb[count], b->points[i] ? b->points[i][k].rgb : b->blade[i].rgb, 3);
 			weights[count++] = (uint32_t)(b->area[i] / points * unit);

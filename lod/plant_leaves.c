@@ -84,7 +84,7 @@ static void make_blade(const struct lod_build *b, uint32_t number, struct lod_li
 	line->end[1] = lod_v3_add(b->center[number], lod_v3_scale(axis, high));
 	line->width = high > low ? b->area[number] / (high - low) : 0;
 	*error = fmax(0, *error - line->width / 2);
-	memcpy(line->rgb, b->organs.rgb[e->triangle[0]], 3);
+	lod_organs_mean(&b->organs, e->triangle, e->corners - 2u, line->rgb);
 }
 
 static bool is_blade(const struct lod_build *b, uint32_t number)
@@ -102,14 +102,19 @@ static bool is_blade(const struct lod_build *b, uint32_t number)
 
 /* ---- Points ---- */
 
-static struct lod_point *sample_element(struct lod_build *b, uint32_t number, struct lod_point *to)
+/* `texels` are of the group's image, opaque and cut out, opened when first needed. */
+static struct lod_point *sample_element(struct lod_build *b, uint32_t number, struct lod_texels texels[2], struct lod_point *to)
 {
 	const struct lod_element *e = &b->elements.items[number];
 	for (uint32_t i = 0; i + 2 < e->corners; i++) {
 		uint32_t t = e->triangle[i];
 		const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
-		struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t, .image = lod_mesh_image(b->model, b->mesh.material[t]),
-			.cutout = material->cutout, .tint = material->rgb, .seed = lod_mix(lod_mix(b->options->seed) + t) };
+		const struct eco_image *image = lod_mesh_image(b->model, b->mesh.material[t]);
+		if (image && !texels[material->cutout].image)
+			lod_texels_open(&texels[material->cutout], image, material->cutout, &b->arena);
+		struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t,
+			.texels = image ? &texels[material->cutout] : NULL,
+			.tint = material->rgb, .seed = lod_mix(lod_mix(b->options->seed) + t) };
 		int32_t position[2][3];
 		uint8_t rgb[2][3];
 		for (uint32_t k = 0; k < 3; k++)
@@ -139,15 +144,18 @@ void lod_leaves_represent(struct lod_build *b)
 		}
 		group->blades = thin > BLADE_SHARE * group->area;
 		struct lod_point *points = group->blades ? NULL : lod_arena_take(&b->arena, 2 * triangles, sizeof *points);
+		struct lod_arena_piece *mark = b->arena.last;
+		struct lod_texels texels[2] = { { 0 }, { 0 } };
 		for (uint32_t i = group->first; i < group->end; i++) {
 			uint32_t number = b->order[i];
 			if (group->blades) {
 				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
 			} else {
 				b->points[number] = points;
-				points = sample_element(b, number, points);
+				points = sample_element(b, number, texels, points);
 			}
 		}
+		lod_arena_release(&b->arena, mark);
 	}
 }
 

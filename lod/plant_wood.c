@@ -38,7 +38,7 @@ static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, u
 			continue;
 		struct lod_line *line = &region->lines[region->count++];
 		*line = (struct lod_line){ .end = { bone->end[0], bone->end[1] }, .width = bone->width };
-		memcpy(line->rgb, b->organs.components[bone->component].rgb, 3);
+		memcpy(line->rgb, bone->rgb, 3);
 	}
 	return found;
 }

@@ -60,13 +60,13 @@ static struct weights in_half(uint64_t hash, int apex, int half)
 
 static const uint8_t *texel(const struct lod_sample_input *in, struct weights at)
 {
-	return lod_texel_at(in->image, (at.w[0] * in->uv[0] + at.w[1] * in->uv[2] + at.w[2] * in->uv[4]) / ECO_UV_ONE,
+	return lod_texel_at(in->texels->image, (at.w[0] * in->uv[0] + at.w[1] * in->uv[2] + at.w[2] * in->uv[4]) / ECO_UV_ONE,
 		(at.w[0] * in->uv[1] + at.w[1] * in->uv[3] + at.w[2] * in->uv[5]) / ECO_UV_ONE);
 }
 
 static bool opaque(const struct lod_sample_input *in, struct weights at)
 {
-	return !in->image || !in->cutout || texel(in, at)[3] >= 128;
+	return !in->texels || !in->texels->cutout || texel(in, at)[3] >= 128;
 }
 
 static struct weights choose(const struct lod_sample_input *in, int apex, int half)
@@ -83,17 +83,33 @@ static struct weights choose(const struct lod_sample_input *in, int apex, int ha
 	return opaque(in, at) ? at : (struct weights){ { 1 / 3.0, 1 / 3.0, 1 / 3.0 } };
 }
 
+/* Texture coordinates of half `half` of the triangle. */
+static void half_uv(const struct lod_sample_input *in, int apex, int half, int32_t uv[6])
+{
+	int own = (apex + 1 + half) % 3, other = (apex + 2 - half) % 3;
+	for (int a = 0; a < 2; a++) {
+		uv[a] = in->uv[2 * apex + a];
+		uv[2 + a] = in->uv[2 * own + a];
+		uv[4 + a] = in->uv[2 * own + a] + (in->uv[2 * other + a] - in->uv[2 * own + a]) / 2;
+	}
+}
+
 void lod_sample_triangle(const struct lod_sample_input *in, int32_t position[2][3], uint8_t rgb[2][3])
 {
 	int apex = apex_of(in);
 	for (int half = 0; half < 2; half++) {
 		struct weights at = choose(in, apex, half);
+		int32_t uv[6];
 		for (int k = 0; k < 3; k++)
 			position[half][k] = (int32_t)floor(0.5 + at.w[0] * in->corner[0][k] + at.w[1] * in->corner[1][k]
 				+ at.w[2] * in->corner[2][k]);
-		if (in->image)
+		memcpy(rgb[half], in->tint, 3);
+		if (!in->texels)
+			continue;
+		half_uv(in, apex, half, uv);
+		if (lod_texels_mean(in->texels, in->tint, uv, rgb[half]) > 0 || lod_texels_mean(in->texels, in->tint, in->uv, rgb[half]) > 0)
+			continue;
+		if (opaque(in, at))          /* thinner than what is sampled for the mean */
 			lod_texel_tint(texel(in, at), in->tint, rgb[half]);
-		else
-			memcpy(rgb[half], in->tint, 3);
 	}
 }

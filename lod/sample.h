@@ -7,19 +7,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/model.h"
+#include "lod/texel.h"
 
 struct lod_sample_input {
 	const int32_t *corner[3];    /* on the grid */
 	const int32_t *uv;           /* 6, in 1/ECO_UV_ONE; used with an image only */
-	const struct eco_image *image;       /* or NULL */
-	bool cutout;
+	struct lod_texels *texels;   /* of its image; or NULL */
 	const uint8_t *tint;         /* 3: the material's colour, times the texel */
 	uint64_t seed;               /* of this triangle */
 };
 
-/* Grid positions (nearest grid point to a point of the triangle) and sRGB colours of the two points. A cut-out without any opaque
- * texel to be found gives its middle. */
+/* Grid positions (nearest grid point to a point of the triangle) and sRGB colours of the two points: each the mean of what is opaque in
+ * its half, for which it stands. A cut-out without any opaque texel to be found gives its middle. */
 void lod_sample_triangle(const struct lod_sample_input *input, int32_t position[2][3], uint8_t rgb[2][3]);
 
 #endif

@@ -1,5 +1,10 @@
 /* What lies under a triangle of a textured leaf: colours and, for cut-outs, whether there is anything at all. Texels are looked up as
- * the rasteriser does: nearest, wrapping, opaque from alpha 0.5 on. */
+ * the rasteriser does: nearest, wrapping, opaque from alpha 0.5 on. Transparent texels never lend their colour to anything; means are
+ * of light (light.h).
+ *
+ *   lod_texels_open(&texels, image, cutout, &arena);             once an image
+ *   share = lod_texels_mean(&texels, tint, uv, rgb);             for each triangle
+ */
 #ifndef LOD_TEXEL_H
 #define LOD_TEXEL_H
 
@@ -7,6 +12,7 @@
 #include <stdint.h>
 
 #include "ecofiles/model.h"
+#include "lod/arena.h"
 
 /* RGBA at uv (any finite numbers; (0,0) is the top left). */
 const uint8_t *lod_texel_at(const struct eco_image *image, double u, double v);
@@ -15,11 +21,26 @@ const uint8_t *lod_texel_at(const struct eco_image *image, double u, double v);
  * at two wide around it. Triangles over too many texels to look at count as visible. uv as in struct lod_mesh. */
 bool lod_texel_hidden(const struct eco_image *image, const int32_t uv[6]);
 
-/* Mean colour of the opaque texels under the triangle by 16 samples (all samples where `cutout` is false), times the material's
- * colour. Returns the share of samples that were opaque; 0 leaves rgb the material's colour. */
-double lod_texel_mean(const struct eco_image *image, bool cutout, const uint8_t tint[3], const int32_t uv[6], uint8_t rgb[3]);
-
-/* The material's colour times the texel. */
+/* The material's colour times the texel, as light. */
 void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3]);
+
+/* Sums over the rows of one image. Images of more than 2^21 texels are summed in blocks of 2 x 2, 4 x 4, ... texels. */
+struct lod_texels {
+	const struct eco_image *image;
+	bool cutout;
+	uint32_t shift;              /* a block is 2^shift texels wide and high */
+	uint32_t width, height;      /* in blocks */
+	struct lod_texel_sum *before;        /* height * (width + 1): of a row's blocks before this one */
+	struct lod_texel_seen *seen; /* answers so far: leaves share their texture coordinates */
+};
+
+/* `image` must outlive it; memory comes from `arena`. */
+void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena);
+
+/* Mean colour of the opaque texels under the triangle (all texels where not a cut-out), times the material's colour. Returns the
+ * share that is opaque; 0 leaves rgb the material's colour. Every texel whose centre is inside counts once for each time the texture
+ * is repeated; of more than 1024 rows of blocks, 1024 evenly spread ones are summed; triangles over fewer than 64 texel centres are
+ * sampled at 64 places. So the mean is off by no more than what lies along the outline, and less the larger the triangle. */
+double lod_texels_mean(struct lod_texels *texels, const uint8_t tint[3], const int32_t uv[6], uint8_t rgb[3]);
 
 #endif
