@@ -1,7 +1,8 @@
 /* A plant stands on its foot, at its size.
  *
- * The foot is where the wood is lowest: the middle of the edges there, so that each stem counts by its girth, however finely it is
- * modelled. Wood is what is large, and thick beside the thickest long component; where rules say what wood is, they are followed.
+ * The foot is where stems end below: the middle of the edges there, so that each stem counts by its girth, however finely it is
+ * modelled. Stems are components that reach through a good part of the height, and are large and thick beside the others; where rules say
+ * what wood is, they are followed. Where nothing is long (a bush that is one hull), the whole lower part counts.
  *
  * The ground is at the lowest vertex, with two exceptions. Twigs may hang lower than the stem's foot (willows, bushes): then the stem
  * stands on the ground and they end in it; a stem that floats would be seen from far. But if something right under the foot surrounds it
@@ -20,29 +21,36 @@
 #include "ecofiles/pack.h"
 
 #define GUESS_MOST_M 60.0            /* higher trees are rarer than files in centimetres */
-#define FOOT_SHARE 0.02              /* of the height: the foot is within that of the wood's lowest vertex */
+#define FOOT_SHARE 0.02              /* of the height: a stem's foot is within that of its lowest vertex */
+#define HULL_SHARE 0.25              /* the same where nothing is long */
+#define STEMS_SHARE 0.1              /* of the height: stems whose feet differ by more do not stand on the same ground */
+#define TALL_SHARE 0.25              /* of the height: what reaches through less is no stem */
+#define STEM_TRIANGLES 6u            /* a tube has more; cards of leaves have less */
 #define WOOD_SHARE 0.1               /* of the largest component's area */
 #define GIRTH_SHARE 0.5              /* of the thickest long component's circumference */
 #define LONG 4.0                     /* times its circumference / pi */
 #define HANGS_MOST 0.1               /* of the area may be below the stem's foot */
 #define DEPTH_MOST 0.35              /* of the height that hangs */
 #define UNDER 0.005                  /* of the height: how far below the foot is looked for what it stands on */
-#define ANGLE_LEAST 0.5              /* radians around the foot, of a component that counts as standing under it */
+#define SECTORS_LEAST 3              /* sixteenths of the round that a component under the foot takes; twigs take less */
+#define SECTORS_HALF 8
+#define STEPS 8
+#define TAN_22_5 0.41421356237309503
 #define ROOTS_MOST 0.1               /* of the height may be below the file's zero */
 #define PI 3.14159265358979323846
 
 struct stance {
 	const struct eco_model *model;
 	struct eco_components components;
-	bool *wood;                  /* per triangle */
+	bool *wood;                  /* per component */
 	double girth;                /* of the thickest long component, 0: nothing is long */
-	double low, high, area;      /* of all */
+	double low, high, area;      /* of all, z */
 	double wood_low, foot[3];
 };
 
-static double z_of(const struct eco_model *m, uint32_t vertex)
+static double length_of(double x, double y)
 {
-	return m->position[(size_t)vertex * 3 + 2];
+	return sqrt(x * x + y * y);
 }
 
 /* Circumference of a tube of that area and length. */
@@ -58,63 +66,94 @@ static bool is_long(const struct eco_component *c)
 	return PI * eco_component_diagonal(c) >= LONG * girth_of(c);
 }
 
-/* Leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick, and taken too. Where all are alike
- * (grass), or nothing is long (bushes), all large ones are taken. */
-static void find_wood(struct stance *s)
-{
-	const struct eco_model *m = s->model;
-	double largest = s->components.items[0].area;
-	bool ruled = false;
-
-	for (uint32_t i = 0; i < s->components.count; i++)
-		if (s->components.items[i].area >= WOOD_SHARE * largest && is_long(&s->components.items[i]))
-			s->girth = fmax(s->girth, girth_of(&s->components.items[i]));
-	for (uint32_t i = 0; i < m->triangle_count && m->organ != NULL && !ruled; i++)
-		ruled = m->organ[i] == ECO_ORGAN_WOOD;
-	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		const struct eco_component *c = &s->components.items[s->components.of[i]];
-
-		s->wood[i] = ruled ? m->organ[i] == ECO_ORGAN_WOOD : c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
-	}
-}
-
 static void measure(struct stance *s)
 {
-	const struct eco_model *m = s->model;
-
-	s->low = s->wood_low = INFINITY;
+	s->low = INFINITY;
 	s->high = -INFINITY;
 	for (uint32_t i = 0; i < s->components.count; i++) {
 		s->low = fmin(s->low, s->components.items[i].low[2]);
 		s->high = fmax(s->high, s->components.items[i].high[2]);
 		s->area += s->components.items[i].area;
 	}
-	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
-		if (s->wood[i / 3])
-			s->wood_low = fmin(s->wood_low, z_of(m, m->index[i]));
 }
 
-/* Middle of the wood's edges within FOOT_SHARE of its lowest vertex, weighed by their lengths; without edges, of the box around its
- * vertices there. */
+/* Of what may be a stem: 2, else of what has enough triangles: 1, else of all: 0. */
+static int rank_of(const struct stance *s, const struct eco_component *c)
+{
+	if (c->triangle_count < STEM_TRIANGLES)
+		return 0;
+	return c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
+}
+
+/* Leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick, and taken too. Where all are alike
+ * (grass), or nothing is long (bushes), all large ones are taken. */
+static void mark_by_shape(struct stance *s)
+{
+	double largest = 0;
+	int rank = 0;
+
+	for (uint32_t i = 0; i < s->components.count; i++)
+		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i]) : rank;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		if (rank_of(s, &s->components.items[i]) >= rank)
+			largest = fmax(largest, s->components.items[i].area);
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		const struct eco_component *c = &s->components.items[i];
+
+		if (rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && is_long(c))
+			s->girth = fmax(s->girth, girth_of(c));
+	}
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		const struct eco_component *c = &s->components.items[i];
+
+		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
+	}
+}
+
+/* Rules win; wood that ends high above all else is none. */
+static void find_wood(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+	bool ruled = false;
+
+	mark_by_shape(s);
+	for (uint32_t i = 0; i < m->triangle_count && m->organ != NULL; i++)
+		if (m->organ[i] == ECO_ORGAN_WOOD) {
+			if (!ruled)
+				memset(s->wood, 0, s->components.count * sizeof *s->wood);
+			ruled = s->wood[s->components.of[i]] = true;
+		}
+	s->wood_low = INFINITY;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		if (s->wood[i])
+			s->wood_low = fmin(s->wood_low, s->components.items[i].low[2]);
+	if (ruled || s->wood_low <= s->low + DEPTH_MOST * (s->high - s->low))
+		return;
+	memset(s->wood, 1, s->components.count * sizeof *s->wood);
+	s->wood_low = s->low;
+}
+
+/* Middle of the stems' edges near their lowest vertices, weighed by their lengths; without edges, of the box around the vertices. */
 static void find_foot(struct stance *s)
 {
 	const struct eco_model *m = s->model;
-	double most = s->wood_low + FOOT_SHARE * (s->high - s->low), sum[2] = { 0, 0 }, weight = 0;
+	double height = s->high - s->low, share = s->girth > 0 ? FOOT_SHARE : HULL_SHARE, sum[2] = { 0, 0 }, weight = 0;
 	double box[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
 
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
 		const float *p = &m->position[(size_t)m->index[i] * 3], *q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
-		double length;
+		uint32_t component = s->components.of[i / 3];
+		double own = s->components.items[component].low[2], length;
 
-		if (!s->wood[i / 3] || p[2] > most)
+		if (!s->wood[component] || own > s->wood_low + STEMS_SHARE * height || p[2] > own + share * height)
 			continue;
 		for (int k = 0; k < 2; k++) {
 			box[k][0] = fmin(box[k][0], p[k]);
 			box[k][1] = fmax(box[k][1], p[k]);
 		}
-		if (q[2] > most)
+		if (q[2] > own + share * height)
 			continue;
-		length = hypot((double)q[0] - p[0], (double)q[1] - p[1]);
+		length = length_of((double)q[0] - p[0], (double)q[1] - p[1]);
 		weight += length;
 		for (int k = 0; k < 2; k++)
 			sum[k] += length * ((double)p[k] + q[k]) / 2;
@@ -123,15 +162,25 @@ static void find_foot(struct stance *s)
 		s->foot[k] = weight > 0 ? sum[k] / weight : (box[k][0] + box[k][1]) / 2;
 }
 
-/* Angle, as seen from the foot from above, of the piece of the triangle in the plane at height z; 0 if it does not meet it. */
-static double angle_at(const struct stance *s, uint32_t triangle, double z)
+/* Which sixteenth of the round a direction is in; products and comparisons alone decide. */
+static unsigned sector_of(double x, double y)
 {
-	double cut[3][2];
-	int count = 0;
+	unsigned sector = y < 0 ? 8 : 0;
+	double ax = fabs(x), ay = fabs(y), low = ax < ay ? ax : ay, high = ax < ay ? ay : ax;
+	unsigned eighth = (ay > ax ? 2 : 0) + ((low > TAN_22_5 * high) != (ay > ax) ? 1 : 0);
 
-	for (int k = 0; k < 3; k++) {
-		const float *p = &s->model->position[(size_t)s->model->index[triangle * 3 + (uint32_t)k] * 3];
-		const float *q = &s->model->position[(size_t)s->model->index[triangle * 3 + (uint32_t)((k + 1) % 3)] * 3];
+	return sector + ((x < 0) != (y < 0) ? 7 - eighth : eighth);
+}
+
+/* The sectors around the foot that the triangle's cut through the plane at height z is in, as bits; 0 if it does not meet it. */
+static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
+{
+	double cut[3][2] = { { 0 } };
+	unsigned count = 0, sectors = 0;
+
+	for (uint32_t k = 0; k < 3; k++) {
+		const float *p = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + k] * 3];
+		const float *q = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + (k + 1) % 3] * 3];
 
 		if ((p[2] < z) == (q[2] < z))
 			continue;
@@ -139,26 +188,26 @@ static double angle_at(const struct stance *s, uint32_t triangle, double z)
 			cut[count][j] = p[j] + ((double)q[j] - p[j]) * (z - p[2]) / ((double)q[2] - p[2]) - s->foot[j];
 		count++;
 	}
-	if (count < 2)
-		return 0;
-	return fabs(atan2(cut[0][0] * cut[1][1] - cut[0][1] * cut[1][0], cut[0][0] * cut[1][0] + cut[0][1] * cut[1][1]));
+	for (int i = 0; i <= STEPS && count >= 2; i++)
+		sectors |= 1u << sector_of(cut[0][0] + (cut[1][0] - cut[0][0]) * i / STEPS, cut[0][1] + (cut[1][1] - cut[0][1]) * i / STEPS);
+	return sectors;
 }
 
-/* Whether what is right below the foot surrounds it. False too when memory ran out. */
+/* Whether what is right below the foot surrounds it at least half. False too when memory ran out. */
 static bool stands_on_something(const struct stance *s)
 {
-	double z = s->wood_low - UNDER * (s->high - s->low), sum = 0;
-	double *angle = calloc((size_t)s->components.count + 1, sizeof *angle);
+	double z = s->wood_low - UNDER * (s->high - s->low);
+	unsigned *sectors = calloc((size_t)s->components.count + 1, sizeof *sectors), all = 0;
 
-	if (angle == NULL)
+	if (sectors == NULL)
 		return false;
 	for (uint32_t i = 0; i < s->model->triangle_count; i++)
 		if (s->components.items[s->components.of[i]].low[2] < z)
-			angle[s->components.of[i]] += angle_at(s, i, z);
+			sectors[s->components.of[i]] |= sectors_at(s, i, z);
 	for (uint32_t i = 0; i < s->components.count; i++)
-		sum += angle[i] >= ANGLE_LEAST ? angle[i] : 0;
-	free(angle);
-	return sum >= PI;
+		all |= __builtin_popcount(sectors[i]) >= SECTORS_LEAST ? sectors[i] : 0;
+	free(sectors);
+	return __builtin_popcount(all) >= SECTORS_HALF;
 }
 
 /* What is below the stem's foot only hangs there. */
@@ -176,7 +225,7 @@ static bool only_hangs(const struct stance *s)
 static void find_ground(struct stance *s, const struct eco_model_frame *frame)
 {
 	double height = s->high - s->low, zero = -frame->base[2];
-	double aside = hypot(s->foot[0] + frame->base[0], s->foot[1] + frame->base[1]);
+	double aside = length_of(s->foot[0] + frame->base[0], s->foot[1] + frame->base[1]);
 
 	s->foot[2] = s->low;
 	if (s->wood_low > s->low && only_hangs(s))
@@ -245,8 +294,8 @@ static enum eco_code stand(struct stance *s, struct eco_model *m, const struct e
 {
 	enum eco_code code;
 
-	find_wood(s);
 	measure(s);
+	find_wood(s);
 	find_foot(s);
 	find_ground(s, frame);
 	code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
@@ -272,10 +321,13 @@ static enum eco_code stand(struct stance *s, struct eco_model *m, const struct e
 enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place, const struct eco_model_frame *frame,
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes, struct eco_error *error)
 {
-	struct stance s = { .model = model, .wood = malloc((size_t)model->triangle_count + 1) };
-	enum eco_code code = s.wood != NULL && eco_components_find(&s.components, model, place, false)
-		? stand(&s, model, frame, options, what, notes, error) : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
+	struct stance s = { .model = model };
+	enum eco_code code;
 
+	if (eco_components_find(&s.components, model, place, false) && (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)) != NULL)
+		code = stand(&s, model, frame, options, what, notes, error);
+	else
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
 	eco_components_free(&s.components);
 	free(s.wood);
 	return code;
