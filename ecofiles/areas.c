@@ -1,4 +1,4 @@
-/* Surfaces are asked by bands of y, each with the edges that cross it; nearness by a grid of cells as wide as what counts as near, each
+/* Surfaces are asked by bands of y, each with the edges that cross it; many of them by a coarse grid of their boxes first; nearness by a grid of cells as wide as what counts as near, each
  * with the edges that come within one cell of it. */
 #include "ecofiles/areas.h"
 
@@ -8,6 +8,7 @@
 
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
+#define BOXES_SIDE_MAX 512u
 #define LINKS_MAX (1u << 27)
 
 enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6, WKB_COLLECTION = 7 };
@@ -286,6 +287,77 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 	return fmax(sum, 0);
 }
 
+/* ---- Many surfaces ---- */
+
+static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
+{
+	double column = (at - b->low[k]) / b->step[k];
+
+	return !(column > 0) ? 0 : column >= b->side ? b->side - 1 : (uint32_t)column;
+}
+
+/* Counts what each cell will hold, then fills it in. */
+static void fill_boxes(struct eco_areas *areas, uint32_t *at, bool count)
+{
+	struct eco_area_boxes *b = &areas->boxes;
+
+	for (uint32_t i = 0; i < areas->count; i++) {
+		const struct eco_area *area = &areas->items[i];
+		uint32_t x0 = box_column(b, 0, area->low[0]), x1 = box_column(b, 0, area->high[0]);
+		uint32_t y0 = box_column(b, 1, area->low[1]), y1 = box_column(b, 1, area->high[1]);
+
+		for (uint32_t y = y0; y <= y1 && area->ring_edges > 0; y++)
+			for (uint32_t x = x0; x <= x1; x++)
+				if (count)
+					at[y * b->side + x]++;
+				else
+					b->member[at[y * b->side + x]++] = i;
+	}
+}
+
+static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *error)
+{
+	struct eco_area_boxes *b = &areas->boxes;
+	double high[2] = { -INFINITY, -INFINITY };
+	uint32_t *at;
+
+	b->low[0] = b->low[1] = INFINITY;
+	for (uint32_t i = 0; i < areas->count; i++)
+		for (int k = 0; k < 2; k++) {
+			b->low[k] = fmin(b->low[k], areas->items[i].low[k]);
+			high[k] = fmax(high[k], areas->items[i].high[k]);
+		}
+	b->side = (uint32_t)fmin(sqrt(areas->count) + 1, BOXES_SIDE_MAX);
+	for (int k = 0; k < 2; k++)
+		b->step[k] = high[k] > b->low[k] ? (high[k] - b->low[k]) / b->side : 1;
+	b->first = calloc((size_t)b->side * b->side + 1, sizeof *b->first);
+	at = calloc((size_t)b->side * b->side + 1, sizeof *at);
+	if (b->first != NULL && at != NULL) {
+		fill_boxes(areas, b->first + 1, true);
+		for (uint32_t c = 0; c < b->side * b->side; c++)
+			at[c + 1] = b->first[c + 1] += b->first[c];
+		b->member = malloc(((size_t)b->first[b->side * b->side] + 1) * sizeof *b->member);
+		if (b->member != NULL)
+			fill_boxes(areas, at, false);
+	}
+	free(at);
+	return b->member != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+}
+
+bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
+{
+	const struct eco_area_boxes *b = &areas->boxes;
+	uint32_t cell;
+
+	if (areas->count == 0)
+		return false;
+	cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
+	for (uint32_t i = b->first[cell]; i < b->first[cell + 1]; i++)
+		if (eco_area_holds(areas, b->member[i], x, y))
+			return true;
+	return false;
+}
+
 /* ---- Nearness ---- */
 
 static uint32_t cell_hash(int64_t x, int64_t y)
@@ -392,6 +464,8 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 		code = index_area(areas, &areas->items[i], error);
 		areas->items[i].size_m2 = surface_of(areas, &areas->items[i]);
 	}
+	if (code == ECO_OK && areas->count > 0)
+		code = index_boxes(areas, error);
 	return code == ECO_OK && near_m > 0 ? index_near(areas, error) : code;
 }
 
@@ -401,6 +475,8 @@ void eco_areas_free(struct eco_areas *areas)
 		free(areas->items[i].strip_first);
 		free(areas->items[i].strip);
 	}
+	free(areas->boxes.first);
+	free(areas->boxes.member);
 	free(areas->items);
 	free(areas->edges);
 	free(areas->cell_head);

@@ -2,7 +2,7 @@
  *
  *   eco_areas_add_wkb(&areas, wkb, size, convert, ctx, &error);      each feature, in any order
  *   eco_areas_index(&areas, near_m, &error);
- *   eco_area_holds(&areas, i, x, y);  eco_areas_near(&areas, x, y);
+ *   eco_area_holds(&areas, i, x, y);  eco_areas_hold(&areas, x, y);  eco_areas_near(&areas, x, y);
  *   eco_areas_free(&areas); */
 #ifndef ECO_AREAS_H
 #define ECO_AREAS_H
@@ -27,6 +27,7 @@ struct eco_area {                        /* a feature: all its rings, by the eve
 struct eco_areas {                       /* owns its arrays; zero-initialised is empty */
 	struct eco_area *items; uint32_t count, capacity;
 	struct eco_edge *edges; uint32_t edge_count, edge_capacity;
+	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;     /* features by what their boxes touch */
 	double near_m;
 	double cell_m; uint32_t *cell_head, cell_mask; /* edges by cells of a grid, hashed */
 	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count, link_capacity;
@@ -45,6 +46,8 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 
 /* Inside the surface of one feature? */
 bool eco_area_holds(const struct eco_areas *areas, uint32_t area, double x, double y);
+/* Inside the surface of any? */
+bool eco_areas_hold(const struct eco_areas *areas, double x, double y);
 /* Within near_m of any edge? */
 bool eco_areas_near(const struct eco_areas *areas, double x, double y);
 void eco_areas_free(struct eco_areas *areas);
