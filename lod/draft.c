@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/light.h"
+
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
 #define WOOD_CHUNK 2048u         /* triangles, about 1024 vertices: edgebreaker needs them to pay */
 #define ENDS_MAX 4096u
@@ -209,6 +211,37 @@ static void put_wood(struct lod_draft *draft, struct eco_elements *e, const stru
 		extra[0] = (int32_t)lod_palette_index(draft->palette, rgb);
 }
 
+void lod_draft_shade(struct lod_draft *draft)
+{
+	const struct lod_mesh *mesh = draft->mesh;
+	draft->shade = lod_arena_take(draft->arena, mesh->vertex_count, sizeof *draft->shade);
+	draft->shaded = lod_arena_take(draft->arena, mesh->component_count, sizeof *draft->shaded);
+	struct lod_arena_piece *mark = draft->arena->last;
+	struct lod_light *light = lod_arena_take(draft->arena, mesh->vertex_count, sizeof *light);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		uint32_t c = mesh->component[t];
+		bool wood = draft->organs->components[c].organ == ECO_ORGAN_WOOD;
+		draft->shaded[c] = draft->shaded[c] || (wood && memcmp(draft->organs->rgb[t], draft->organs->components[c].rgb, 3) != 0);
+	}
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		for (uint32_t k = 0; k < 3 && draft->shaded[mesh->component[t]]; k++)
+			lod_light_add(&light[mesh->index[3 * (size_t)t + k]], draft->organs->rgb[t], draft->organs->area[t]);
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		lod_light_mean(&light[v], draft->shade[v]);
+	lod_arena_release(draft->arena, mark);
+}
+
+static void corner_colour(const struct lod_draft *draft, const struct lod_corner corner[3], uint8_t rgb[3])
+{
+	struct lod_light light = { { 0, 0, 0 }, 0 };
+	memcpy(rgb, draft->organs->components[corner->component].rgb, 3);
+	if (!draft->shaded[corner->component])
+		return;
+	for (int k = 0; k < 3; k++)
+		lod_light_add(&light, draft->shade[corner[k].vertex], 1);
+	lod_light_mean(&light, rgb);
+}
+
 uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
 	uint32_t image, struct eco_ladder *ladder)
 {
@@ -224,7 +257,9 @@ uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels
 	for (uint32_t l = 0; l < levels->count; l++) {
 		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {
 			const struct lod_corner *corner = levels->corner[l] + 3 * (size_t)i;
-			put_wood(draft, &list->elements, corner, draft->organs->components[corner->component].rgb);
+			uint8_t rgb[3];
+			corner_colour(draft, corner, rgb);
+			put_wood(draft, &list->elements, corner, rgb);
 		}
 		end_count = end_level(ends, end_count, at, at + levels->triangle_count[l]);
 		at += levels->triangle_count[l];

@@ -15,6 +15,8 @@ struct lod_draft {
 	const struct lod_mesh *mesh;
 	const struct lod_organs *organs;
 	const struct lod_palette *palette;
+	uint8_t (*shade)[3];         /* per vertex of the mesh: colour of the wood of several colours around it (lod_draft_shade) */
+	bool *shaded;                /* per component: its triangles differ in colour */
 	uint32_t list_capacity, ladder_capacity;
 };
 
@@ -33,6 +35,9 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 /* Lines. Those that are a point on the grid are left out. */
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);
+
+/* Fills `shade` and `shaded`, from which simplified levels take their colours; to be called before lod_draft_wood. */
+void lod_draft_shade(struct lod_draft *draft);
 
 /* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` where there are levels. */
 uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,

@@ -287,6 +287,7 @@ static void build_ladders(struct lod_build *b)
 {
 	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh, .organs = &b->organs,
 		.palette = &b->palette };
+	lod_draft_shade(&b->draft);
 	for (int cells = 0; cells <= (b->cells.count > 0); cells++)
 		for (uint32_t g = 0; g < b->group_count; g++) {
 			if (b->groups[g].organ == ECO_ORGAN_WOOD)
