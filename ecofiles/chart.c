@@ -317,15 +317,14 @@ struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most)
 	double extent = high - low;
 	if (!(extent > 0) || !isfinite(extent))
 		return (struct eco_chart_ticks){ low, 1, 1 };
-	double step = eco_chart_round_below(extent / most);
-	static const double factors[] = { 1, 2, 5, 10, 20 };
-	for (size_t i = 0; i < sizeof factors / sizeof *factors; i++) {
-		double tried = eco_chart_round_below(step * factors[i] * 1.0001), first = ceil(low / tried - 1e-9) * tried;
-		double count = floor((high - first) / tried + 1e-9) + 1;
+	/* from a step that is too small to the first that is not: 1, 2, 5, 10 */
+	for (double step = eco_chart_round_below(extent / most);;) {
+		double first = ceil(low / step - 1e-9) * step, count = floor((high - first) / step + 1e-9) + 1;
 		if (count <= most)
-			return (struct eco_chart_ticks){ first + 0.0, tried, count > 0 ? (uint32_t)count : 0 };
+			return (struct eco_chart_ticks){ first + 0.0, step, count > 0 ? (uint32_t)count : 0 };
+		double next = eco_chart_round_below(2.1 * step);
+		step = next > 1.1 * step ? next : eco_chart_round_below(2.6 * step);
 	}
-	return (struct eco_chart_ticks){ low, extent, 1 };
 }
 
 const char *eco_chart_count_text(uint64_t count, char text[32])

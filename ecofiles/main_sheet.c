@@ -141,10 +141,13 @@ static struct facts find_facts(const struct sheet *s, uint32_t number)
 
 static const char *area_text(double area, char text[32])
 {
+	char whole[32];
 	if (area > 0 && area < 0.1)
 		snprintf(text, 32, "%.3g cm²", area * 1e4);
+	else if (area < 100)
+		snprintf(text, 32, "%.3g m²", area);
 	else
-		snprintf(text, 32, "%.3g m²", area >= 1000 ? round(area) : area);
+		snprintf(text, 32, "%.20s m²", eco_chart_count_text((uint64_t)fmin(area + 0.5, 1e15), whole));
 	return text;
 }
 
@@ -220,19 +223,19 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 	}
 }
 
-/* A length that is a third of the picture or less. */
+/* Below the picture, where nothing hides it: a length that is half of it or less. */
 static void scale_bar(struct sheet *s, const struct sheet_plant *plant, double x, double y)
 {
 	if (!(plant->metres_a_pixel > 0))
 		return;
-	double length = eco_chart_round_below(0.34 * s->pixels * plant->metres_a_pixel), wide = length / plant->metres_a_pixel;
+	double length = eco_chart_round_below(0.5 * s->pixels * plant->metres_a_pixel), wide = length / plant->metres_a_pixel;
 	char text[32];
-	struct eco_chart_style style = { .size = 11, .halo = { 1, 1, 1, 0.8 } };
-	double left = x + 8, bottom = y + s->pixels - 9;
-	const double shape[] = { left, bottom - 4, left, bottom, left + wide, bottom, left + wide, bottom - 4 };
-	eco_chart_path(s->chart, &(struct eco_chart_path){ .points = shape, .count = 4, .line = 3.5, .color = { 1, 1, 1, 0.8 } });
-	eco_chart_path(s->chart, &(struct eco_chart_path){ .points = shape, .count = 4, .line = 1.5, .color = ECO_COLOR(0x202020) });
-	eco_chart_text(s->chart, left + wide + 5, bottom, &style, eco_chart_length_text(length, text));
+	struct eco_chart_style style = { .size = 12 };
+	eco_chart_length_text(length, text);
+	double left = x + (s->pixels - wide - 6 - eco_chart_text_width(s->chart, &style, text)) / 2, bottom = y + s->pixels + 14;
+	const double shape[] = { left, bottom - 5, left, bottom, left + wide, bottom, left + wide, bottom - 5 };
+	eco_chart_path(s->chart, &(struct eco_chart_path){ .points = shape, .count = 4, .line = 1.5, .color = ECO_COLOR(0x303030) });
+	eco_chart_text(s->chart, left + wide + 6, y + s->pixels + 16, &style, text);
 }
 
 static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint32_t column, uint64_t vertices, enum sheet_colors colors,
@@ -254,7 +257,7 @@ static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint3
 			snprintf(text, sizeof text, "Q %.3f · %s", picture.q, count);
 		eco_chart_text(s->chart, x + s->pixels / 2.0, y + s->pixels + 16, &style, text);
 	}
-	if (column == 1)
+	if (column == 0)
 		scale_bar(s, plant, x, y);
 	return ECO_OK;
 }

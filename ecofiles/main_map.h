@@ -1,0 +1,91 @@
+/* Inside `ecopack map`: where everything stands, seen from above, without building a model.
+ *
+ *   map_gather(&map)        scene files, ground, inventories: kinds, points, what was left out and why     main_map_places.c
+ *   map_frame(&map)         which part of the world the picture shows                                      main_map_draw.c
+ *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                                             main_map_ground.c
+ *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density                  main_map_draw.c
+ *
+ * What surrounds the map (legend, grid, arrow, bar) and the command are main_map.c. */
+#ifndef ECO_MAIN_MAP_H
+#define ECO_MAIN_MAP_H
+
+#include <math.h>
+
+#include "ecofiles/chart.h"
+#include "ecofiles/ground.h"
+#include "ecofiles/scene.h"
+
+struct map_kind {                /* plants of one name, whichever file they are of */
+	char name[64];
+	uint64_t count;              /* nested files as often as they are placed */
+	double low_m, high_m;        /* known heights; INFINITY, -INFINITY where none is */
+	uint32_t color;              /* of eco_chart_colors; ECO_CHART_COLORS: among the others */
+};
+
+struct map_point { float x, y, height_m; uint32_t kind; };       /* metres from the origin; height 0: not known */
+struct map_points { struct map_point *items; uint64_t count, capacity; };
+
+struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
+
+struct map_left { char text[160]; uint64_t count; bool heading; };       /* what was read, and what not and why; a heading is a file */
+
+/* A polygon to show, x and y alternating: an area of scatter, or the bounds of a nested file. */
+struct map_outline { double *points; uint32_t count; bool is_area; char name[64]; };
+
+struct map {
+	struct eco_error *error;
+	struct eco_sources sources;
+	struct eco_ground ground;    bool has_ground;
+	struct map_kind *kinds;      uint32_t kind_count, kind_capacity, other_count;
+	uint32_t **kind_of;          /* [source][plant of the source] */
+	struct map_points *own;      /* per source: its own plants, in its own coordinates */
+	struct map_bounds *bounds;   /* per source, with what it nests */
+	uint64_t *totals;            /* per source, with what it nests */
+	struct map_points points;    /* to be drawn: the outer file's, and those of nested files if they are not too many */
+	uint64_t not_expanded;       /* plants of nested files that are outlines only */
+	struct map_left *left;       uint32_t left_count;
+	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
+	uint64_t total, outside, off_ground, placements;
+	double typical_m;            /* median of the known heights */
+	/* the picture */
+	struct eco_chart *chart;
+	struct map_bounds view;      /* metres */
+	double x, y, width, height;  /* pixels of the map */
+	double scale;                /* pixels a metre */
+	double contour_m, low_m, high_m;         /* of the ground in view */
+	bool is_density; double densest;         /* plants a pixel */
+	double dot;                  /* radius for the typical height, pixels */
+};
+
+enum eco_code map_gather(struct map *m, const char *scene);
+void map_free(struct map *m);
+
+/* Sets view, scale, width and height so that the longer side of the map has `pixels`. */
+enum eco_code map_frame(struct map *m, uint32_t pixels);
+enum eco_code map_draw_ground(struct map *m);
+enum eco_code map_draw_contours(struct map *m);
+enum eco_code map_draw_places(struct map *m);
+
+double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
+
+/* A line for the legend: of a file (heading), or of what it left out. */
+enum eco_code map_say(struct map *m, bool heading, uint64_t count, const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* Takes over `points`, malloc'ed. */
+enum eco_code map_add_outline(struct map *m, double *points, uint32_t count, bool is_area, const char *name);
+enum eco_code map_add_point(struct map *m, struct map_points *points, const struct map_point *point);
+
+static inline void map_extend(struct map_bounds *b, double x, double y)
+{
+	b->low[0] = x < b->low[0] ? x : b->low[0];
+	b->low[1] = y < b->low[1] ? y : b->low[1];
+	b->high[0] = x > b->high[0] ? x : b->high[0];
+	b->high[1] = y > b->high[1] ? y : b->high[1];
+}
+#define MAP_NOTHING ((struct map_bounds){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } })
+static inline bool map_is_empty(const struct map_bounds *b) { return !(b->low[0] <= b->high[0]); }
+
+/* Pixels of a place in metres. */
+static inline double map_x(const struct map *m, double x) { return m->x + (x - m->view.low[0]) * m->scale; }
+static inline double map_y(const struct map *m, double y) { return m->y + (m->view.high[1] - y) * m->scale; }
+
+#endif
