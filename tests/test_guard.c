@@ -8,6 +8,9 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <netinet/in.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -19,7 +22,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "ecofiles/ground.h"
 #include "ecofiles/guard.h"
+#include "tests/input_files.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define SANITIZED 1
@@ -378,6 +383,71 @@ static void a_child_reads_and_does_nothing_else(void **state)
 	close(result_file);
 }
 
+/* ---- Files that name others ---- */
+
+#define MOSAIC "<VRTDataset rasterXSize=\"3\" rasterYSize=\"2\"><GeoTransform>0, 10, 0, 20, 0, -10</GeoTransform>" \
+	"<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"0\">%s</SourceFilename>" \
+	"<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>"
+#define TILED "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>%s/${z}/${x}/${y}.png</ServerUrl></Service><DataWindow><UpperLeftX>-10</UpperLeftX>" \
+	"<UpperLeftY>10</UpperLeftY><LowerRightX>10</LowerRightX><LowerRightY>-10</LowerRightY><TileLevel>1</TileLevel></DataWindow>" \
+	"<BandsCount>1</BandsCount></GDAL_WMS>"
+
+static enum eco_code import_text(const char *name, const char *format, const char *within, struct eco_ground *ground, struct eco_error *error)
+{
+	char text[4096];
+
+	snprintf(text, sizeof text, format, within);
+	return eco_ground_import(ground, &(struct eco_ground_options){ .path = input_text("guard", name, text) }, error);
+}
+
+/* With a server that would hear them. */
+static void files_that_name_servers_reach_nobody(void **state)
+{
+	static const struct { const char *name, *format, *within; } files[] = {
+		{ "mosaic.vrt", MOSAIC, "/vsicurl/http://127.0.0.1:%u/dem.tif" }, { "stream.vrt", MOSAIC, "/vsicurl_streaming/http://127.0.0.1:%u/dem.tif" },
+		{ "packed.vrt", MOSAIC, "/vsizip//vsicurl/http://127.0.0.1:%u/dem.zip" }, { "http.vrt", MOSAIC, "http://127.0.0.1:%u/dem.tif" },
+		{ "tiles.xml", TILED, "http://127.0.0.1:%u" },
+	};
+	struct sockaddr_in address = { .sin_family = AF_INET, .sin_addr = { htonl(INADDR_LOOPBACK) } };
+	socklen_t size = sizeof address;
+	int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	struct pollfd heard = { .fd = server, .events = POLLIN };
+
+	(void)state;
+	if (server < 0 || bind(server, (struct sockaddr *)&address, size) != 0 || listen(server, 8) != 0
+		|| getsockname(server, (struct sockaddr *)&address, &size) != 0)
+		skip();
+	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+		struct eco_error error = { .code = ECO_OK };
+		struct eco_ground ground;
+		char within[256];
+
+		snprintf(within, sizeof within, files[i].within, (unsigned)ntohs(address.sin_port));
+		if (import_text(files[i].name, files[i].format, within, &ground, &error) == ECO_OK)
+			fail_msg("%s was read", files[i].name);
+		assert_non_null(strstr(error.text, files[i].name));
+		if (poll(&heard, 1, 0) != 0)
+			fail_msg("%s made a connection", files[i].name);
+	}
+	close(server);
+}
+
+/* Textures and mosaics lie where they lie: whatever the user may read is read. */
+static void files_that_name_other_folders_are_read(void **state)
+{
+	char elsewhere[PATH_MAX];
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_ground ground;
+
+	(void)state;
+	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"),
+		elsewhere));
+	if (import_text("far.vrt", MOSAIC, elsewhere, &ground, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	assert_int_equal(ground.columns, 3);
+	eco_ground_free(&ground);
+}
+
 /* ---- Interruptions ---- */
 
 static void *interrupt_soon(void *ctx)
@@ -501,6 +571,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_child_reads_and_does_nothing_else),
+		cmocka_unit_test(files_that_name_servers_reach_nobody),
+		cmocka_unit_test(files_that_name_other_folders_are_read),
 		cmocka_unit_test(an_interrupted_parent_ends_its_children),
 		cmocka_unit_test(a_parent_that_dies_takes_its_child_along),
 		cmocka_unit_test(the_environment_has_the_last_word_on_limits),
