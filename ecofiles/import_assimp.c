@@ -8,6 +8,7 @@
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
+#include <assimp/config.h>
 #include <assimp/scene.h>
 #include <math.h>
 #include <stdio.h>
@@ -649,11 +650,25 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	return code;
 }
 
+/* Collada's names, not its ids, are what people see. */
+static const struct aiScene *import_scene(const struct eco_model_file *file, struct aiFileIO *io)
+{
+	struct aiPropertyStore *settings = aiCreatePropertyStore();
+	const struct aiScene *scene;
+
+	if (settings == NULL)
+		return aiImportFileEx(file->path, 0, io);
+	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
+	scene = aiImportFileExWithProperties(file->path, 0, io, settings);
+	aiReleasePropertyStore(settings);
+	return scene;
+}
+
 enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct aiFileIO io = { stream_open, stream_close, (char *)file };
-	const struct aiScene *scene = aiImportFileEx(file->path, 0, &io);
+	const struct aiScene *scene = import_scene(file, &io);
 	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
 
