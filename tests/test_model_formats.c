@@ -270,7 +270,10 @@ static void a_point_cloud_is_refused_as_one(void **state)
 	"\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," unit "\n\t}\n}\nDefinitions:  {\n\tVersion: 100\n\tCount: 3\n" \
 	"\tObjectType: \"Geometry\" {\n\t\tCount: 1\n\t}\n\tObjectType: \"Model\" {\n\t\tCount: 1\n\t}\n\tObjectType: \"Material\" {\n\t\tCount: 1\n\t}\n}\n" \
 	"Objects:  {\n\tGeometry: 1000, \"Geometry::mesh\", \"Mesh\" {\n\t\tVertices: *9 {\n\t\t\ta: 0,0,0,10,0,0,0,0,100\n\t\t}\n" \
-	"\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: 124\n\t}\n\tModel: 2000, \"Model::Trunk\", \"Mesh\" {\n\t\tVersion: 232\n" \
+	"\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: 124\n\t\tLayerElementMaterial: 0 {\n\t\t\tVersion: 101\n\t\t\tName: \"\"\n" \
+	"\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tReferenceInformationType: \"IndexToDirect\"\n\t\t\tMaterials: *1 {\n\t\t\t\ta: 0\n\t\t\t}\n" \
+	"\t\t}\n\t\tLayer: 0 {\n\t\t\tVersion: 100\n\t\t\tLayerElement:  {\n\t\t\t\tType: \"LayerElementMaterial\"\n\t\t\t\tTypedIndex: 0\n" \
+	"\t\t\t}\n\t\t}\n\t}\n\tModel: 2000, \"Model::Trunk\", \"Mesh\" {\n\t\tVersion: 232\n" \
 	"\t\tProperties70:  {\n\t\t\tP: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",40,50,60\n\t\t}\n\t}\n" \
 	"\tMaterial: 3000, \"Material::Bark\", \"\" {\n\t\tVersion: 102\n\t\tShadingModel: \"lambert\"\n\t\tProperties70:  {\n" \
 	"\t\t\tP: \"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2\n\t\t}\n\t}\n}\nConnections:  {\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n" \
