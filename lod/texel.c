@@ -73,11 +73,13 @@ void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3])
 /* ---- Means ---- */
 
 #define BLOCKS_MAX (1u << 21)
+#define ROWS_MIN 64
 #define ROWS_MAX 1024
-#define SAMPLES 8                    /* along a side: 64 in all */
+#define SAMPLES 64                   /* of what is a line in the texture */
+#define LEAST 1e-6                   /* share that is nothing */
 #define SEEN 1024u                   /* answers kept; a power of two */
 
-struct lod_texel_sum { uint64_t light[3], opaque, all; };
+struct lod_texel_sum { double light[3], opaque, all; };     /* whole numbers in a row's sums: exact */
 struct lod_texel_seen { int32_t uv[6]; uint8_t rgb[3]; bool used; double share; };
 
 static void add_texel(const struct lod_texels *texels, struct lod_texel_sum *sum, const uint8_t *texel)
@@ -118,24 +120,23 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 	}
 }
 
-/* Adds `times` whole rows' or part of a row's sums. */
-static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, int64_t times)
+static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, double times)
 {
 	for (int k = 0; k < 3; k++)
-		to->light[k] += (uint64_t)times * sum->light[k];
-	to->opaque += (uint64_t)times * sum->opaque;
-	to->all += (uint64_t)times * sum->all;
+		to->light[k] += times * sum->light[k];
+	to->opaque += times * sum->opaque;
+	to->all += times * sum->all;
 }
 
-/* Adds blocks [from, end) of a row that repeats for ever. */
-static void add_span(const struct lod_texels *texels, struct lod_texel_sum *to, int64_t row, int64_t from, int64_t end)
+/* Adds what lies before x, from 0 on, in a row that repeats for ever; blocks that x cuts count in part. */
+static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to, const struct lod_texel_sum *row, double x, double times)
 {
-	int64_t width = texels->width, height = texels->height, y = row % height;
-	const struct lod_texel_sum *before = texels->before + (size_t)(y < 0 ? y + height : y) * (size_t)(width + 1);
-	int64_t turn[2] = { from / width - (from % width < 0), end / width - (end % width < 0) };
-	add_sum(to, &before[width], turn[1] - turn[0]);
-	add_sum(to, &before[end - turn[1] * width], 1);
-	add_sum(to, &before[from - turn[0] * width], -1);
+	double width = texels->width, turns = floor(x / width), rest = x - turns * width;
+	uint32_t i = rest < width ? (uint32_t)rest : texels->width - 1;
+	double part = rest - i;
+	add_sum(to, &row[texels->width], times * turns);
+	add_sum(to, &row[i], times * (1 - part));
+	add_sum(to, &row[i + 1], times * part);
 }
 
 /* Where the triangle's outline crosses the height y. */
@@ -153,41 +154,47 @@ static void cross(double p[3][2], double y, double *low, double *high)
 	}
 }
 
-/* Returns the blocks whose centres are inside. */
-static int64_t sum_rows(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *sum)
+static void sum_rows(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *mean)
 {
 	double p[3][2], low = INFINITY, high = -INFINITY;
-	int64_t blocks = 0;
 	for (int k = 0; k < 3; k++) {
 		p[k][0] = (double)uv[2 * k] * texels->width / ECO_UV_ONE;
 		p[k][1] = (double)uv[2 * k + 1] * texels->height / ECO_UV_ONE;
 		low = fmin(low, p[k][1]);
 		high = fmax(high, p[k][1]);
 	}
-	int64_t first = (int64_t)ceil(low - 0.5), count = (int64_t)ceil(high - 0.5) - first, rows = count < ROWS_MAX ? count : ROWS_MAX;
-	for (int64_t i = 0; i < rows; i++) {
-		int64_t y = first + (2 * i + 1) * count / (2 * rows);
-		double from, end;
-		cross(p, (double)y + 0.5, &from, &end);
+	int rows = high - low < ROWS_MIN ? ROWS_MIN : high - low < ROWS_MAX ? (int)(high - low) : ROWS_MAX;
+	for (int i = 0; i < rows; i++) {
+		double y = low + (i + 0.5) / rows * (high - low), from, end;
+		cross(p, y, &from, &end);
 		if (!(from < end))
 			continue;
-		int64_t x0 = (int64_t)ceil(from - 0.5), x1 = (int64_t)ceil(end - 0.5);
-		add_span(texels, sum, y, x0, x1);
-		blocks += x1 - x0;
+		const struct lod_texel_sum *row = texels->before + (size_t)wrap(floor(y), texels->height) * (texels->width + 1);
+		add_before(texels, mean, row, end, 1);
+		add_before(texels, mean, row, from, -1);
 	}
-	return blocks;
 }
 
-/* SAMPLES^2 congruent parts, sampled at their centres. */
-static void sum_samples(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *sum)
+/* For triangles that are a line or a point in the texture: along their longest side. */
+static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *mean)
 {
-	for (int i = 0; i < SAMPLES; i++)
-		for (int j = 0; i + j < SAMPLES; j++)
-			for (int flip = 0; flip < (i + j < SAMPLES - 1 ? 2 : 1); flip++) {
-				double b = (3 * i + 1 + flip) / (3.0 * SAMPLES), c = (3 * j + 1 + flip) / (3.0 * SAMPLES), a = 1 - b - c;
-				add_texel(texels, sum, lod_texel_at(texels->image, (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE,
-					(a * uv[1] + b * uv[3] + c * uv[5]) / ECO_UV_ONE));
-			}
+	int from = 0;
+	double longest = -1;
+	for (int k = 0; k < 3; k++) {
+		double u = (double)uv[2 * k] - uv[2 * ((k + 1) % 3)], v = (double)uv[2 * k + 1] - uv[2 * ((k + 1) % 3) + 1];
+		if (u * u + v * v > longest) {
+			longest = u * u + v * v;
+			from = k;
+		}
+	}
+	const int32_t *a = uv + 2 * from, *b = uv + 2 * ((from + 1) % 3);
+	for (int i = 0; i < SAMPLES; i++) {
+		struct lod_texel_sum sum = { .all = 0 };
+		double at = (i + 0.5) / SAMPLES;
+		add_texel(texels, &sum, lod_texel_at(texels->image, (a[0] + at * ((double)b[0] - a[0])) / ECO_UV_ONE,
+			(a[1] + at * ((double)b[1] - a[1])) / ECO_UV_ONE));
+		add_sum(mean, &sum, 1);
+	}
 }
 
 static struct lod_texel_seen *look_up(struct lod_texels *texels, const int32_t uv[6])
@@ -198,15 +205,18 @@ static struct lod_texel_seen *look_up(struct lod_texels *texels, const int32_t u
 	struct lod_texel_seen *seen = &texels->seen[hash & (SEEN - 1)];
 	if (seen->used && memcmp(seen->uv, uv, sizeof seen->uv) == 0)
 		return seen;
-	struct lod_texel_sum sum = { .all = 0 };
-	if (sum_rows(texels, uv, &sum) < SAMPLES * SAMPLES) {
-		sum = (struct lod_texel_sum){ .all = 0 };
-		sum_samples(texels, uv, &sum);
+	struct lod_texel_sum mean = { .all = 0 };
+	sum_rows(texels, uv, &mean);
+	if (!(mean.all > 0)) {
+		mean = (struct lod_texel_sum){ .all = 0 };
+		sum_line(texels, uv, &mean);
 	}
-	*seen = (struct lod_texel_seen){ .used = true, .share = sum.all ? (double)sum.opaque / (double)sum.all : 0 };
+	/* Differences of large sums leave a little where there is nothing. */
+	bool any = mean.opaque > LEAST * mean.all;
+	*seen = (struct lod_texel_seen){ .used = true, .share = any ? fmin(mean.opaque / mean.all, 1) : 0 };
 	memcpy(seen->uv, uv, sizeof seen->uv);
-	for (int k = 0; k < 3 && sum.opaque; k++)
-		seen->rgb[k] = lod_light_byte((double)sum.light[k] / (double)sum.opaque);
+	for (int k = 0; k < 3 && any; k++)
+		seen->rgb[k] = lod_light_byte(mean.light[k] / mean.opaque);
 	return seen;
 }
 
