@@ -673,7 +673,7 @@ enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *f
 	enum eco_code code;
 
 	if (scene == NULL && strstr(aiGetErrorString(), "No suitable reader") != NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, glTF or GLB", file->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, GLB, glTF, FBX, PLY or Collada", file->path);
 	if (scene == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
 	if (!meshes_hold_together(scene))

@@ -64,6 +64,27 @@ fi
 [ -s "$DIR/quiet" ] && complain "make --quiet says: $(head -c 200 "$DIR/quiet")"
 cmp -s "$DIR/tiny.eco" "$DIR/again.eco" || complain "the same scene gave another pack"
 
+# ---- What is in a model ----
+expect 2 'the model file is missing' model
+expect 2 'the units are m, cm, mm' model --unit parsec "$DIR/blade.obj"
+expect 2 'y or z' model --up x "$DIR/blade.obj"
+expect 0 'ecopack model FILE' model --help
+expect 0 'triangles +3, 3 kept' model "$DIR/blade.obj"
+expect 0 '"blade": \{"model": ".*blade.obj"' model "$DIR/blade.obj"
+expect 0 'taken for metres: 1.2 m; add "unit" or "height_m" if not' model "$DIR/blade.obj"
+expect 0 'unit +feet, as you say' model --unit ft "$DIR/blade.obj"
+expect 0 '^"plants": \{"blade": \{"model": \[".*blade.obj", ".*blade.obj"\], "up": "y", "height_m": 7' model "$DIR/blade.obj" "$DIR/blade.obj" \
+	--height 7 --up y --as-plant --quiet
+expect 1 'nothing.obj: No such file' model "$DIR/nothing.obj"
+expect 1 'scene.json: not a model' model "$DIR/scene.json"
+: >"$DIR/empty.glb"
+expect 1 'empty.glb: the file is empty' model "$DIR/empty.glb"
+"$PACK" model --json "$DIR/blade.obj" >"$DIR/model.json" || complain "model --json failed"
+if command -v jq >/dev/null; then
+	[ "$(jq -r '[.triangles_in, .triangles_kept + ([.triangles_dropped[]] | add), .component_count, .up, .plant.height_m] | join(" ")' "$DIR/model.json")" \
+		= "3 3 1 y 1.2" ] || complain "model --json: $(head -c 400 "$DIR/model.json")"
+fi
+
 # ---- An inventory, on the ground ----
 printf 'id,kind,e,n,dbh\n1,x,10,20,100\n2,y,11,22,200\n3,x,,5,90\n4,q,12,21,80\n' >"$DIR/stems.csv"
 cat >"$DIR/rows.json" <<JSON
