@@ -23,6 +23,7 @@
 #define LENGTH_LEAST 0.7         /* of the diagonal; a blade folded to a right angle has 0.25 */
 #define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
 #define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
+#define OPEN_MOST 0.2            /* share of border of what is solid: trunks are open at their ends */
 #define STOUT 0.1                /* r/d of what has no use for a skeleton */
 
 #define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
@@ -56,7 +57,7 @@ static enum verdict judge(const struct lod_shape *b, bool cutout)
 	bool tube = b->length >= LENGTH_LEAST * d && b->turn <= BLADE_CLEAR;
 	if (cutout)
 		return CLEARLY_LEAF;
-	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube) && b->open * (1 - b->glued) < 0.1)
+	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube) && b->open * (1 - b->glued) < OPEN_MOST)
 		return SOLID;
 	if (!tube || thin > THICK_CLEAR)
 		return CLEARLY_LEAF;
@@ -142,6 +143,8 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 		bool wood = f->verdict[i] == CLEARLY_WOOD;
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
 			wood = settle_doubt(f, i, clear[material_of(f, i)]);
+		else if (f->verdict[i] == SOLID)
+			wood = clear[material_of(f, i)][1] > 3 * clear[material_of(f, i)][0];
 		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
 	}
 	lod_arena_release(arena, mark);
@@ -186,6 +189,8 @@ static void settle_inlays(struct finder *f)
 #define THING_ABOVE 0.3          /* of the plant's area that is above it */
 #define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
 #define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
+#define STACK_LEAST 3u           /* solids that make a stem */
+#define STACK_WIDTH 0.25         /* of its height */
 #define FEW 4u                   /* components of its material, of a vessel or soil */
 
 /* Components by the heights of their middles, to answer how much of the plant is above. */
@@ -256,20 +261,43 @@ static bool is_vessel(const struct finder *f, uint32_t i)
 	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
 }
 
+/* Solids of one material on top of each other, as the rings of a palm's stem: together a tube from the ground. */
+struct stack { double low[3], high[3]; uint32_t count; };
+
+static void put_on_stack(struct stack *stack, const struct lod_shape *b)
+{
+	for (int a = 0; a < 3; a++) {
+		stack->low[a] = stack->count ? fmin(stack->low[a], b->low[a]) : b->low[a];
+		stack->high[a] = stack->count ? fmax(stack->high[a], b->high[a]) : b->high[a];
+	}
+	stack->count++;
+}
+
+static bool is_stem(const struct finder *f, const struct stack *s)
+{
+	double wide = fmax(s->high[0] - s->low[0], s->high[1] - s->low[1]), high = s->high[2] - s->low[2];
+	return s->count >= STACK_LEAST && wide < STACK_WIDTH * high && s->low[2] - f->mesh->low[2] < FOOT * f->height;
+}
+
 /* What is of one material with things and stands below the plant as they do is one, too: saucers, rims. */
 static void settle_things(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	struct { double things, all; uint32_t count; } *of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
+	struct sums { double things, all; uint32_t count; struct stack stack; } *of;
+	of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
 	double solid = 0;
 	sort_heights(f, arena);
 	for (uint32_t i = 0; i < f->count; i++) {
 		solid += f->verdict[i] == SOLID ? f->shape[i].area : 0;
 		of[material_of(f, i)].count++;
 		of[material_of(f, i)].all += f->shape[i].area;
+		if (f->verdict[i] == SOLID)
+			put_on_stack(&of[material_of(f, i)].stack, &f->shape[i]);
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
 		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
+		if (f->verdict[i] == SOLID && is_stem(f, &of[material_of(f, i)].stack) && !lod_colour_is_green(f->shape[i].rgb))
+			f->organ[i] = ECO_ORGAN_WOOD;
 		thing = thing || (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
 		if (thing) {
 			f->organ[i] = ECO_ORGAN_WOOD;
@@ -410,8 +438,8 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 	f.shape = lod_shapes_find(mesh, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
 	prepare(&f, arena);
 	settle_doubts(&f, arena);
-	settle_copies(&f, arena);
 	settle_things(&f, arena);
+	settle_copies(&f, arena);
 	apply_rules(&f);
 	settle_inlays(&f);
 	settle_herbs(&f);

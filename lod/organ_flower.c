@@ -31,9 +31,9 @@ static enum colour colour_of(const uint8_t rgb[3])
 		return COOL;                         /* cyan */
 	if (vivid && most > 150)
 		return WARM;
-	if (least > 140 && most > 190)
-		return PALE;
-	return most > least + most / 4 && 10 * rgb[2] > 11 * rgb[1] && rgb[0] > 140 ? COOL : DULL;   /* light pink */
+	if (5 * (most - least) > most && 10 * rgb[2] > 11 * rgb[1] && rgb[0] > 140)
+		return COOL;                         /* light pink */
+	return least > 140 && most > 190 ? PALE : DULL;
 }
 
 struct census {
