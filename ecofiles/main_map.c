@@ -144,6 +144,8 @@ static void write_density(struct legend *l)
 	const struct map *m = l->m;
 	struct eco_chart_style style = { .size = 12, .color = gray, .room = LEGEND };
 	char text[120], a[32], b[32];
+	if (!m->points.count)
+		return;
 	if (!m->is_density) {
 		write_line(l, &style, m->typical_m > 0 ? "Dots are larger the taller the plant is." : "Heights are those of the models: not known here.");
 		return;
@@ -217,7 +219,8 @@ static void write_place(struct legend *l)
 	}
 	if (m->placements) {
 		char a[32];
-		snprintf(text, sizeof text, "%u nested files, placed %s times", m->sources.count - 1, eco_chart_count_text(m->placements, a));
+		snprintf(text, sizeof text, "%u nested file%s, placed %s time%s", m->sources.count - 1, m->sources.count == 2 ? "" : "s",
+			eco_chart_count_text(m->placements, a), m->placements == 1 ? "" : "s");
 		write_line(l, &style, text);
 	}
 }

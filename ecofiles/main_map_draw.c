@@ -13,6 +13,7 @@
 #define DENSE 0.25               /* plants a pixel of blocks that have any: beyond, density is shown */
 #define STRAY_SHARE 0.002        /* so many at each end may lie off the picture ... */
 #define STRAY_FACTOR 5.0         /* ... if it then can be so much larger */
+#define NAMED_MOST 12u           /* outlines that bear a name */
 #define RADIUS_LEAST 0.9
 #define RADIUS_MOST 7.0
 
@@ -265,7 +266,7 @@ static enum eco_code draw_outlines(struct map *m, bool areas)
 			eco_chart_path(m->chart, &(struct eco_chart_path){ .points = points, .count = o->count, .closed = true, .line = areas ? 1.2 : 1,
 				.color = areas ? ECO_COLOR(0x5a7a9a) : ECO_COLOR(0x707070),
 				.fill = areas ? (struct eco_color){ 0.4, 0.55, 0.75, 0.12 } : (struct eco_color){ 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
-		if (o->is_area == areas && !areas && m->outline_count <= 40)
+		if (o->is_area == areas && !areas && m->outline_count <= NAMED_MOST)
 			eco_chart_text(m->chart, x, y, &style, o->name);
 		free(points);
 	}

@@ -42,7 +42,8 @@ static enum eco_code parse_column(const char *text, struct column *column, struc
 {
 	char *end;
 	double number = strtod(text, &end), below = 1;
-	if (end != text && *end == '/') {
+	bool is_fraction = end != text && *end == '/';
+	if (is_fraction) {
 		const char *rest = end + 1;
 		below = strtod(rest, &end);
 		if (end == rest)
@@ -50,7 +51,7 @@ static enum eco_code parse_column(const char *text, struct column *column, struc
 	}
 	snprintf(column->title, sizeof column->title, "%.31s", text);
 	column->share = number / below;
-	bool is_count = below == 1 && number > 1;
+	bool is_count = !is_fraction && number > 1;
 	if (is_count && number == floor(number) && number < 1e15) {
 		column->share = 0;
 		column->vertices = (uint64_t)number;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/chunk.h"
+#include "ecofiles/guard.h"
 #include "ecofiles/image.h"
 #include "lod/planner.h"
 
@@ -22,15 +23,6 @@ static enum eco_code no_memory(const struct sheet_plant *p, struct eco_error *er
 
 /* ---- Lists ---- */
 
-static enum eco_code decode_picture(struct sheet_list *to, const uint8_t *bytes, size_t size, const char *name, struct eco_error *error)
-{
-	enum eco_code code = eco_image_read_memory(&to->picture, bytes, size, name, error);
-	size_t texels = (size_t)to->picture.width * to->picture.height;
-	for (size_t i = 0; i < texels && !to->cutout; i++)
-		to->cutout = to->picture.rgba[4 * i + 3] < 128;
-	return code;
-}
-
 static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
@@ -40,17 +32,17 @@ static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_
 		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks) };
 	if (!to->chunks)
 		return no_memory(p, error);
+	if (list->kind == ECO_LIST_IMAGE) {
+		to->chunk_count = list->chunk_count ? 1 : 0;
+		return ECO_OK;
+	}
 	enum eco_code code = ECO_OK;
 	for (uint32_t c = 0; c < list->chunk_count && !code; c++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + c];
 		const uint8_t *bytes;
 		size_t size;
-		char name[120];
-		snprintf(name, sizeof name, "texture of %s", s->plants[p->number].name);
 		code = eco_pack_payload(p->pack, list->chunk_first + c, &bytes, &size, error);
-		if (!code && list->kind == ECO_LIST_IMAGE)
-			code = decode_picture(to, bytes, size, name, error);
-		else if (!code)
+		if (!code)
 			code = eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error);
 		to->chunk_count += !code;
 	}
@@ -75,6 +67,69 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 				code = decode_list(p, image, error);
 		}
 	}
+	return code;
+}
+
+/* ---- Textures: files of strangers, decoded in a child process, all of a plant in one ---- */
+
+static bool is_picture(const struct sheet_list *list) { return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count; }
+
+static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
+{
+	const struct sheet_plant *p = ctx;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < p->list_count && !code; i++) {
+		struct eco_image image = { 0 };
+		const uint8_t *bytes;
+		size_t size;
+		char name[120];
+		if (!is_picture(&p->lists[i]))
+			continue;
+		snprintf(name, sizeof name, "texture of %s", p->scene.plants[p->number].name);
+		code = eco_pack_payload(p->pack, p->lists[i].list->chunk_first, &bytes, &size, error);
+		if (!code)
+			code = eco_image_read_memory(&image, bytes, size, name, error);
+		const uint32_t sides[2] = { image.width, image.height };
+		size_t texels = (size_t)image.width * image.height;
+		if (!code && (fwrite(sides, sizeof sides, 1, out) != 1 || fwrite(image.rgba, 4, texels, out) != texels))
+			code = eco_fail(error, ECO_IO, "%s: its pixels cannot be handed on", name);
+		eco_image_free(&image);
+	}
+	return code;
+}
+
+static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, FILE *from, struct eco_error *error)
+{
+	uint32_t sides[2];
+	if (fread(sides, sizeof sides, 1, from) != 1 || !sides[0] || !sides[1] || (uint64_t)sides[0] * sides[1] > ECO_PIXELS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+	size_t texels = (size_t)sides[0] * sides[1];
+	to->picture = (struct eco_image){ sides[0], sides[1], malloc(4 * texels) };
+	if (!to->picture.rgba)
+		return no_memory(p, error);
+	if (fread(to->picture.rgba, 4, texels, from) != texels)
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+	for (size_t i = 0; i < texels && !to->cutout; i++)
+		to->cutout = to->picture.rgba[4 * i + 3] < 128;
+	return ECO_OK;
+}
+
+static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *error)
+{
+	uint64_t bytes = 0;
+	FILE *from = NULL;
+	for (uint32_t i = 0; i < p->list_count; i++)
+		if (is_picture(&p->lists[i]))
+			bytes += p->pack->scene.chunks[p->lists[i].list->chunk_first].size_bytes;
+	if (!bytes)
+		return ECO_OK;
+	struct eco_guard_limits limits = eco_guard_limits_for(bytes);
+	enum eco_code code = eco_guard_run(decode_in_child, p, p->scene.plants[p->number].name, &limits, &from, error);
+	for (uint32_t i = 0; i < p->list_count && !code; i++)
+		if (is_picture(&p->lists[i]))
+			code = read_picture(p, &p->lists[i], from, error);
+	if (from)
+		fclose(from);
 	return code;
 }
 
@@ -169,7 +224,8 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 {
 	const struct sheet_list *list = b->list = &p->lists[cut->list];
 	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(list->list), from = 0, end;
-	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE && list->list->attributes & ECO_ATTR_UV;
+	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE && list->list->attributes & ECO_ATTR_UV
+		&& p->lists[list->image].picture.rgba;
 	b->geometry.position = malloc(12 * (size_t)count * corners + 1);
 	b->geometry.uv = textured ? malloc(24 * (size_t)count + 1) : NULL;
 	b->geometry.width = list->list->kind == ECO_LIST_LINES ? malloc(4 * (size_t)count + 1) : NULL;
@@ -275,6 +331,8 @@ enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack 
 		code = lod_raster_init(&plant->coarse, &(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)
 		code = decode_lists(plant, error);
+	if (!code)
+		code = decode_pictures(plant, error);
 	if (!code)
 		code = make_scene(plant, error);
 	if (!code)
