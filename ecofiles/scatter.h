@@ -19,6 +19,7 @@
 
 #define ECO_SCATTER_PLANTS_MAX 100000000u
 
+struct eco_filter;               /* positions.h */
 struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };      /* plants a hectare, or shares of what a column says */
 
 struct eco_scatter_spec {        /* texts are owned by whoever made it; NULL where not given */
