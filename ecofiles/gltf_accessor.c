@@ -31,6 +31,11 @@ static size_t element_bytes(const struct eco_gltf_accessor *a)
 	return a->column_bytes * (a->components / a->rows - 1) + a->rows * component_bytes(a->type);
 }
 
+static size_t dense_stride(const struct eco_gltf_accessor *a)
+{
+	return a->column_bytes * (a->components / a->rows);
+}
+
 /* Type and number, from the JSON of an accessor. */
 static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
 	struct eco_error *error)
@@ -55,11 +60,11 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 	if (a->count > ECO_GLTF_VALUES_MAX / a->components)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: accessor %u: no count, or more numbers than are possible (%llu)", doc->path, index,
 			(unsigned long long)ECO_GLTF_VALUES_MAX);
-	a->stride = element_bytes(a);
+	a->stride = dense_stride(a);
 	return ECO_OK;
 }
 
-/* `count` elements of `bytes` bytes each in a view, from json's byteOffset on; a stride of 0 means densely. */
+/* `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
 static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes, size_t stride,
 	const uint8_t **at, struct eco_error *error)
 {
@@ -71,7 +76,7 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 
 	if (code != ECO_OK)
 		return code;
-	need = count == 0 ? 0 : (count - 1) * (stride != 0 ? stride : bytes) + bytes;
+	need = count == 0 ? 0 : (count - 1) * stride + bytes;
 	if (offset > size || need > size - offset)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u needs %llu bytes of bufferView %u, which has %zu", doc->path, accessor,
 			(unsigned long long)need, view, size);
@@ -103,14 +108,14 @@ static uint32_t whole_at(const uint8_t *p, uint64_t type)
 /* A dense copy of the elements, zeros where there are none. */
 static bool own_elements(struct eco_gltf_accessor *a)
 {
-	size_t bytes = element_bytes(a);
-	uint8_t *copy = calloc((size_t)a->count + 1, bytes);
+	size_t stride = dense_stride(a);
+	uint8_t *copy = calloc((size_t)a->count + 1, stride);
 
 	for (uint64_t i = 0; copy != NULL && a->bytes != NULL && i < a->count; i++)
-		memcpy(copy + i * bytes, a->bytes + i * a->stride, bytes);
+		memcpy(copy + i * stride, a->bytes + i * a->stride, element_bytes(a));
 	a->owned = copy;
 	a->bytes = copy;
-	a->stride = bytes;
+	a->stride = stride;
 	return copy != NULL;
 }
 
@@ -119,14 +124,14 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 	const json_t *indices = json_object_get(sparse, "indices"), *values = json_object_get(sparse, "values");
 	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX), type = eco_gltf_whole(indices, "componentType", 0);
 	const uint8_t *where, *what;
-	size_t bytes = element_bytes(a);
+	size_t stride = dense_stride(a);
 	enum eco_code code;
 
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it", doc->path, index);
-	code = locate(doc, index, indices, count, component_bytes(type), 0, &where, error);
+	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where, error);
 	if (code == ECO_OK)
-		code = locate(doc, index, values, count, bytes, 0, &what, error);
+		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
 	if (code != ECO_OK)
 		return code;
 	if (!own_elements(a))
@@ -137,7 +142,7 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 		if (element >= a->count)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names element %u of %llu", doc->path, index, element,
 				(unsigned long long)a->count);
-		memcpy(a->owned + element * bytes, what + i * bytes, bytes);
+		memcpy(a->owned + element * stride, what + i * stride, element_bytes(a));
 	}
 	return ECO_OK;
 }

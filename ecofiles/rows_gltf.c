@@ -192,8 +192,8 @@ static void set_place(struct gltf_rows *g, const double m[16])
 	snprintf(g->text[X], TEXT_BYTES, "%.15g", m[12]);
 	snprintf(g->text[Y], TEXT_BYTES, "%.15g", 0 - m[14]);
 	snprintf(g->text[Z], TEXT_BYTES, "%.15g", m[13]);
-	yaw = round(yaw * 1e6) / 1e6;
-	snprintf(g->text[YAW], TEXT_BYTES, "%.6f", yaw < 0 ? yaw + 360 : yaw + 0.0);
+	yaw = round(yaw * 1e4) / 1e4;
+	snprintf(g->text[YAW], TEXT_BYTES, "%.4f", yaw < 0 ? yaw + 360 : yaw + 0.0);
 	snprintf(g->text[SCALE], TEXT_BYTES, "%.9g", cbrt(fabs(volume)));
 }
 
