@@ -19,7 +19,7 @@
 #define COLORED_VERTICES_MAX ((uint64_t)3 * 60000000)
 
 static const char usage[] =
-	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--reference[=cpu|egl]] -o DIR\n"
+	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--ground-px X] [--reference[=cpu|egl]] -o DIR\n"
 	"\n"
 	"Streams a scene along a camera script and draws every frame as a PNG.\n"
 	"\n"
@@ -28,6 +28,7 @@ static const char usage[] =
 	"  --size WxH              of the pictures, in pixels; at most 16384 either way and 2^26 in all\n"
 	"  --vertices N            budget a frame: points + 2 lines + 3 triangles drawn, instances counted\n"
 	"  --bytes M               budget of each response\n"
+	"  --ground-px X           how far the ground may be from where it is, 0.01 to 65536 pixels; default 1\n"
 	"  --reference[=cpu|egl]   also draw everything at full detail, and score; by default with OpenGL on hardware, else in software\n"
 	"  --tint=kind             colour by representation: green triangles, red lines, blue points, yellow and orange blends\n"
 	"  --frames A..B           only these frames of the script (inclusive)\n"
@@ -43,6 +44,7 @@ struct options {
 	const char *url, *camera, *dir;
 	uint32_t width, height;
 	uint64_t vertices, bytes;
+	double ground_px;
 	bool has_vertices, has_frames;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
@@ -90,6 +92,16 @@ static enum eco_code parse_reference(const char *arg, struct options *o, struct 
 	return o->reference ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference is cpu or egl, not '%s'", engine);
 }
 
+static enum eco_code parse_pixels(const char *text, double *pixels, struct eco_error *error)
+{
+	char *end = NULL;
+	*pixels = text ? strtod(text, &end) : 0;
+	if (text && end != text && !*end && *pixels >= ECO_GROUND_PX_MIN && *pixels <= ECO_GROUND_PX_MAX)
+		return ECO_OK;
+	return eco_fail(error, ECO_BAD_USAGE, "--ground-px takes a number of pixels from %g to %g, not '%s'", ECO_GROUND_PX_MIN,
+		ECO_GROUND_PX_MAX, text ? text : "");
+}
+
 static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o, struct eco_error *error)
 {
 	const char *value;
@@ -105,6 +117,8 @@ static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o,
 	}
 	if (view_option(argc, argv, i, "--bytes", &value))
 		return view_parse_count("--bytes", value, 0, ECO_BYTES_UNBOUNDED - 1, &o->bytes, error);
+	if (view_option(argc, argv, i, "--ground-px", &value))
+		return parse_pixels(value, &o->ground_px, error);
 	if (view_option(argc, argv, i, "--frames", &value))
 		return parse_frames(value, o, error);
 	if (strncmp(argv[*i], "--reference", 11) == 0)
@@ -207,10 +221,8 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
-	const struct eco_plan *plan = view_store_plan(store);
-	bool ground = plan && plan->ground;
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
-	struct view_gl_job job = { store, &selection, eye, near_m, ground, v->options.tint };
+	struct view_gl_job job = { store, &selection, eye, near_m, v->options.tint };
 	double spent = 0;
 	if (v->gl && (!software || view_gl_hardware(v->gl) || selection.vertices <= COLORED_VERTICES_MAX)) {
 		code = view_gl_draw(v->gl, &job, picture, error);
@@ -221,7 +233,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	}
 	if (!code && software) {
 		struct view_picture flat;
-		struct view_reference_job reference = { store, &selection, eye, near_m, ground, 0, &interrupted };
+		struct view_reference_job reference = { store, &selection, eye, near_m, 0, &interrupted };
 		code = view_picture_init(&flat, picture->width, picture->height, error);
 		if (!code)
 			code = view_reference_draw(&reference, &flat, error);
@@ -280,7 +292,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 static enum eco_code score_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye, struct view_frame *f,
 	struct eco_error *error)
 {
-	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED };
+	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED, ECO_GROUND_PX_MIN };
 	struct view_fetch_result result;
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
@@ -302,7 +314,7 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 
 static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
 {
-	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes };
+	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes, .ground_px = v->options.ground_px };
 	request.view.width = v->options.width;
 	request.view.height = v->options.height;
 	double time_s = eco_camera_frame(v->camera, number, &request.view);

@@ -55,6 +55,8 @@ size_t view_fetch_query(const struct eco_request *request, char *out, size_t roo
 			(unsigned long long)request->vertices);
 	if (at < room && request->bytes != ECO_BYTES_UNBOUNDED)
 		at += (size_t)snprintf(out + at, room - at, "&bytes=%llu", (unsigned long long)request->bytes);
+	if (at < room && request->ground_px > 0)
+		at = append_numbers(out, room, at, "&ground_px", &request->ground_px, 1);
 	return at;
 }
 

@@ -265,33 +265,50 @@ static enum eco_code upload_shade(struct frame *f, struct view_shade *shade)
 	return ECO_OK;
 }
 
+static void set_ground(const struct frame *f, const struct view_shader *s, const struct view_shade *shade)
+{
+	const struct view_ground *ground = &f->job->selection->ground;
+	const struct lod_eye *eye = f->job->eye;
+	const double *o = ground->at, *axes[3] = { eye->right, eye->up, eye->forward };
+	float origin[3];
+	for (int i = 0; i < 3; i++)
+		origin[i] = (float)(axes[i][0] * (o[0] - eye->at[0]) + axes[i][1] * (o[1] - eye->at[1]) + axes[i][2] * (o[2] - eye->at[2]));
+	glUniform3fv(s->uniform[VIEW_U_ORIGIN], 1, origin);
+	glUniform3iv(s->uniform[VIEW_U_ANCHOR], 1, ground->anchor);
+	glUniform3fv(s->uniform[VIEW_U_STEP], 1, ground->step);
+	glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade->low[0] - ground->origin[0]), (float)(shade->low[1] - ground->origin[1]),
+		(float)(1 / shade->size_m), (float)(1 / shade->size_m));
+}
+
+static enum eco_code draw_tile(struct frame *f, const struct view_shader *s, const struct view_ground_tile *tile)
+{
+	const struct view_gpu_list *g;
+	enum eco_code code = view_gpu_list(&f->gl->gpu, tile->list, &g, f->error);
+	if (code)
+		return code;
+	const uint8_t *coarser = tile->seam.coarser;
+	bind(0, GL_TEXTURE_BUFFER, g->texture);
+	glUniform3i(s->uniform[VIEW_U_COLUMNS], (int)tile->x.count, (int)tile->x.before, (int)tile->y.before);
+	glUniform2i(s->uniform[VIEW_U_INNER], (int)tile->x.inner, (int)tile->y.inner);
+	glUniform4i(s->uniform[VIEW_U_SEAM], coarser[LOD_GROUND_WEST], coarser[LOD_GROUND_EAST], coarser[LOD_GROUND_SOUTH],
+		coarser[LOD_GROUND_NORTH]);
+	glDrawArrays(GL_TRIANGLES, 0, (GLsizei)((tile->x.inner - 1) * (tile->y.inner - 1) * 6));
+	return ECO_OK;
+}
+
 static enum eco_code draw_ground(struct frame *f)
 {
-	const struct view_list *list = view_store_ground(f->job->store);
-	const struct view_gpu_list *g;
+	const struct view_ground *ground = &f->job->selection->ground;
 	const struct view_shader *s;
 	struct view_shade shade;
-	enum eco_code code = view_gpu_list(&f->gl->gpu, list, &g, f->error);
-	if (!code)
-		code = upload_shade(f, &shade);
+	enum eco_code code = upload_shade(f, &shade);
 	if (code)
 		return code;
 	code = use(f, VIEW_PROGRAM_GROUND, &s);
-	if (!code) {
-		const struct lod_eye *eye = f->job->eye;
-		const double *o = list->list.grid_origin, *axes[3] = { eye->right, eye->up, eye->forward };
-		float origin[3];
-		for (int i = 0; i < 3; i++)
-			origin[i] = (float)(axes[i][0] * (o[0] - eye->at[0]) + axes[i][1] * (o[1] - eye->at[1]) + axes[i][2] * (o[2] - eye->at[2]));
-		uint32_t columns = list->list.columns, rows = list->elements.primitive_count / columns;
-		glUniform3fv(s->uniform[VIEW_U_ORIGIN], 1, origin);
-		glUniform1i(s->uniform[VIEW_U_COLUMNS], (int)columns);
-		glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade.low[0] - o[0]), (float)(shade.low[1] - o[1]), (float)(1 / shade.size_m),
-			(float)(1 / shade.size_m));
-		bind(0, GL_TEXTURE_BUFFER, g->texture);
-		if (columns > 1 && rows > 1)
-			glDrawArrays(GL_TRIANGLES, 0, (GLsizei)((columns - 1) * (rows - 1) * 6));
-	}
+	if (!code)
+		set_ground(f, s, &shade);
+	for (uint32_t i = 0; i < ground->count && !code; i++)
+		code = draw_tile(f, s, &ground->tiles[i]);
 	view_shade_free(&shade);
 	return code;
 }
@@ -428,7 +445,7 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 	enum eco_code code = upload_selection(&f);
 	if (!code)
 		code = draw_sky(&f);
-	if (!code && job->ground)
+	if (!code && job->selection->ground.count)
 		code = draw_ground(&f);
 	bind(1, GL_TEXTURE_BUFFER, gl->instances.texture);
 	bind(2, GL_TEXTURE_BUFFER, gl->members.texture);

@@ -29,7 +29,6 @@ struct view_gl_job {
 	const struct view_selection *selection;
 	const struct lod_eye *eye;
 	double near_m;
-	bool ground;                             /* the store's ground is there and drawn */
 	enum view_tint tint;
 };
 /* `picture` has the size of the target. picture->vertices is summed at the draw calls. */

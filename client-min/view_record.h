@@ -5,7 +5,7 @@
  *   triangle   { p0.xyz, colour } { p1.xyz, centre.x } { p2.xyz, centre.y } { centre.z, u0, v0, u1 }    and, with uv, { v1, u2, v2, 0 }
  *   line       { a.xyz, width } { b.xyz, colour }
  *   point      { p.xyz, colour }                          and, in summaries, { owner low, owner high, key mask, 0 }
- *   ground     { p.xyz, 0 }                               relative to the grid's origin
+ *   ground     { column, row, height as whole steps; normal.x, .y as two signed 1/32767 }
  *
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is added modulo its mask.
  * Floats are stored as their bits; colour is r | g << 8 | b << 16, sRGB. */

@@ -31,14 +31,14 @@ struct scene {
 	const struct eco_plan *plan;
 	struct mesh *meshes;             /* per cut */
 	uint32_t *order;                 /* instances, near to far */
-	float *ground; uint32_t ground_triangles;
-	uint8_t *ground_rgb;
+	uint8_t ground_rgb[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 2][3];
 };
 
 struct worker {
 	const struct scene *scene;
 	struct lod_raster raster;
 	uint32_t number, count;
+	float ground[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 18];      /* one tile's triangles */
 	pthread_t thread;
 	bool started;
 };
@@ -125,42 +125,38 @@ static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_jo
 	return ECO_OK;
 }
 
-/* Two triangles a cell, their diagonal from south-west to north-east, relative to the grid's origin. */
-static enum eco_code make_ground(struct scene *scene, const struct view_list *list, struct eco_error *error)
+/* ---- Drawing ---- */
+
+static bool stopped(const struct view_reference_job *job)
 {
-	uint32_t columns = list->list.columns, rows = list->elements.primitive_count / columns;
-	if (columns < 2 || rows < 2)
-		return ECO_OK;
-	size_t cells = (size_t)(columns - 1) * (rows - 1);
-	float *out = scene->ground = malloc(cells * 18 * sizeof *out);
-	scene->ground_rgb = malloc(cells * 6);
-	if (!out || !scene->ground_rgb)
-		return no_memory(error);
-	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
-	for (uint32_t y = 0; y + 1 < rows; y++)
-		for (uint32_t x = 0; x + 1 < columns; x++)
-			for (int c = 0; c < 6; c++) {
-				const int32_t *at = list->elements.position + 3 * ((size_t)(y + corner[c][1]) * columns + x + corner[c][0]);
-				for (int k = 0; k < 3; k++)
-					*out++ = (float)(at[k] * list->list.grid_step[k]);
-			}
-	scene->ground_triangles = (uint32_t)(2 * cells);
-	for (size_t i = 0; i < 2 * cells; i++)
-		memcpy(scene->ground_rgb + 3 * i, (const uint8_t[3]){ 112, 108, 72 }, 3);
-	return ECO_OK;
+	return job->stop && *job->stop;
 }
 
-/* ---- Drawing ---- */
+/* Two triangles a cell, their diagonal from south-west to north-east; in single floats, as OpenGL has them. */
+static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile, float *out)
+{
+	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
+		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
+			for (int c = 0; c < 6; c++) {
+				const int32_t *at = tile->list->elements.position + 3 * (size_t)view_ground_sample(tile, x + corner[c][0], y + corner[c][1]);
+				for (int k = 0; k < 3; k++)
+					*out++ = (float)(at[k] - ground->anchor[k]) * ground->step[k];
+			}
+	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
+}
 
 static void draw_ground(struct worker *w)
 {
-	const struct scene *scene = w->scene;
-	const struct view_list *list = view_store_ground(scene->job->store);
+	const struct view_ground *ground = &w->scene->job->selection->ground;
 	struct lod_place place = { .cosine = 1, .scale = 1 };
-	memcpy(place.at, list->list.grid_origin, sizeof place.at);
+	memcpy(place.at, ground->at, sizeof place.at);
 	lod_raster_object(&w->raster, &place);
-	struct lod_raster_batch batch = { .count = scene->ground_triangles, .position = scene->ground, .rgb = scene->ground_rgb };
-	lod_raster_triangles(&w->raster, &batch);
+	for (uint32_t i = 0; i < ground->count && !stopped(w->scene->job); i++) {
+		struct lod_raster_batch batch = { .position = w->ground, .rgb = w->scene->ground_rgb[0] };
+		batch.count = tile_triangles(ground, &ground->tiles[i], w->ground);
+		lod_raster_triangles(&w->raster, &batch);
+	}
 }
 
 /* Summary points name their plants one by one. */
@@ -205,19 +201,13 @@ static void draw_mesh(struct worker *w, const struct view_instance *instance, ui
 		lod_raster_points(&w->raster, &batch);
 }
 
-static bool stopped(const struct view_reference_job *job)
-{
-	return job->stop && *job->stop;
-}
-
 static void *work(void *ctx)
 {
 	struct worker *w = ctx;
 	const struct scene *scene = w->scene;
 	const struct view_selection *s = scene->job->selection;
 	lod_raster_camera(&w->raster, scene->job->eye, scene->job->near_m);
-	if (scene->ground_triangles)
-		draw_ground(w);
+	draw_ground(w);
 	for (uint32_t n = w->number; n < s->instance_count && !stopped(scene->job); n += w->count) {
 		uint32_t i = scene->order[n];
 		lod_raster_object(&w->raster, &s->instances[i].place);
@@ -245,11 +235,13 @@ static enum eco_code prepare(struct scene *scene, struct eco_error *error)
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
+	for (size_t i = 0; i < sizeof scene->ground_rgb / sizeof *scene->ground_rgb; i++)
+		memcpy(scene->ground_rgb[i], (const uint8_t[3]){ 112, 108, 72 }, 3);
 	enum eco_code code = ECO_OK;
 	for (uint32_t c = 0; c < s->cut_count && !code; c++)
 		if (s->member_first[c] != s->member_first[c + 1])
 			code = make_mesh(&scene->meshes[c], scene->job, &scene->plan->cuts[c], error);
-	return code || !scene->job->ground ? code : make_ground(scene, view_store_ground(scene->job->store), error);
+	return code;
 }
 
 static void scene_free(struct scene *scene)
@@ -264,8 +256,6 @@ static void scene_free(struct scene *scene)
 	}
 	free(scene->meshes);
 	free(scene->order);
-	free(scene->ground);
-	free(scene->ground_rgb);
 }
 
 /* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky where nothing is. */
@@ -311,12 +301,13 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 {
 	static const struct eco_plan nothing;
 	struct scene scene = { .job = job, .plan = view_store_plan(job->store) };
-	struct worker workers[THREADS_MAX];
 	uint32_t count = job->threads ? job->threads < THREADS_MAX ? job->threads : THREADS_MAX : 2;
+	struct worker *workers = calloc(count, sizeof *workers);
 	double start = view_clock_ms();
+	if (!workers)
+		return no_memory(error);
 	if (!scene.plan)
 		scene.plan = &nothing;
-	memset(workers, 0, sizeof workers);
 	for (uint32_t i = 0; i < count; i++) {
 		workers[i].scene = &scene;
 		workers[i].number = i;
@@ -329,6 +320,7 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	for (uint32_t i = 0; i < count; i++)
 		lod_raster_free(&workers[i].raster);
+	free(workers);
 	scene_free(&scene);
 	picture->vertices = job->selection->vertices;
 	picture->draw_ms = view_clock_ms() - start;

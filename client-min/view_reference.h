@@ -13,7 +13,6 @@ struct view_reference_job {
 	const struct view_selection *selection;
 	const struct lod_eye *eye;
 	double near_m;
-	bool ground;
 	uint32_t threads;                        /* 0: 2 */
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };

@@ -264,8 +264,10 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 		code = walk_runs(&w);
 	}
 	for (uint32_t c = 0; c < w.plan->cut_count && !code; c++)
-		if (w.plan->cuts[c].anchor == ECO_NONE)
+		if (w.plan->cuts[c].anchor == ECO_NONE && view_store_list(store, w.plan->cuts[c].list)->list.kind != ECO_LIST_GROUND)
 			code = walk_once(&w, c);
+	if (!code)
+		code = view_ground_make(&selection->ground, store, eye, error);
 	if (!code)
 		code = finish(&w);
 	free(w.sorted);
@@ -285,6 +287,7 @@ void view_select_free(struct view_selection *selection)
 	free(selection->member_first);
 	free(selection->members);
 	free(selection->roles);
+	view_ground_free(&selection->ground);
 	*selection = (struct view_selection){ 0 };
 }
 

@@ -9,6 +9,7 @@
 #ifndef VIEW_SELECT_H
 #define VIEW_SELECT_H
 
+#include "client-min/view_ground.h"
 #include "client-min/view_store.h"
 #include "lod/view.h"
 
@@ -36,6 +37,7 @@ struct view_selection {                  /* owns its arrays */
 	uint32_t *cut_first, *cuts;      /* per instance (instance_count + 1), and cut indices */
 	uint32_t *member_first, *members;        /* per cut (cut_count + 1), and instance indices */
 	uint8_t *roles;                  /* per cut, enum view_role */
+	struct view_ground ground;       /* its cuts have no members */
 	uint64_t visible_plants;
 	uint64_t vertices;               /* what drawing it draws */
 };

@@ -157,26 +157,32 @@ static const char vertex_points[] =
 	"}\n";
 
 static const char vertex_ground[] =
-	"uniform vec3 u_origin;          // of the grid, view space\n"
-	"uniform int u_columns;\n"
+	"uniform vec3 u_origin;          // of the anchor, view space\n"
+	"uniform ivec3 u_anchor;         // the grid's point near the eye\n"
+	"uniform vec3 u_step;\n"
+	"uniform ivec3 u_columns;        // of the list; samples of the ring before the tile's first\n"
+	"uniform ivec2 u_inner;          // columns and rows that are drawn\n"
+	"uniform ivec4 u_seam;           // levels by which the neighbours in west, east, south, north are coarser\n"
 	"uniform vec4 u_shade_box;       // corner relative to the grid's origin, 1 / size\n"
 	"out vec3 v_normal, v_local;\n"
-	"vec3 sample_at(ivec2 at) { return xyz(texelFetch(u_records, at.y * u_columns + at.x)); }\n"
-	"vec3 normal_at(ivec2 at, ivec2 size) {\n"
-	"	ivec2 low = max(at - 1, ivec2(0)), high = min(at + 1, size - 1);\n"
-	"	vec3 x = sample_at(ivec2(high.x, at.y)) - sample_at(ivec2(low.x, at.y));\n"
-	"	vec3 y = sample_at(ivec2(at.x, high.y)) - sample_at(ivec2(at.x, low.y));\n"
-	"	return normalize(cross(x, y));\n"
-	"}\n"
+	"int snapped(int i, int levels, int inner) { return min((i + ((1 << levels) >> 1)) >> levels << levels, inner - 1); }\n"
 	"void main() {\n"
 	"	int cell = gl_VertexID / 6, corner = gl_VertexID % 6;\n"
-	"	ivec2 size = ivec2(u_columns, textureSize(u_records) / u_columns);\n"
-	"	ivec2 at = ivec2(cell % (u_columns - 1), cell / (u_columns - 1));\n"
+	"	ivec2 at = ivec2(cell % (u_inner.x - 1), cell / (u_inner.x - 1));\n"
 	/* south-west, south-east, north-east; south-west, north-east, north-west */
 	"	at += ivec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner == 5);\n"
-	"	vec3 p = sample_at(at);\n"
+	"	ivec2 to = at;\n"
+	"	if (at.x == 0) to.y = snapped(to.y, u_seam.x, u_inner.y);\n"
+	"	if (at.x == u_inner.x - 1) to.y = snapped(to.y, u_seam.y, u_inner.y);\n"
+	"	if (at.y == 0) to.x = snapped(to.x, u_seam.z, u_inner.x);\n"
+	"	if (at.y == u_inner.y - 1) to.x = snapped(to.x, u_seam.w, u_inner.x);\n"
+	"	uvec4 t = texelFetch(u_records, (to.y + u_columns.z) * u_columns.x + to.x + u_columns.y);\n"
+	"	ivec3 whole = ivec3(t.xyz);\n"
+	"	vec3 p = vec3(whole - u_anchor) * u_step;\n"
 	"	vec3 view = vec3(dot(u_right, p), dot(u_up, p), dot(u_forward, p)) + u_origin;\n"
-	"	v_normal = normal_at(at, size);\n"
+	"	vec2 n = vec2(ivec2(t.ww) << ivec2(16, 0) >> 16) / 32767.0;\n"
+	"	v_normal = vec3(n, sqrt(max(1.0 - dot(n, n), 0.0)));\n"
+	"	p = vec3(whole) * u_step;\n"
 	"	v_local = p;\n"
 	"	v_world = world_of(view);\n"
 	"	v_owner = uvec2(0u);\n"
@@ -289,7 +295,7 @@ static const struct { const char *name, *defines, *vertex, *fragment; bool bare;
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens", "u_origin", "u_first_member",
 	"u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members", "u_alpha", "u_texture", "u_shade", "u_shade_box",
-	"u_path" };
+	"u_path", "u_anchor", "u_step", "u_inner", "u_seam" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name, struct eco_error *error)
 {

@@ -22,7 +22,7 @@ struct view_store {
 	struct eco_chunk_id pack;
 	bool has_scene, has_plan, complete;
 	double near_m;
-	uint32_t ground;
+	uint32_t ground_columns, ground_rows;
 	struct view_list **lists;        uint32_t list_count, list_room;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table list_table, plant_table;
@@ -45,7 +45,6 @@ enum eco_code view_store_new(struct view_store **out, const struct view_store_op
 	store->options = *options;
 	if (!store->options.memory_max)
 		store->options.memory_max = MEMORY_MAX_DEFAULT;
-	store->ground = ECO_NONE;
 	return ECO_OK;
 }
 
@@ -111,7 +110,8 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	store->has_scene = true;
 	store->pack = *pack;
 	store->near_m = scene->near_m;
-	store->ground = scene->ground;
+	store->ground_columns = scene->ground_columns;
+	store->ground_rows = scene->ground_rows;
 	memcpy(store->name, scene->name, sizeof store->name);
 	store->name[sizeof store->name - 1] = '\0';
 	return ECO_OK;
@@ -301,6 +301,14 @@ static enum eco_code decode_image(struct view_store *store, struct view_list *li
 	return account(store, texels * 4, error);
 }
 
+/* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
+static enum eco_code check_ground(const struct view_store *store, struct view_list *list, struct eco_error *error)
+{
+	struct eco_error cause = { 0 };
+	enum eco_code code = eco_ground_tile_of(&list->tile, &list->list, &list->elements, store->ground_columns, store->ground_rows, &cause);
+	return code ? eco_fail(error, code, "list %u: %s", list->id, cause.text) : ECO_OK;
+}
+
 static enum eco_code decode_elements(struct view_store *store, struct view_list *list, const struct eco_chunk *chunk,
 	const uint8_t *payload, struct eco_error *error)
 {
@@ -308,6 +316,8 @@ static enum eco_code decode_elements(struct view_store *store, struct view_list 
 	enum eco_code code = eco_chunk_decode(&list->list, chunk, list->chunk_count, payload, chunk->size_bytes, &more, error);
 	if (!code)
 		code = append(store, list, &more, error);
+	if (!code && list->list.kind == ECO_LIST_GROUND)
+		code = check_ground(store, list, error);
 	eco_elements_free(&more);
 	return code;
 }
@@ -351,13 +361,16 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		const struct view_list *list = view_store_list(store, cut->list);
-		if (!list || !eco_list_vertices(&list->list))
+		bool ground = list && list->list.kind == ECO_LIST_GROUND;
+		if (!list || (!eco_list_vertices(&list->list) && !ground))
 			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws list %u, which %s", i, cut->list,
 				list ? "is not drawable" : "was not sent");
 		uint32_t held = list->chunk_count ? list->marks[list->chunk_count - 1].primitives : 0;
 		if (cut->first > cut->end || cut->end > held)
 			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws [%u,%u) of list %u, of which %u are held", i, cut->first,
 				cut->end, cut->list, held);
+		if (ground && (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws a part of list %u, a tile of ground", i, cut->list);
 		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)
 			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u", i, cut->placement,
 				plan->placement_count);
@@ -368,11 +381,6 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		if (plan->runs[i].placement >= plan->placement_count || plan->runs[i].list_first > plan->runs[i].list_end)
 			return eco_fail(error, ECO_DAMAGED, "run %u of the plan makes no sense", i);
-	if (plan->ground) {
-		const struct view_list *ground = view_store_ground(store);
-		if (!ground || ground->elements.primitive_count != ground->list.primitive_count || !ground->list.columns)
-			return eco_fail(error, ECO_DAMAGED, "the plan draws the ground, which was not sent");
-	}
 	return ECO_OK;
 }
 
@@ -438,10 +446,10 @@ const struct view_plant *view_store_plant(const struct view_store *store, uint32
 	return index == UINT32_MAX ? NULL : store->plants[index];
 }
 
-const struct view_list *view_store_ground(const struct view_store *store)
+void view_store_ground(const struct view_store *store, uint32_t *columns, uint32_t *rows)
 {
-	const struct view_list *list = store->ground == ECO_NONE ? NULL : view_store_list(store, store->ground);
-	return list && list->list.kind == ECO_LIST_GROUND ? list : NULL;
+	*columns = store->ground_columns;
+	*rows = store->ground_rows;
 }
 
 uint32_t view_store_list_count(const struct view_store *store)

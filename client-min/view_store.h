@@ -12,6 +12,7 @@
 #ifndef VIEW_STORE_H
 #define VIEW_STORE_H
 
+#include "ecofiles/ground_tile.h"
 #include "ecofiles/wire.h"
 
 /* Chunks end here; geometry of a chunk can be made without walking the list. All exclusive, running totals. */
@@ -27,6 +28,7 @@ struct view_list {                       /* owned by the store; address is stabl
 	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	struct eco_image image;          /* lists of kind IMAGE, once their chunk is here */
 	bool cutout;                     /* the image has texels with alpha < 0.5 */
+	struct eco_ground_tile tile;     /* lists of kind GROUND, once their chunk is here: level, column and row */
 };
 
 struct view_plant {
@@ -62,7 +64,8 @@ const char *view_store_scene_name(const struct view_store *store);
 
 const struct view_list *view_store_list(const struct view_store *store, uint32_t id);      /* NULL if not held */
 const struct view_plant *view_store_plant(const struct view_store *store, uint32_t id);
-const struct view_list *view_store_ground(const struct view_store *store);                 /* NULL if the scene has none */
+/* Samples of the ground at full detail; 0 if the scene has none. */
+void view_store_ground(const struct view_store *store, uint32_t *columns, uint32_t *rows);
 uint32_t view_store_list_count(const struct view_store *store);
 const struct view_list *view_store_list_at(const struct view_store *store, uint32_t index);   /* in order of arrival */
 

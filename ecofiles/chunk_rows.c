@@ -260,14 +260,31 @@ static int32_t ground_height(const struct eco_rows *rows, uint32_t row)
 	return row > columns ? plus(z[row - 1], minus(z[row - columns], z[row - columns - 1])) : z[row - 1];
 }
 
+/* A sample is as far east as the one south of it, and as far north as the one west of it. */
+static int32_t ground_place(const struct eco_rows *rows, uint32_t row, unsigned axis)
+{
+	const int32_t *values = rows->columns[axis].values;
+	uint32_t columns = rows->shape.ground_columns;
+
+	if (axis == 0)
+		return row >= columns ? values[row - columns] : 0;
+	return row % columns > 0 ? values[row - 1] : 0;
+}
+
 static void take_ground(struct eco_rows *rows)
 {
 	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
 		rows->columns[2].values[row] = minus(rows->columns[2].values[row], ground_height(rows, row));
+	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
+		for (unsigned axis = 0; axis < 2; axis++)
+			rows->columns[axis].values[row] = minus(rows->columns[axis].values[row], ground_place(rows, row, axis));
 }
 
 static void give_ground(struct eco_rows *rows)
 {
+	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
+		for (unsigned axis = 0; axis < 2; axis++)
+			rows->columns[axis].values[row] = plus(rows->columns[axis].values[row], ground_place(rows, row, axis));
 	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
 		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
 }

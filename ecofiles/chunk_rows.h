@@ -16,9 +16,9 @@
  * Of each column Draco codes the values or the differences to the row before, whichever is smaller (its stream says which; kd: the
  * values).
  *
- * Split positions suit rows whose order is given: along a row of ground samples x advances by one step and y not at all, and z is
- * stored as what is left of it after the prediction left + up - upper left (left in the first row, up at the start of a row, where
- * x does not advance).
+ * Split positions suit rows whose order is given. Of ground samples x is stored as the difference to the sample south of it and y as
+ * that to the sample west of it, which are nearly always 0, and z as what is left of it after the prediction left + up - upper left
+ * (left in the first row, up at the start of a row, where x does not advance).
  *
  * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and value & 65535. */
 #ifndef ECO_CHUNK_ROWS_H

@@ -1,36 +1,30 @@
-/* A raster becomes ground: GDAL opens, converts and averages; what is missing is grown in from its neighbours. All of GDAL happens in
- * a child process, which hands back struct eco_ground and its samples. */
-#include "ecofiles/ground.h"
+/* Rasters become ground: GDAL opens and converts; each raster is read as metres (import_ground_read.c) and put on the one grid of the
+ * ground, at its place if it fits, else resampled; what is missing is grown in from its neighbours. All of GDAL happens in a child
+ * process, which hands back struct eco_ground and its samples through a pipe. */
+#include "ecofiles/import_ground.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <errno.h>
-#include <gdal.h>
 #include <gdal_alg.h>
 #include <gdal_utils.h>
-#include <gdalwarper.h>
 #include <math.h>
-#include <ogr_srs_api.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "ecofiles/guard.h"
 
-#define HEIGHT_MAX_M 1e5
-#define NOTE_BYTES 512u
+#define ALIGNED 1e-3                 /* of a sample: closer than this to the grid is on the grid */
+#define GROUND_METRES_MAX 1e7
 
 struct job {
 	const struct eco_ground_options *options;
 	uint32_t side_max;
-	char note[NOTE_BYTES];
-};
-
-struct raster {
-	GDALDatasetH file, floats, warped;   /* floats: a view of band 1 as floats; warped: a view of that in the scene's CRS, or NULL */
-	OGRSpatialReferenceH crs, scene_crs;
-	double transform[6];
+	struct ground_notes notes;
+	struct ground_raster *rasters; uint32_t count;
+	OGRSpatialReferenceH scene_crs;
 };
 
 static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
@@ -51,341 +45,462 @@ static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const
 	return ECO_OK;
 }
 
-/* The raster's CRS as stated, else as the file has it; errors say which line to add. */
-static enum eco_code raster_crs(struct raster *r, const struct eco_ground_options *o, struct job *job, struct eco_error *error)
+/* Takes the vertical part off a CRS: it says what heights are, not where the raster lies. */
+static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *unit_m)
 {
-	OGRSpatialReferenceH own = GDALGetSpatialRef(r->file);
-	const char *stated = o->crs;
+	const char *name = OSRIsCompound(crs) ? OSRGetAttrValue(crs, "COMPD_CS|VERT_CS", 0) : NULL;
 
-	if (o->scene_crs == NULL) {
-		if (own != NULL && (OSRIsProjected(own) || OSRIsGeographic(own)))
-			return eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and \"origin\" to the "
-				"scene", o->path, OSRGetName(own));
-		return ECO_OK;
-	}
-	if (stated == NULL && own == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": \"%.80s\"} "
-			"(if it is the scene's)", o->path, o->scene_crs);
-	if (make_crs(&r->scene_crs, o->scene_crs, "the scene", error) != ECO_OK)
-		return error->code;
-	if (!OSRIsProjected(r->scene_crs) || fabs(OSRGetLinearUnits(r->scene_crs, NULL) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
-			"\"EPSG:32617\"", o->scene_crs);
-	if (stated == NULL) {
-		r->crs = OSRClone(own);
-		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
-		return ECO_OK;
-	}
-	if (make_crs(&r->crs, stated, o->path, error) != ECO_OK)
-		return error->code;
-	if (own != NULL && !OSRIsSame(own, r->crs))
-		snprintf(job->note, sizeof job->note, "%.200s says it is in %.80s; the scene says %.80s, which is used", o->path, OSRGetName(own),
-			stated);
-	return ECO_OK;
+	if (name == NULL)
+		return;
+	snprintf(vertical, 64, "%s", name);
+	*unit_m = OSRGetTargetLinearUnits(crs, "COMPD_CS|VERT_CS", NULL);
+	OSRStripVertical(crs);
 }
 
-/* ---- The view of the raster that is read: north up, in the scene's CRS ---- */
-
-static enum eco_code warp(struct raster *r, const char *path, struct eco_error *error)
+static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 {
-	char *from = NULL, *to = NULL;
-
-	if (r->crs != NULL) {
-		OSRExportToWkt(r->crs, &from);
-		OSRExportToWkt(r->scene_crs, &to);
-	}
-	r->warped = GDALAutoCreateWarpedVRT(r->floats, from, to, GRA_Bilinear, 0.0, NULL);
-	CPLFree(from);
-	CPLFree(to);
-	if (r->warped == NULL)
-		return gdal_fail(path, "it cannot be brought into the scene's CRS", error);
-	return GDALGetGeoTransform(r->warped, r->transform) == CE_None ? ECO_OK : gdal_fail(path, "no place on Earth", error);
-}
-
-/* Whole-number rasters would be averaged and interpolated to whole numbers, in steps. */
-static enum eco_code view_as_floats(struct raster *r, const char *path, struct eco_error *error)
-{
-	char *arguments[] = { "-of", "VRT", "-ot", "Float32", "-b", "1", NULL };
-	GDALTranslateOptions *options = GDALTranslateOptionsNew(arguments, NULL);
-	int usage = 0;
-
-	if (options != NULL)
-		r->floats = GDALTranslate("", r->file, options, &usage);
-	GDALTranslateOptionsFree(options);
-	return r->floats != NULL ? ECO_OK : gdal_fail(path, "its first band cannot be read", error);
-}
-
-static enum eco_code open_raster(struct raster *r, struct job *job, struct eco_error *error)
-{
-	const struct eco_ground_options *o = job->options;
-	bool rotated;
+	const char *text = job->options->scene_crs;
+	char ignored[64];
+	double unit;
 	enum eco_code code;
 
-	r->file = GDALOpenEx(o->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
-	if (r->file == NULL)
-		return gdal_fail(o->path, "not a raster that GDAL can read", error);
-	if (GDALGetRasterCount(r->file) < 1)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", o->path);
-	code = raster_crs(r, o, job, error);
-	if (code == ECO_OK)
-		code = view_as_floats(r, o->path, error);
+	if (text == NULL)
+		return ECO_OK;
+	code = make_crs(&job->scene_crs, text, "the scene", error);
 	if (code != ECO_OK)
 		return code;
-	if (GDALGetGeoTransform(r->file, r->transform) != CE_None)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it does not say where it lies (no geotransform); use a GeoTIFF, or a file with a world "
-			"file beside it", o->path);
-	for (int i = 0; i < 6; i++)
-		if (!isfinite(r->transform[i]))
-			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite", o->path);
-	rotated = r->transform[2] != 0 || r->transform[4] != 0 || r->transform[1] <= 0;
-	if (rotated || (r->crs != NULL && !OSRIsSame(r->crs, r->scene_crs)))
-		return warp(r, o->path, error);
+	split_vertical(job->scene_crs, ignored, &unit);
+	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
+			"\"EPSG:32617\"", text);
 	return ECO_OK;
 }
 
-/* ---- Samples ---- */
-
-static uint32_t bounded_side(int size, uint32_t side_max)
+/* The raster's CRS as stated, else as the file has it; errors say which line to add. */
+static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
-	return (uint32_t)size > side_max ? side_max : (uint32_t)size;
-}
-
-/* Columns, rows and where they are. Averaging down keeps the raster's extent: a sample is the centre of a larger pixel. */
-static enum eco_code place_grid(struct eco_ground *g, const struct raster *r, struct job *job, struct eco_error *error)
-{
-	GDALDatasetH from = r->warped != NULL ? r->warped : r->floats;
 	const struct eco_ground_options *o = job->options;
-	int columns = GDALGetRasterXSize(from), rows = GDALGetRasterYSize(from);
-	const double *t = r->transform;
-	double south;
-
-	if (columns < 2 || rows < 2)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x 2 are needed", o->path, columns, rows);
-	g->columns = bounded_side(columns, job->side_max);
-	g->rows = bounded_side(rows, job->side_max);
-	if (g->columns < (uint32_t)columns || g->rows < (uint32_t)rows)
-		snprintf(job->note, sizeof job->note, "%.300s: %d x %d samples, averaged down to %u x %u; cut out the part that is needed to keep its "
-			"resolution", o->path, columns, rows, g->columns, g->rows);
-	g->step_x_m = t[1] * columns / g->columns;
-	g->step_y_m = fabs(t[5]) * rows / g->rows;
-	south = t[5] < 0 ? t[3] + t[5] * rows : t[3];
-	g->x_m = t[0] + g->step_x_m / 2 - o->origin[0];
-	g->y_m = south + g->step_y_m / 2 - o->origin[1];
-	if (!(g->step_x_m > 0) || !(g->step_y_m > 0) || !isfinite(g->x_m) || !isfinite(g->y_m))
-		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", o->path);
-	return ECO_OK;
-}
-
-struct meaning { bool has_no_data; double no_data, scale, offset; };
-
-static struct meaning meaning_of(GDALRasterBandH band)
-{
-	int has_no_data = 0, has_scale = 0, has_offset = 0;
-	struct meaning m = { .no_data = GDALGetRasterNoDataValue(band, &has_no_data), .scale = GDALGetRasterScale(band, &has_scale),
-		.offset = GDALGetRasterOffset(band, &has_offset) };
-
-	m.has_no_data = has_no_data != 0;
-	if (!has_scale || !isfinite(m.scale) || m.scale == 0)
-		m.scale = 1;
-	if (!has_offset || !isfinite(m.offset))
-		m.offset = 0;
-	return m;
-}
-
-/* Metres, or NaN for what is no height. */
-static double metres_of(const struct meaning *m, float raw)
-{
-	double metres = raw * m->scale + m->offset;
-
-	if (m->has_no_data && raw == (float)m->no_data)
-		return NAN;
-	return fabs(metres) <= HEIGHT_MAX_M ? metres : NAN;
-}
-
-struct strip {                       /* one row of the raster, and sums for one row of the ground */
-	float *raw;
-	double *sum;
-	uint32_t *count;
-};
-
-/* Means of the raster's rows [first, end) into one row of the ground. */
-static bool average_rows(const struct eco_ground *g, GDALRasterBandH band, const struct meaning *meaning, struct strip *strip, int first,
-	int end, int columns, float *to, double origin_z)
-{
-	memset(strip->sum, 0, g->columns * sizeof *strip->sum);
-	memset(strip->count, 0, g->columns * sizeof *strip->count);
-	for (int y = first; y < end; y++) {
-		if (GDALRasterIO(band, GF_Read, 0, y, columns, 1, strip->raw, columns, 1, GDT_Float32, 0, 0) != CE_None)
-			return false;
-		for (int x = 0; x < columns; x++) {
-			double metres = metres_of(meaning, strip->raw[x]);
-			uint32_t c = (uint32_t)((uint64_t)x * g->columns / (uint32_t)columns);
-
-			if (isnan(metres))
-				continue;
-			strip->sum[c] += metres;
-			strip->count[c]++;
-		}
-	}
-	for (uint32_t c = 0; c < g->columns; c++)
-		to[c] = strip->count[c] > 0 ? (float)(strip->sum[c] / strip->count[c] - origin_z) : NAN;
-	return true;
-}
-
-static bool average_all(struct eco_ground *g, GDALDatasetH from, bool north_first, struct strip *strip, double origin_z)
-{
-	GDALRasterBandH band = GDALGetRasterBand(from, 1);
-	struct meaning meaning = meaning_of(band);
-	int columns = GDALGetRasterXSize(from), rows = GDALGetRasterYSize(from);
-
-	for (uint32_t r = 0; r < g->rows; r++) {
-		int first = (int)((uint64_t)r * (uint32_t)rows / g->rows), end = (int)((uint64_t)(r + 1) * (uint32_t)rows / g->rows);
-		float *to = &g->height_m[(size_t)(north_first ? g->rows - 1 - r : r) * g->columns];
-
-		if (!average_rows(g, band, &meaning, strip, first, end, columns, to, origin_z))
-			return false;
-	}
-	return true;
-}
-
-/* Reads row by row: GDAL's own averaging rounds to the file's number type and knows nothing of absurd values. */
-static enum eco_code read_samples(struct eco_ground *g, const struct raster *r, const struct job *job, struct eco_error *error)
-{
-	GDALDatasetH from = r->warped != NULL ? r->warped : r->floats;
-	struct strip strip = { .raw = malloc((size_t)GDALGetRasterXSize(from) * sizeof *strip.raw),
-		.sum = malloc(g->columns * sizeof *strip.sum), .count = malloc(g->columns * sizeof *strip.count) };
+	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file != NULL ? OSRClone(file) : NULL;
+	const char *stated = o->source->crs;
 	enum eco_code code = ECO_OK;
 
-	g->height_m = malloc((size_t)g->columns * g->rows * sizeof *g->height_m);
-	if (g->height_m == NULL || strip.raw == NULL || strip.sum == NULL || strip.count == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->options->path);
-	else if (!average_all(g, from, r->transform[5] < 0, &strip, job->options->origin[2]))
-		code = gdal_fail(job->options->path, "its samples cannot be read", error);
-	free(strip.raw);
-	free(strip.sum);
-	free(strip.count);
+	if (own != NULL)
+		split_vertical(own, r->vertical, &r->crs_unit_m);
+	if (o->scene_crs == NULL) {
+		if (own != NULL && (OSRIsProjected(own) || OSRIsGeographic(own)))
+			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and \"origin\" to "
+				"the scene", r->path, OSRGetName(own));
+	} else if (stated != NULL) {
+		code = make_crs(&r->crs, stated, r->path, error);
+		if (code == ECO_OK && r->vertical[0] == 0)
+			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
+		if (code == ECO_OK && own != NULL && !OSRIsSame(own, r->crs))
+			ground_note(&job->notes, "%.200s says it is in %.80s; the scene says %.80s, which is used", r->path, OSRGetName(own), stated);
+	} else if (own == NULL) {
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": "
+			"\"%.80s\"} (if it is the scene's)", r->path, o->scene_crs);
+	} else {
+		r->crs = OSRClone(own);
+		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
+	}
+	if (own != NULL)
+		OSRDestroySpatialReference(own);
 	return code;
 }
 
-/* ---- Missing samples ---- */
+/* ---- Vertical datum ---- */
 
-/* Mean of the up to eight neighbours that have a height in `known`. */
-static float neighbour_mean(const struct eco_ground *g, const uint32_t *round, uint32_t now, size_t i)
+/* Equal as written, or as PROJ names them. */
+static bool same_datum(const char *a, const char *b)
 {
-	int64_t column = (int64_t)(i % g->columns), row = (int64_t)(i / g->columns);
-	double sum = 0;
-	int count = 0;
+	OGRSpatialReferenceH x = OSRNewSpatialReference(NULL), y = OSRNewSpatialReference(NULL);
+	const char *name_x = OSRSetFromUserInput(x, a) == OGRERR_NONE ? OSRGetName(x) : a;
+	const char *name_y = OSRSetFromUserInput(y, b) == OGRERR_NONE ? OSRGetName(y) : b;
+	bool same = strcasecmp(a, b) == 0 || (name_x != NULL && name_y != NULL && strcasecmp(name_x, name_y) == 0);
 
-	for (int64_t y = row > 0 ? row - 1 : 0; y <= row + 1 && y < (int64_t)g->rows; y++)
-		for (int64_t x = column > 0 ? column - 1 : 0; x <= column + 1 && x < (int64_t)g->columns; x++) {
-			size_t k = (size_t)y * g->columns + (size_t)x;
-
-			if (round[k] < now) {
-				sum += g->height_m[k];
-				count++;
-			}
-		}
-	return count > 0 ? (float)(sum / count) : NAN;
+	OSRDestroySpatialReference(x);
+	OSRDestroySpatialReference(y);
+	return same;
 }
 
-static size_t push_missing_neighbours(const struct eco_ground *g, uint32_t *round, uint32_t now, size_t i, size_t *queue, size_t end)
+/* Heights of two datums differ by up to 100 m (ellipsoid and geoid): none is converted, and none is guessed. */
+static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
 {
-	int64_t column = (int64_t)(i % g->columns), row = (int64_t)(i / g->columns);
+	const struct eco_ground_source *source = job->options->source;
+	const char *scene = job->options->scene_vertical, *own = source->vertical != NULL ? source->vertical : r->vertical;
 
-	for (int64_t y = row > 0 ? row - 1 : 0; y <= row + 1 && y < (int64_t)g->rows; y++)
-		for (int64_t x = column > 0 ? column - 1 : 0; x <= column + 1 && x < (int64_t)g->columns; x++) {
-			size_t k = (size_t)y * g->columns + (size_t)x;
-
-			if (round[k] == UINT32_MAX) {
-				round[k] = now;
-				queue[end++] = k;
-			}
-		}
-	return end;
+	if (source->vertical != NULL && scene == NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "
+			"scene, or what its heights count from", source->vertical);
+	if (scene != NULL && own[0] == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": \"%.60s\" to "
+			"the ground, if that is what its heights count from", r->path, scene);
+	if (scene != NULL && !same_datum(scene, own))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at hand; convert "
+			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
+	if (scene == NULL && r == job->rasters)
+		ground_note(&job->notes, "%.200s: what its heights count from %s%.60s%s, and the scene does not say either; they are taken as they are (to "
+			"be sure, add \"vertical\" to the scene and to its ground)", r->path, own[0] != 0 ? "is said to be " : "is not said", own,
+			own[0] != 0 ? " by the file" : "");
+	return ECO_OK;
 }
 
-/* Grows the known samples outwards ring by ring: each round gives the missing samples that touch known ones the mean of those, so
- * that the result does not depend on an order. Linear in the samples. */
-static bool fill(struct eco_ground *g, uint32_t *round, size_t *queue)
-{
-	size_t count = (size_t)g->columns * g->rows, begin = 0, end = 0;
-	uint32_t now = 1;
+/* ---- Where a raster lies ---- */
 
-	for (size_t i = 0; i < count; i++) {
-		round[i] = isnan(g->height_m[i]) ? UINT32_MAX : 0;
-		g->filled += round[i] != 0;
+static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source, struct eco_error *error)
+{
+	double *t = r->transform;
+
+	if (source->has_place) {
+		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0, -source->pixel[1] };
+
+		memcpy(t, stated, sizeof stated);
+	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the ground \"north_west\": [x, y], the outer corner "
+			"of its first pixel, and \"pixel\": their size; or put a world file beside it", r->path);
 	}
-	if (g->filled == count)
-		return false;
-	for (size_t i = 0; i < count && g->filled > 0; i++)
-		if (round[i] == 0)
-			end = push_missing_neighbours(g, round, now, i, queue, end);
-	while (begin < end) {
-		size_t last = end;
+	for (int i = 0; i < 6; i++)
+		if (!isfinite(t[i]))
+			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite", r->path);
+	if (t[1] * t[5] - t[2] * t[4] == 0)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
+	return ECO_OK;
+}
 
-		for (size_t k = begin; k < last; k++)
-			g->height_m[queue[k]] = neighbour_mean(g, round, now, queue[k]);
-		now++;
-		for (; begin < last; begin++)
-			end = push_missing_neighbours(g, round, now, queue[begin], queue, end);
+/* What GDAL would resample it to: extent and resolution in the scene's CRS. */
+static enum eco_code suggest(struct ground_raster *r, const struct job *job, struct eco_error *error)
+{
+	GDALDriverH memory = GDALGetDriverByName("MEM");
+	/* a raster of this place and size without samples: GDAL asks for no more */
+	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
+	char *from = NULL, *to = NULL;
+	double t[6];
+	int columns = 0, rows = 0;
+	bool good = false;
+	void *transformer = NULL;
+
+	if (frame == NULL)
+		return gdal_fail(r->path, "no room for its place", error);
+	GDALSetGeoTransform(frame, r->transform);
+	if (r->crs != NULL) {
+		OSRExportToWkt(r->crs, &from);
+		OSRExportToWkt(job->scene_crs, &to);
+	}
+	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
+	if (transformer != NULL) {
+		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns, &rows) == CE_None && columns > 0 && rows > 0;
+		GDALDestroyGenImgProjTransformer(transformer);
+	}
+	CPLFree(from);
+	CPLFree(to);
+	GDALClose(frame);
+	if (!good)
+		return gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+	r->low[0] = t[0];
+	r->high[0] = t[0] + t[1] * columns;
+	r->low[1] = t[3] + t[5] * rows;
+	r->high[1] = t[3];
+	r->step[0] = t[1];
+	r->step[1] = -t[5];
+	return ECO_OK;
+}
+
+static enum eco_code find_place(struct ground_raster *r, const struct job *job, struct eco_error *error)
+{
+	const double *t = r->transform;
+
+	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (r->crs == NULL || OSRIsSame(r->crs, job->scene_crs));
+	if (!r->direct)
+		return suggest(r, job, error);
+	r->low[0] = t[0];
+	r->high[0] = t[0] + t[1] * r->columns;
+	r->low[1] = fmin(t[3], t[3] + t[5] * r->rows);
+	r->high[1] = fmax(t[3], t[3] + t[5] * r->rows);
+	r->step[0] = t[1];
+	r->step[1] = fabs(t[5]);
+	return ECO_OK;
+}
+
+static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
+{
+	enum eco_code code;
+
+	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+	if (r->file == NULL)
+		return gdal_fail(r->path, "not a raster that GDAL can read", error);
+	if (GDALGetRasterCount(r->file) < 1)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", r->path);
+	r->columns = GDALGetRasterXSize(r->file);
+	r->rows = GDALGetRasterYSize(r->file);
+	if (r->columns < 2 || r->rows < 2)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x 2 are needed", r->path, r->columns, r->rows);
+	code = raster_crs(r, job, error);
+	if (code == ECO_OK)
+		code = check_vertical(r, job, error);
+	if (code == ECO_OK)
+		code = find_transform(r, job->options->source, error);
+	return code == ECO_OK ? find_place(r, job, error) : code;
+}
+
+/* ---- The grid of the ground ---- */
+
+struct frame { double low[2], step[2]; uint32_t samples[2]; };     /* low: outer corner */
+
+static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_error *error)
+{
+	const struct ground_raster *first = &job->rasters[0];
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY }, step[2] = { INFINITY, INFINITY };
+
+	for (uint32_t i = 0; i < job->count; i++)
+		for (int k = 0; k < 2; k++) {
+			low[k] = fmin(low[k], job->rasters[i].low[k]);
+			high[k] = fmax(high[k], job->rasters[i].high[k]);
+			step[k] = fmin(step[k], job->rasters[i].step[k]);
+		}
+	for (int k = 0; k < 2; k++) {
+		double count = floor((high[k] - low[k]) / step[k] + 0.5);
+
+		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k]) || high[k] - low[k] > GROUND_METRES_MAX)
+			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m makes no sense", first->path, high[k] - low[k],
+				step[k]);
+		f->low[k] = low[k];
+		f->samples[k] = count > job->side_max ? job->side_max : (uint32_t)count;
+		f->step[k] = count > job->side_max ? (high[k] - low[k]) / job->side_max : step[k];
+	}
+	if (f->step[0] > step[0] || f->step[1] > step[1])
+		ground_note(&job->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut out the part that is needed to keep its resolution",
+			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1], f->samples[0], f->samples[1]);
+	return ECO_OK;
+}
+
+/* How finely a raster is read: not finer than the ground. */
+static uint32_t read_side(const struct ground_raster *r, const struct frame *f, int axis)
+{
+	uint32_t size = (uint32_t)(axis == 0 ? r->columns : r->rows);
+	double wanted = floor(size * r->step[axis] / f->step[axis] + 0.5);
+
+	return wanted >= size ? size : wanted < 2 ? 2 : (uint32_t)wanted;
+}
+
+/* Index of the sample of the ground that the samples' first is, if they are on its grid. */
+static bool on_grid(const struct ground_samples *s, const struct frame *f, int64_t first[2], int sign[2])
+{
+	const double *t = s->transform;
+	double pixel[2] = { t[1], t[5] }, corner[2] = { t[0], t[3] };
+
+	for (int k = 0; k < 2; k++) {
+		double at = (corner[k] + pixel[k] / 2 - f->low[k]) / f->step[k] - 0.5;
+
+		if (fabs(fabs(pixel[k]) / f->step[k] - 1) > ALIGNED / (k == 0 ? s->columns : s->rows) || fabs(at - floor(at + 0.5)) > ALIGNED)
+			return false;
+		first[k] = (int64_t)floor(at + 0.5);
+		sign[k] = pixel[k] > 0 ? 1 : -1;
 	}
 	return true;
 }
 
-static enum eco_code fill_missing(struct eco_ground *g, const char *path, struct eco_error *error)
+/* Where several rasters have a height, the first counts. */
+static void put(struct eco_ground *g, int64_t column, int64_t row, float metres, double origin_z)
 {
-	size_t count = (size_t)g->columns * g->rows;
-	uint32_t *round = malloc(count * sizeof *round);
-	size_t *queue = malloc(count * sizeof *queue);
-	enum eco_code code = ECO_OK;
+	float *to;
 
-	if (round == NULL || queue == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
-	else if (!fill(g, round, queue))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds no height at all, only NODATA", path);
-	free(round);
-	free(queue);
+	if (column < 0 || row < 0 || column >= g->columns || row >= g->rows || isnan(metres))
+		return;
+	to = &g->height_m[(size_t)row * g->columns + (size_t)column];
+	if (isnan(*to))
+		*to = (float)((double)metres - origin_z);
+}
+
+static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH crs)
+{
+	GDALDriverH driver = GDALGetDriverByName("MEM");
+	GDALDatasetH data = driver != NULL ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0, GDT_Float32, NULL) : NULL;
+	char pointer[64], text[96];
+	char *options[] = { text, NULL };
+	int length = CPLPrintPointer(pointer, s->metres, sizeof pointer - 1);
+
+	if (data == NULL)
+		return NULL;
+	pointer[length] = 0;
+	snprintf(text, sizeof text, "DATAPOINTER=%s", pointer);
+	if (GDALAddBand(data, GDT_Float32, options) != CE_None) {
+		GDALClose(data);
+		return NULL;
+	}
+	GDALSetGeoTransform(data, (double *)s->transform);
+	GDALSetRasterNoDataValue(GDALGetRasterBand(data, 1), NAN);
+	if (crs != NULL)
+		GDALSetSpatialRef(data, crs);
+	return data;
+}
+
+/* The part of the ground that a raster can reach: [first, end) of its samples. */
+static void reach(const struct ground_raster *r, const struct frame *f, int64_t first[2], int64_t end[2])
+{
+	for (int k = 0; k < 2; k++) {
+		first[k] = (int64_t)floor((r->low[k] - f->low[k]) / f->step[k]);
+		end[k] = (int64_t)ceil((r->high[k] - f->low[k]) / f->step[k]);
+		first[k] = first[k] < 0 ? 0 : first[k];
+		end[k] = end[k] > f->samples[k] ? f->samples[k] : end[k];
+	}
+}
+
+static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const struct job *job, const struct frame *f,
+	const int64_t first[2], const int64_t end[2])
+{
+	char bounds[4][40], size[2][24], *wkt = NULL;
+	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift", "-dstnodata", "nan", "-te", bounds[0],
+		bounds[1], bounds[2], bounds[3], "-ts", size[0], size[1], NULL };
+	GDALWarpAppOptions *options;
+	GDALDatasetH to = NULL;
+	int usage = 0;
+
+	for (int k = 0; k < 2; k++) {
+		snprintf(bounds[k], sizeof bounds[k], "%.17g", f->low[k] + (double)first[k] * f->step[k]);
+		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g", f->low[k] + (double)end[k] * f->step[k]);
+		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
+	}
+	if (r->crs != NULL && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
+		arguments[19] = "-t_srs";
+		arguments[20] = wkt;
+		arguments[21] = NULL;
+	}
+	options = GDALWarpAppOptionsNew(arguments, NULL);
+	if (options != NULL)
+		to = GDALWarp("", NULL, 1, &from, options, &usage);
+	GDALWarpAppOptionsFree(options);
+	CPLFree(wkt);
+	return to;
+}
+
+static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s, const struct ground_raster *r,
+	const struct job *job, const struct frame *f, struct eco_error *error)
+{
+	int64_t first[2], end[2];
+	GDALDatasetH from, to = NULL;
+	float *line;
+	bool good;
+
+	reach(r, f, first, end);
+	if (first[0] >= end[0] || first[1] >= end[1])
+		return ECO_OK;
+	line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
+	from = wrap(s, r->crs);
+	if (from != NULL && line != NULL)
+		to = warp(from, r, job, f, first, end);
+	good = to != NULL;
+	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
+		int width = (int)(end[0] - first[0]);
+
+		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1, GDT_Float32, 0, 0) == CE_None;
+		for (int x = 0; good && x < width; x++)
+			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
+	}
+	if (to != NULL)
+		GDALClose(to);
+	if (from != NULL)
+		GDALClose(from);
+	free(line);
+	return good ? ECO_OK : gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+}
+
+static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r, const struct frame *f,
+	struct eco_error *error)
+{
+	struct ground_samples s;
+	int64_t first[2];
+	int sign[2];
+	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0), read_side(r, f, 1), &job->notes, error);
+
+	if (code == ECO_OK && r->direct && on_grid(&s, f, first, sign)) {
+		for (uint32_t y = 0; y < s.rows; y++)
+			for (uint32_t x = 0; x < s.columns; x++)
+				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y, s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
+	} else if (code == ECO_OK) {
+		code = put_resampled(g, &s, r, job, f, error);
+	}
+	free(s.metres);
+	return code;
+}
+
+static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_error *error)
+{
+	struct frame frame;
+	size_t count;
+	enum eco_code code = place_frame(&frame, job, error);
+
+	if (code != ECO_OK)
+		return code;
+	g->columns = frame.samples[0];
+	g->rows = frame.samples[1];
+	g->step_x_m = frame.step[0];
+	g->step_y_m = frame.step[1];
+	g->x_m = frame.low[0] + frame.step[0] / 2 - job->options->origin[0];
+	g->y_m = frame.low[1] + frame.step[1] / 2 - job->options->origin[1];
+	count = (size_t)g->columns * g->rows;
+	g->height_m = malloc(count * sizeof *g->height_m);
+	if (g->height_m == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns, g->rows);
+	for (size_t i = 0; i < count; i++)
+		g->height_m[i] = NAN;
+	for (uint32_t i = 0; i < job->count && code == ECO_OK; i++)
+		code = add_raster(g, job, &job->rasters[i], &frame, error);
 	return code;
 }
 
 /* ---- The child and its parent ---- */
 
-static void close_raster(struct raster *r)
+static void close_rasters(struct job *job)
 {
-	if (r->warped != NULL)
-		GDALClose(r->warped);
-	if (r->floats != NULL)
-		GDALClose(r->floats);
-	if (r->file != NULL)
-		GDALClose(r->file);
-	if (r->crs != NULL)
-		OSRDestroySpatialReference(r->crs);
-	if (r->scene_crs != NULL)
-		OSRDestroySpatialReference(r->scene_crs);
+	for (uint32_t i = 0; i < job->count; i++) {
+		if (job->rasters[i].file != NULL)
+			GDALClose(job->rasters[i].file);
+		if (job->rasters[i].crs != NULL)
+			OSRDestroySpatialReference(job->rasters[i].crs);
+	}
+	if (job->scene_crs != NULL)
+		OSRDestroySpatialReference(job->scene_crs);
+	free(job->rasters);
+}
+
+static enum eco_code import(struct eco_ground *ground, struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_source *source = job->options->source;
+	struct eco_error cause = { .code = ECO_OK };
+	enum eco_code code = check_scene_crs(job, error);
+
+	job->rasters = calloc(source->height_count, sizeof *job->rasters);
+	if (job->rasters == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->height_count);
+	for (uint32_t i = 0; i < source->height_count && code == ECO_OK; i++) {
+		job->rasters[job->count++].path = source->heights[i];
+		code = open_raster(&job->rasters[i], job, error);
+	}
+	if (code == ECO_OK)
+		code = merge(ground, job, error);
+	if (code == ECO_OK && eco_ground_fill(ground, &cause) != ECO_OK)
+		code = eco_fail(error, cause.code, "%.300s: %s", source->heights[0], cause.text);
+	return code;
 }
 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	struct job *job = ctx;
-	struct raster raster = { .file = NULL };
 	struct eco_ground ground = { .height_m = NULL };
 	enum eco_code code;
+	size_t count;
 
 	CPLPushErrorHandler(CPLQuietErrorHandler);
+	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();
-	code = open_raster(&raster, job, error);
-	if (code == ECO_OK)
-		code = place_grid(&ground, &raster, job, error);
-	if (code == ECO_OK)
-		code = read_samples(&ground, &raster, job, error);
-	if (code == ECO_OK)
-		code = fill_missing(&ground, job->options->path, error);
-	if (code == ECO_OK && (fwrite(job->note, sizeof job->note, 1, out) != 1 || fwrite(&ground, sizeof ground, 1, out) != 1
-		|| fwrite(ground.height_m, sizeof *ground.height_m, (size_t)ground.columns * ground.rows, out)
-			!= (size_t)ground.columns * ground.rows))
-		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s", job->options->path, strerror(errno));
+	code = import(&ground, job, error);
+	count = (size_t)ground.columns * ground.rows;
+	if (code == ECO_OK && (fwrite(&job->notes, sizeof job->notes, 1, out) != 1 || fwrite(&ground, sizeof ground, 1, out) != 1
+		|| fwrite(ground.height_m, sizeof *ground.height_m, count, out) != count))
+		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s", job->options->source->heights[0],
+			strerror(errno));
 	free(ground.height_m);
-	close_raster(&raster);
+	close_rasters(job);
 	CPLPopErrorHandler();
 	return code;
 }
@@ -395,17 +510,18 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct job *job)
 	struct eco_ground head;
 	size_t count;
 
-	if (fread(job->note, sizeof job->note, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || head.columns < 2 || head.rows < 2
+	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || head.columns < 2 || head.rows < 2
 		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
-		|| !isfinite(head.x_m) || !isfinite(head.y_m))
+		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
 		return false;
-	job->note[sizeof job->note - 1] = 0;
+	for (uint32_t i = 0; i < job->notes.count; i++)
+		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
 	count = (size_t)head.columns * head.rows;
 	head.height_m = malloc(count * sizeof *head.height_m);
 	if (head.height_m == NULL)
 		return false;
 	*ground = head;
-	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count)
+	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
 		return false;
 	for (size_t i = 0; i < count; i++)
 		if (!isfinite(ground->height_m[i]))
@@ -419,32 +535,46 @@ static void tell(const struct eco_ground_options *options, const struct eco_grou
 
 	if (options->warn == NULL)
 		return;
-	if (job->note[0] != 0)
-		options->warn(options->ctx, job->note);
+	for (uint32_t i = 0; i < job->notes.count; i++)
+		options->warn(options->ctx, job->notes.text[i]);
 	if (ground->filled == 0)
 		return;
-	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their neighbours", options->path,
-		(unsigned long long)ground->filled, (unsigned long long)ground->columns * ground->rows);
+	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their neighbours",
+		options->source->heights[0], (unsigned long long)ground->filled, (unsigned long long)ground->columns * ground->rows);
 	options->warn(options->ctx, text);
+}
+
+static enum eco_code check_files(const struct eco_ground_source *source, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < source->height_count; i++)
+		if (access(source->heights[i], R_OK) != 0)
+			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", source->heights[i], strerror(errno));
+	return source->height_count > 0 ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
 }
 
 enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options, struct eco_error *error)
 {
 	struct job job = { .options = options, .side_max = options->side_max };
+	struct eco_error verdict = { .code = ECO_OK };
+	struct eco_guard *guard;
 	FILE *result;
+	bool whole;
 	enum eco_code code;
 
 	*ground = (struct eco_ground){ .height_m = NULL };
 	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
 		job.side_max = ECO_GROUND_SIDE_MAX;
-	if (access(options->path, R_OK) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", options->path, strerror(errno));
-	code = eco_guard_run(work, &job, options->path, NULL, &result, error);
+	code = check_files(options->source, error);
+	if (code == ECO_OK)
+		code = eco_guard_start(&guard, work, &job, options->source->heights[0], NULL, &result, error);
 	if (code != ECO_OK)
 		return code;
-	if (!get_ground(result, ground, &job))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->path);
-	fclose(result);
+	whole = get_ground(result, ground, &job);
+	code = eco_guard_finish(guard, &verdict);
+	if (code != ECO_OK)
+		eco_fail(error, code, "%s", verdict.text);
+	else if (!whole)
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->source->heights[0]);
 	if (code == ECO_OK)
 		tell(options, ground, &job);
 	else

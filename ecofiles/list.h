@@ -22,7 +22,7 @@ enum eco_list_kind {
 	ECO_LIST_LINES,
 	ECO_LIST_POINTS,         /* a plant's points, or a tile's summary when ECO_ATTR_PLANT is set */
 	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
-	ECO_LIST_GROUND,         /* a grid of samples, row by row from the south-west, `columns` wide */
+	ECO_LIST_GROUND,         /* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
 	ECO_LIST_IMAGE           /* one chunk: a PNG file */
 };
 
@@ -48,7 +48,8 @@ enum eco_attr {
 #define ECO_UV_ONE 4096
 
 struct eco_list {
-	uint8_t kind, coder, attributes, reserved;
+	uint8_t kind, coder, attributes;
+	uint8_t level;               /* ground: its samples are 2^level apart; else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
@@ -58,7 +59,7 @@ struct eco_list {
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
 	uint32_t partner;            /* PAIRED: list id of the triangles; else ECO_NONE */
-	uint32_t columns;            /* ground: samples per row; else 0 */
+	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
 };

@@ -135,6 +135,14 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 		(json_int_t)root->instance_count, "tiles", (json_int_t)s->tile_count, "leaf_tiles", (json_int_t)t->leaves, "placements",
 		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2], "high", root->high[0], root->high[1],
 		root->high[2], "curve_samples", (json_int_t)s->curve_count, "lists", lists, "plants", plants);
+	if (info && s->ground_count) {
+		const struct eco_ground_tile *top = &s->ground[0];
+		const struct eco_list *list = &s->lists[top->list];
+		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, s:I, s:I}", "columns", (json_int_t)s->ground_columns,
+			"rows", (json_int_t)s->ground_rows, "south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m", list->grid_step[0], list->grid_step[1], "heights_m", (double)top->low_m,
+			(double)top->high_m, "height_step_m", list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
+			(json_int_t)top->level + 1));
+	}
 	static const char *const copied[] = { "generator", "crs", "origin", "eco_files", "off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
@@ -181,6 +189,19 @@ static void print_plants(const struct eco_scene *s, const struct totals *t, cons
 	}
 }
 
+/* One line; nothing where there is no ground. */
+static void print_ground(const struct eco_scene *s, FILE *out)
+{
+	if (!s->ground_count)
+		return;
+	const struct eco_ground_tile *root = &s->ground[0];
+	const struct eco_list *list = &s->lists[root->list];
+	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m in steps of %.3g mm, %u tiles in %u levels\n",
+		s->ground_columns, s->ground_rows, list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
+		(double)root->low_m, (double)root->high_m,
+		list->grid_step[2] * 1000, s->ground_count, root->level + 1u);
+}
+
 static void print_info(const struct eco_pack *pack, const struct totals *t, const json_t *meta, FILE *out)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -200,6 +221,7 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 		if (s->needs >> i & 1)
 			fprintf(out, " %s", need_names[i]);
 	fputc('\n', out);
+	print_ground(s, out);
 	print_plants(s, t, meta, out);
 	fprintf(out, "\n%-12s %8s %8s %12s %12s\n", "lists", "count", "chunks", "primitives", "bytes");
 	for (int i = 1; i < KIND_COUNT; i++)

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "ecofiles/pack.h"
 #include "ecofiles/status.h"
 
 /* A table for people, or JSON for scripts, to `out`. */
@@ -15,5 +16,8 @@ enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_er
  * that is damaged is one line to `out`; it goes on and counts. ECO_DAMAGED if there was any. */
 struct inspect_counts { uint64_t lists, chunks, primitives, damaged; };
 enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts, struct eco_error *error);
+
+/* The ground of an open pack; each thing that does not hold is one text. Chunks that cannot be read are left out. */
+void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, const char *text), void *ctx);
 
 #endif

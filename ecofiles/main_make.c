@@ -11,10 +11,6 @@
 #include "ecofiles/main_times.h"
 #include "lod/summary.h"
 
-#define GROUND_SIDE_MAX 1024u    /* the ground is sent whole */
-#define GROUND_CHUNK 65536u
-#define HEIGHT_STEP_M 0.01
-
 void *make_append(struct make *m, struct make_array *array, size_t size)
 {
 	if (array->count == array->capacity) {
@@ -61,73 +57,6 @@ uint32_t make_threads(const struct make *m)
 	return m->options->jobs ? m->options->jobs : processors > 64 ? 64 : processors > 0 ? (uint32_t)processors : 1;
 }
 
-/* ---- Ground ---- */
-
-static void warn(void *ctx, const char *text)
-{
-	main_note("%s: %s", ((const struct eco_source *)ctx)->ground_heights, text);
-}
-
-/* Heights as the pack will say them, so that plants stand on the ground that is drawn. */
-static void round_heights(struct eco_ground *ground, double *low, double *step)
-{
-	size_t count = (size_t)ground->columns * ground->rows;
-	double least = ground->height_m[0], most = least;
-	for (size_t i = 1; i < count; i++) {
-		least = fmin(least, ground->height_m[i]);
-		most = fmax(most, ground->height_m[i]);
-	}
-	*step = lod_power_below(fmin(HEIGHT_STEP_M, most > least ? (most - least) / 1024 : 1));
-	while ((most - least) / *step > 1 << 27)
-		*step *= 2;
-	*low = floor(least / *step) * *step + 0.0;
-	for (size_t i = 0; i < count; i++)
-		ground->height_m[i] = (float)(*low + floor((ground->height_m[i] - *low) / *step + 0.5) * *step);
-}
-
-static enum eco_code pack_ground(struct make *m, double low, double step)
-{
-	const struct eco_ground *g = &m->ground;
-	uint32_t count = g->columns * g->rows, end_count = 0, ends[GROUND_SIDE_MAX * GROUND_SIDE_MAX / GROUND_CHUNK + 1];
-	struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .owner = ECO_NONE, .plant = ECO_NONE, .image = ECO_NONE,
-		.partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, low }, .grid_step = { g->step_x_m, g->step_y_m, step },
-		.columns = g->columns };
-	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count, .corners = malloc(count),
-		.position = malloc(3 * sizeof(int32_t) * count) };
-	if (!e.corners || !e.position) {
-		eco_elements_free(&e);
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u ground samples", count);
-	}
-	for (uint32_t i = 0; i < count; i++) {
-		e.corners[i] = 1;
-		e.position[3 * (size_t)i] = (int32_t)(i % g->columns);
-		e.position[3 * (size_t)i + 1] = (int32_t)(i / g->columns);
-		e.position[3 * (size_t)i + 2] = (int32_t)floor((g->height_m[i] - low) / step + 0.5);
-	}
-	for (uint32_t end = 0; end < count; ends[end_count++] = end)
-		end = count - end > GROUND_CHUNK ? end + GROUND_CHUNK : count;
-	enum eco_code code = make_add_list(m, &list, &e, ends, end_count, NULL, &m->scene.ground);
-	eco_elements_free(&e);
-	return code;
-}
-
-static enum eco_code read_ground(struct make *m, double *low, double *step)
-{
-	struct eco_source *source = &m->sources.items[0];
-	if (!source->ground_heights)
-		return ECO_OK;
-	if (!main_progress("reading ground", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .path = source->ground_heights,
-		.crs = source->ground_crs, .scene_crs = source->crs, .origin = { source->origin[0], source->origin[1], source->origin[2] },
-		.side_max = GROUND_SIDE_MAX, .warn = warn, .ctx = source }, m->error);
-	if (code)
-		return code;
-	m->has_ground = true;
-	round_heights(&m->ground, low, step);
-	return ECO_OK;
-}
-
 /* ---- The whole ---- */
 
 /* About 2^-17 of the scene's diameter, so that depth has resolution to spare, and never so far that it cuts into a plant looked at
@@ -148,7 +77,6 @@ static double near_m(const struct make *m)
 
 static enum eco_code build(struct make *m)
 {
-	double low = 0, step = 0;
 	main_times_stage(MAIN_STAGE_SCENE);
 	if (!main_progress("reading the scene", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
@@ -160,12 +88,12 @@ static enum eco_code build(struct make *m)
 		code = make_places_check(m);
 	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code)
-		code = read_ground(m, &low, &step);
+		code = make_ground_read(m);
 	if (!code)
 		code = make_plants(m);
 	main_times_stage(MAIN_STAGE_GROUND);
-	if (!code && m->has_ground)
-		code = pack_ground(m, low, step);
+	if (!code)
+		code = make_ground_pack(m);
 	main_times_stage(MAIN_STAGE_POSITIONS);
 	if (!code)
 		code = make_places(m);
@@ -192,14 +120,14 @@ static enum eco_code build(struct make *m)
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error)
 {
 	struct eco_error own = { 0 };
-	struct make m = { .options = options, .error = error ? error : &own, .scene = { .ground = ECO_NONE } };
+	struct make m = { .options = options, .error = error ? error : &own };
 	enum eco_code code = build(&m);
 	main_times_stage(MAIN_STAGE_NONE);
 	main_progress_end();
 	eco_pack_abort(m.writer);
 	make_places_free(&m);
 	make_plants_free(&m);
-	eco_ground_free(&m.ground);
+	make_ground_free(&m);
 	eco_sources_free(&m.sources);
 	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children, &m.lists, &m.places, &m.palette, &m.stands };
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)

@@ -1,7 +1,7 @@
 /* From a scene source to a pack.
  *
  *   sources     eco_sources_load: the scene file and what it nests, each once
- *   ground      eco_ground_import, brought to the pack's grid
+ *   ground      eco_ground_import, brought to the pack's grid, cut into tiles                       main_make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
  *   places      instances and inventories, put on the ground, scaled to their heights             main_make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c
@@ -65,6 +65,8 @@ struct make {
 	struct make_plant *plants;   uint32_t plant_count;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	struct eco_ground ground;    bool has_ground;
+	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
+	struct eco_ground_tile *ground_tiles;
 	uint64_t off_ground;         /* plants and nested eco files beyond its border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
@@ -87,6 +89,9 @@ enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, cons
 
 uint32_t make_threads(const struct make *m);         /* as many as the options ask for, or the machine has processors */
 
+enum eco_code make_ground_read(struct make *m);      /* what is wrong with it is said before plants are built */
+enum eco_code make_ground_pack(struct make *m);
+void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
 enum eco_code make_places_check(struct make *m);     /* opens every inventory: are its columns and CRS there? */

@@ -215,7 +215,7 @@ enum eco_code make_places(struct make *m)
 	}
 	if (m->off_ground)
 		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of the border's nearest point",
-			m->sources.items[0].ground_heights, (unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
+			m->sources.items[0].ground.heights[0], (unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
 			m->off_ground == 1 ? "s" : "");
 	if (m->ecos[0].instances == 0)
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",

@@ -328,16 +328,17 @@ static enum eco_code find_typical_height(struct map *m)
 
 static void warn(void *ctx, const char *text)
 {
-	main_note("%s: %s", ((const struct eco_source *)ctx)->ground_heights, text);
+	(void)ctx;
+	main_note("%s", text);
 }
 
 static enum eco_code read_ground(struct map *m)
 {
 	struct eco_source *s = &m->sources.items[0];
-	if (!s->ground_heights)
+	if (!s->ground.height_count)
 		return ECO_OK;
-	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .path = s->ground_heights, .crs = s->ground_crs,
-		.scene_crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = warn, .ctx = s }, m->error);
+	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
+		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = warn }, m->error);
 	m->has_ground = !code;
 	return code;
 }

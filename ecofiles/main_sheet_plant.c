@@ -155,7 +155,7 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 	memcpy(p->place + ECO_PLACE_BYTES - 4, (const uint8_t[4]){ 0, 0, 1, 0 }, 4);     /* scale 65536 / 65536, the rest 0 */
 	p->scene = *s;
 	p->scene.root = 0;
-	p->scene.ground = ECO_NONE;
+	p->scene.ground = NULL, p->scene.ground_count = p->scene.ground_columns = p->scene.ground_rows = 0;
 	p->scene.tiles = &p->tile, p->scene.tile_count = 1;
 	p->scene.groups = &p->group, p->scene.group_count = 1;
 	p->scene.children = NULL, p->scene.child_count = 0;

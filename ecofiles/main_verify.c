@@ -65,16 +65,9 @@ static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, u
 	}
 }
 
-static void compare_ground(struct verify *v, uint32_t list_id, uint32_t chunk, uint32_t first, const struct eco_elements *e)
+static void say(void *ctx, const char *text)
 {
-	uint32_t columns = v->pack->scene.lists[list_id].columns;
-	for (uint32_t i = 0; i < e->element_count; i++) {
-		const int32_t *p = e->position + 3 * (size_t)i;
-		if (p[0] != (int32_t)((first + i) % columns) || p[1] != (int32_t)((first + i) / columns)) {
-			complain(v, "list %u, chunk %u: ground sample %u is not in its column and row", list_id, chunk, first + i);
-			return;
-		}
-	}
+	complain(ctx, "%s", text);
 }
 
 static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
@@ -106,8 +99,6 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, bad);
 	else if (list->kind == ECO_LIST_INSTANCES)
 		compare_places(v, list_id, ordinal, first, &elements);
-	else if (list->kind == ECO_LIST_GROUND)
-		compare_ground(v, list_id, ordinal, first, &elements);
 	v->counts->primitives += elements.primitive_count;
 	eco_elements_free(&elements);
 }
@@ -167,6 +158,8 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 	code = verify_lists(&v, error);
 	for (uint32_t i = 0; i < s->ladder_count && !code; i++)
 		verify_ladder(&v, i);
+	if (!code)
+		inspect_verify_ground(pack, say, &v);
 	for (uint32_t i = 0; i < s->list_count && !code; i++)
 		if (s->lists[i].kind == ECO_LIST_INSTANCES && v.group_of[i] == ECO_NONE)
 			complain(&v, "list %u: instances that no tile plants", i);

@@ -12,7 +12,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 1      12  u32 section count n
+ *   8    u32 version = 2      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA, whose chunks
@@ -20,9 +20,9 @@
  *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
  *
  *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
- *        2 SCENE       one record: name, needs, root tile, ground list, u32 0, near (bounds are the root tile's)
+ *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds are the root tile's)
  *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS  12 PALETTE
- *        13 PLACES  14 CHUNK_DATA   payloads, one after the other
+ *        13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
  *
  * Each section starts at the first multiple of 64 after the one before; the file ends with the last section. META and CHUNK_DATA
  * have no records (count and size of a record 0); PALETTE has 3 bytes a colour. In the chunk table, a payload either follows the
@@ -131,11 +131,27 @@ struct eco_child {               /* child tile ids are greater than their parent
 	float scale;
 };
 
+/* A tile of the ground: a square of ECO_GROUND_CELLS cells a side between samples of the scene's grid that lie 2^level apart (less
+ * where the grid ends). The tiles are a quadtree, the first is the root and covers all; children follow their parents, level by level,
+ * and together cover what their parent covers. A tile without children is as fine as the ground is. Which samples a tile holds is
+ * said in ground_tile.h. All ground lists have one grid: the scene's, with the south-west sample at 0, 0. */
+#define ECO_GROUND_CELLS 64u
+#define ECO_GROUND_LEVELS 8u         /* so that tiles that touch differ by a factor of at most ECO_GROUND_CELLS */
+#define ECO_GROUND_SIDE_MAX ((ECO_GROUND_CELLS << (ECO_GROUND_LEVELS - 1)) + 1)   /* samples a side: 8193 */
+struct eco_ground_tile {
+	uint32_t list;               /* of one chunk */
+	uint32_t column, row;        /* in tiles of its level, from the south-west */
+	uint8_t level, child_count;  /* children: 0, 1, 2 or 4 */
+	uint32_t child_first;        /* 0 without children */
+	float error_m;               /* largest vertical distance to the finest ground, not less than that of a child */
+	float low_m, high_m;         /* of the finest ground in it, z of the scene */
+};
+
 struct eco_scene {
 	char name[64];
 	uint32_t needs;
 	uint32_t root;               /* tile */
-	uint32_t ground;             /* list id or ECO_NONE */
+	uint32_t ground_columns, ground_rows;        /* samples of the ground at full detail; 0: no ground */
 	double near_m;               /* near plane of every picture of this scene */
 	const struct eco_plant *plants;      uint32_t plant_count;
 	const struct eco_anchor *anchors;    uint32_t anchor_count;
@@ -148,6 +164,7 @@ struct eco_scene {
 	const struct eco_chunk *chunks;      uint32_t chunk_count;
 	const uint8_t (*palette)[3];         uint32_t palette_count;    /* sRGB */
 	const uint8_t *places;               uint64_t place_count;      /* ECO_PLACE_BYTES each, read with eco_place_read */
+	const struct eco_ground_tile *ground; uint32_t ground_count;
 };
 
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */

@@ -7,6 +7,7 @@
 
 #include "ecofiles/chunk.h"
 #include "ecofiles/chunk_payload.h"
+#include "ecofiles/ground_tile.h"
 #include "ecofiles/pack.h"
 
 #define METRES_MAX 1e12
@@ -51,8 +52,8 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 
 	if (code != ECO_OK)
 		return code;
-	if (list->reserved != 0)
-		return BAD("list: reserved byte is %u", list->reserved);
+	if (list->level != 0 && (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+		return BAD("list: level %u of kind %u", list->level, list->kind);
 	for (int i = 0; i < 3; i++)
 		if (!within(list->grid_origin[i], -METRES_MAX, METRES_MAX) || !within(list->grid_step[i], 1e-12, STEP_MAX))
 			return BAD("list: grid of axis %d, origin %g and step %g m, is impossible", i, list->grid_origin[i], list->grid_step[i]);
@@ -372,6 +373,84 @@ static enum eco_code check_tiles(const struct eco_scene *s, struct eco_error *er
 	return ECO_OK;
 }
 
+/* ---- Ground ---- */
+
+static enum eco_code check_ground_tile(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+{
+	const struct eco_ground_tile *t = &s->ground[id];
+	const struct eco_list *list, *first;
+	struct eco_ground_span x, y;
+
+	if (t->list >= s->list_count || s->lists[t->list].kind != ECO_LIST_GROUND || s->lists[t->list].chunk_count != 1)
+		return BAD("ground tile %u: list %u is not ground of one chunk", id, t->list);
+	if (!eco_ground_on_grid(t, s->ground_columns, s->ground_rows))
+		return BAD("ground tile %u: tile %u, %u of level %u is not one of %u x %u samples", id, t->column, t->row, t->level,
+			s->ground_columns, s->ground_rows);
+	list = &s->lists[t->list];
+	first = &s->lists[s->ground[0].list];
+	eco_ground_spans(&x, &y, t, s->ground_columns, s->ground_rows);
+	if (list->level != t->level || list->columns != x.count || list->primitive_count != x.count * y.count)
+		return BAD("ground tile %u: list %u has %u samples in rows of %u, it should have %u x %u at level %u", id, t->list,
+			list->primitive_count, list->columns, x.count, y.count, t->level);
+	if (memcmp(list->grid_origin, first->grid_origin, sizeof list->grid_origin) != 0
+	    || memcmp(list->grid_step, first->grid_step, sizeof list->grid_step) != 0)
+		return BAD("ground tile %u: the grid of list %u is not that of the others", id, t->list);
+	if (!within(t->error_m, 0, METRES_MAX) || !within(t->low_m, -METRES_MAX, METRES_MAX) || !within(t->high_m, -METRES_MAX, METRES_MAX)
+	    || t->low_m > t->high_m)
+		return BAD("ground tile %u: error %g m, heights %g to %g m", id, (double)t->error_m, (double)t->low_m, (double)t->high_m);
+	return ECO_OK;
+}
+
+/* Children in the order south-west, south-east, north-west, north-east, as far as the grid goes. */
+static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+{
+	const struct eco_ground_tile *t = &s->ground[id];
+	uint32_t found = 0;
+
+	for (uint32_t quarter = 0; quarter < 4 && t->level > 0; quarter++) {
+		const struct eco_ground_tile *c = &s->ground[t->child_first + found];
+		struct eco_ground_tile there = { .level = (uint8_t)(t->level - 1), .column = 2 * t->column + quarter % 2,
+			.row = 2 * t->row + quarter / 2 };
+
+		if (!eco_ground_on_grid(&there, s->ground_columns, s->ground_rows))
+			continue;
+		if (found == t->child_count || c->level != there.level || c->column != there.column || c->row != there.row)
+			return BAD("ground tile %u: its children do not cover it", id);
+		if (c->error_m > t->error_m || c->low_m < t->low_m || c->high_m > t->high_m)
+			return BAD("ground tile %u: its child %u has a larger error, or heights beyond its own", id, t->child_first + found);
+		found++;
+	}
+	return found == t->child_count ? ECO_OK : BAD("ground tile %u: %u children at level %u", id, t->child_count, t->level);
+}
+
+static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *error)
+{
+	uint32_t next = 1, lists = 0;
+
+	if ((s->ground_count == 0) != (s->ground_columns == 0) || (s->ground_count == 0) != (s->ground_rows == 0))
+		return BAD("scene: %u ground tiles of %u x %u samples", s->ground_count, s->ground_columns, s->ground_rows);
+	for (uint32_t i = 0; i < s->list_count; i++)
+		lists += s->lists[i].kind == ECO_LIST_GROUND;
+	if (lists != s->ground_count)
+		return BAD("scene: %u ground tiles of %u lists", s->ground_count, lists);
+	for (uint32_t i = 0; i < s->ground_count; i++)
+		if (check_ground_tile(s, i, error) != ECO_OK)
+			return ECO_DAMAGED;
+	if (s->ground_count > 0 && s->ground[0].level != eco_ground_root_level(s->ground_columns, s->ground_rows))
+		return BAD("ground tile 0: level %u does not cover %u x %u samples", s->ground[0].level, s->ground_columns, s->ground_rows);
+	for (uint32_t i = 0; i < s->ground_count; i++) {
+		const struct eco_ground_tile *t = &s->ground[i];
+
+		if (t->child_first != (t->child_count > 0 ? next : 0) || t->child_count > s->ground_count - next)
+			return BAD("ground tile %u: children [%u, +%u) of %u tiles", i, t->child_first, t->child_count, s->ground_count);
+		next += t->child_count;
+		if (t->child_count > 0 && check_ground_children(s, i, error) != ECO_OK)
+			return ECO_DAMAGED;
+	}
+	return next == s->ground_count || s->ground_count == 0 ? ECO_OK : BAD("scene: %u of %u ground tiles have a parent", next,
+		s->ground_count);
+}
+
 /* What is there must be among the needs: a reader leaves out what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
@@ -408,7 +487,7 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 		return BAD("scene: root tile %u of %u is not there", s->root, s->tile_count);
 	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK || check_tiles(s, error) != ECO_OK)
 		return ECO_DAMAGED;
-	if (s->ground != ECO_NONE && (s->ground >= s->list_count || s->lists[s->ground].kind != ECO_LIST_GROUND))
-		return BAD("scene: list %u is not ground", s->ground);
+	if (check_ground(s, error) != ECO_OK)
+		return ECO_DAMAGED;
 	return check_needs(s, error);
 }

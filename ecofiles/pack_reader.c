@@ -80,7 +80,8 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	if (r.failed || memcmp(magic, ECO_PACK_MAGIC, 8) != 0)
 		return eco_fail(error, ECO_DAMAGED, "not a pack: it does not begin with %s", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
-		return eco_fail(error, ECO_UNSUPPORTED, "version %u; this program reads version %u", version, ECO_PACK_VERSION);
+		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version %u: %s", version, ECO_PACK_VERSION,
+			version < ECO_PACK_VERSION ? "build it again from its scene, with ecopack make" : "it was built by a newer program");
 	if (file_size != o->pack.map_size)
 		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; fetch it or build it again", o->pack.map_size,
 			(unsigned long long)file_size);
@@ -137,6 +138,7 @@ READER(anchor)
 READER(ladder)
 READER(curve)
 READER(tile)
+READER(ground_tile)
 READER(group)
 READER(child)
 READER(list)
@@ -168,6 +170,9 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 	TABLE(CHILDREN, children, child);
 	TABLE(LISTS, lists, list);
 	TABLE(CHUNKS, chunks, chunk);
+	if (code == ECO_OK)
+		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground, &scene->ground_count,
+			read_ground_tile, error);
 #undef TABLE
 	scene->palette = (const uint8_t (*)[3])(o->pack.map + s[ECO_SECTION_PALETTE].offset);
 	scene->palette_count = s[ECO_SECTION_PALETTE].count;

@@ -19,6 +19,7 @@ const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[ECO_SECTION_CHUNKS] = { "CHUNKS", 36 },
 	[ECO_SECTION_PALETTE] = { "PALETTE", 3 },
 	[ECO_SECTION_PLACES] = { "PLACES", ECO_PLACE_BYTES },
+	[ECO_SECTION_GROUND] = { "GROUND", 32 },
 	[ECO_SECTION_CHUNK_DATA] = { "CHUNK_DATA", 0 },
 };
 
@@ -113,8 +114,8 @@ void eco_scene_write(struct eco_writer *w, const struct eco_scene *scene)
 	write_name(w, scene->name, sizeof scene->name);
 	eco_write_u32(w, scene->needs);
 	eco_write_u32(w, scene->root);
-	eco_write_u32(w, scene->ground);
-	write_zeros(w, 4);
+	eco_write_u32(w, scene->ground_columns);
+	eco_write_u32(w, scene->ground_rows);
 	eco_write_f64(w, scene->near_m);
 }
 
@@ -123,8 +124,8 @@ void eco_scene_read(struct eco_reader *r, struct eco_scene *scene)
 	read_name(r, scene->name, sizeof scene->name);
 	scene->needs = eco_read_u32(r);
 	scene->root = eco_read_u32(r);
-	scene->ground = eco_read_u32(r);
-	read_zeros(r, 4);
+	scene->ground_columns = eco_read_u32(r);
+	scene->ground_rows = eco_read_u32(r);
 	scene->near_m = eco_read_f64(r);
 }
 
@@ -253,6 +254,34 @@ void eco_tile_read(struct eco_reader *r, struct eco_tile *tile)
 	tile->child_count = eco_read_u32(r);
 }
 
+void eco_ground_tile_write(struct eco_writer *w, const struct eco_ground_tile *tile)
+{
+	eco_write_u32(w, tile->list);
+	eco_write_u32(w, tile->column);
+	eco_write_u32(w, tile->row);
+	eco_write_u8(w, tile->level);
+	eco_write_u8(w, tile->child_count);
+	write_zeros(w, 2);
+	eco_write_u32(w, tile->child_first);
+	eco_write_f32(w, tile->error_m);
+	eco_write_f32(w, tile->low_m);
+	eco_write_f32(w, tile->high_m);
+}
+
+void eco_ground_tile_read(struct eco_reader *r, struct eco_ground_tile *tile)
+{
+	tile->list = eco_read_u32(r);
+	tile->column = eco_read_u32(r);
+	tile->row = eco_read_u32(r);
+	tile->level = eco_read_u8(r);
+	tile->child_count = eco_read_u8(r);
+	read_zeros(r, 2);
+	tile->child_first = eco_read_u32(r);
+	tile->error_m = eco_read_f32(r);
+	tile->low_m = eco_read_f32(r);
+	tile->high_m = eco_read_f32(r);
+}
+
 void eco_group_write(struct eco_writer *w, const struct eco_group *group)
 {
 	eco_write_u32(w, group->tile);
@@ -301,7 +330,7 @@ void eco_list_write(struct eco_writer *w, const struct eco_list *list)
 	eco_write_u8(w, list->kind);
 	eco_write_u8(w, list->coder);
 	eco_write_u8(w, list->attributes);
-	write_zeros(w, 1);
+	eco_write_u8(w, list->level);
 	eco_write_u32(w, list->owner);
 	eco_write_u32(w, list->plant);
 	write_f64s(w, list->grid_origin, 3);
@@ -323,8 +352,7 @@ void eco_list_read(struct eco_reader *r, struct eco_list *list)
 	list->kind = eco_read_u8(r);
 	list->coder = eco_read_u8(r);
 	list->attributes = eco_read_u8(r);
-	list->reserved = 0;
-	read_zeros(r, 1);
+	list->level = eco_read_u8(r);
 	list->owner = eco_read_u32(r);
 	list->plant = eco_read_u32(r);
 	read_f64s(r, list->grid_origin, 3);

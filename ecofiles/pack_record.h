@@ -6,7 +6,7 @@
 #include "ecofiles/pack.h"
 
 #define ECO_PACK_MAGIC "ECOPACK1"
-#define ECO_PACK_VERSION 1u
+#define ECO_PACK_VERSION 2u
 #define ECO_PACK_HEADER_BYTES 32u
 #define ECO_PACK_SECTION_BYTES 40u
 #define ECO_PACK_ALIGN 64u
@@ -14,7 +14,7 @@
 enum eco_section_kind {
 	ECO_SECTION_META = 1, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS, ECO_SECTION_CURVES,
 	ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS, ECO_SECTION_CHUNKS, ECO_SECTION_PALETTE,
-	ECO_SECTION_PLACES, ECO_SECTION_CHUNK_DATA, ECO_SECTION_KIND_END
+	ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_CHUNK_DATA, ECO_SECTION_KIND_END
 };
 
 /* By section kind: name for messages and bytes a record (0: META and CHUNK_DATA, which have no records). */
@@ -39,6 +39,8 @@ void eco_ladder_write(struct eco_writer *w, const struct eco_ladder *ladder);
 void eco_ladder_read(struct eco_reader *r, struct eco_ladder *ladder);
 void eco_curve_write(struct eco_writer *w, const struct eco_curve *curve);
 void eco_curve_read(struct eco_reader *r, struct eco_curve *curve);
+void eco_ground_tile_write(struct eco_writer *w, const struct eco_ground_tile *tile);
+void eco_ground_tile_read(struct eco_reader *r, struct eco_ground_tile *tile);
 void eco_tile_write(struct eco_writer *w, const struct eco_tile *tile);
 void eco_tile_read(struct eco_reader *r, struct eco_tile *tile);
 void eco_group_write(struct eco_writer *w, const struct eco_group *group);

@@ -320,7 +320,6 @@ static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path, w->list_count);
 	stored = &w->lists[w->list_count];
 	*stored = *list;
-	stored->reserved = 0;
 	stored->chunk_first = chunk_first;
 	stored->chunk_count = w->chunk_count - chunk_first;
 	stored->primitive_count = stored->element_count = 0;
@@ -480,6 +479,10 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 		.section.size = 3 * (uint64_t)s->palette_count });
 	add_body(bodies, &count, ECO_SECTION_PLACES, s->place_count, (struct body){ .bytes = s->places,
 		.section.size = ECO_PLACE_BYTES * s->place_count });
+	body = (struct body){ 0 };
+	for (uint32_t i = 0; i < s->ground_count; i++)
+		eco_ground_tile_write(&body.owned, &s->ground[i]);
+	add_body(bodies, &count, ECO_SECTION_GROUND, s->ground_count, body);
 	return count;
 }
 

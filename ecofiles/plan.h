@@ -6,6 +6,10 @@
  * [band_first, band_end) and whose hash lies in [share_first, share_end). So a plan's size does not grow with the plants, and a
  * switch can be spread over them.
  *
+ * A tile of the ground is a cut of its own list, all of it, at scale 1 in the scene's own placement. The tiles of a plan do not overlap and
+ * together cover all the ground that is in view. Where tiles of different levels touch, the finer one gives way (lod/ground.h). Ground
+ * counts no vertices.
+ *
  * Vertices of a plan = sum over cuts of (end - first) * eco_list_vertices(list) * matching instances: exactly what is drawn. */
 #ifndef ECO_PLAN_H
 #define ECO_PLAN_H
@@ -57,13 +61,12 @@ struct eco_plan {                /* owns its arrays */
 	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
 	struct eco_run *runs;             uint32_t run_count;
 	struct eco_gate *gates;           uint32_t gate_count;
-	struct eco_cut *cuts;             uint32_t cut_count;         /* summaries first; see eco_plan_sort */
-	bool ground;                      /* the ground list is drawn, all of it */
+	struct eco_cut *cuts;             uint32_t cut_count;         /* summaries and ground first; see eco_plan_sort */
 };
 #define ECO_PLAN_ITEMS_MAX (1u << 22)   /* of each array */
 void eco_plan_free(struct eco_plan *plan);
 
-/* Puts the arrays in the one order that travels: runs by placement and list, gates by plant; summaries by placement and list, then
+/* Puts the arrays in the one order that travels: runs by placement and list, gates by plant; lists drawn once by placement and list, then
  * rules by anchor, list and band; what is equal in these by all other fields. Drawing does not depend on it. */
 void eco_plan_sort(struct eco_plan *plan);
 

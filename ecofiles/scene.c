@@ -17,8 +17,7 @@
 #define SCALE_MAX 1000.0
 #define YAW_MAX 1e6
 
-static const char *const scene_fields[] = { "name", "crs", "origin", "ground", "plants", "instances", "children", "tile", NULL };
-static const char *const ground_fields[] = { "heights", "crs", NULL };
+static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants", "instances", "children", "tile", NULL };
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
@@ -155,30 +154,6 @@ static bool parse_children(struct eco_source *source, const struct eco_json *top
 
 /* ---- The document ---- */
 
-static bool parse_ground(struct eco_source *source, const struct eco_json *top)
-{
-	struct eco_json node = eco_json_member(top, "ground"), crs_node, heights_node;
-	const char *heights = NULL, *crs = NULL;
-
-	if (node.value == NULL)
-		return true;
-	if (!eco_json_object(&node, ground_fields) || !eco_json_required(&node, "heights")
-		|| !eco_json_text(&node, "heights", ECO_PATH_BYTES, &heights) || !eco_json_text(&node, "crs", ECO_PATH_BYTES, &crs))
-		return false;
-	crs_node = eco_json_member(&node, "crs");
-	if (crs != NULL && source->crs == NULL) {
-		eco_json_fail(&crs_node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, "
-			"or leave this one out", crs);
-		return false;
-	}
-	source->ground_heights = eco_path_beside(source->path, heights);
-	source->ground_crs = crs != NULL ? strdup(crs) : NULL;
-	if (source->ground_heights == NULL || (crs != NULL && source->ground_crs == NULL))
-		return no_memory(&node);
-	heights_node = eco_json_member(&node, "heights");
-	return eco_source_has_file(source, &heights_node, source->ground_heights);
-}
-
 static bool parse_name(struct eco_source *source, const struct eco_json *top)
 {
 	const char *slash = strrchr(source->path, '/'), *name = slash != NULL ? slash + 1 : source->path;
@@ -210,9 +185,10 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json origin = eco_json_member(top, "origin");
-	const char *crs = NULL;
+	const char *crs = NULL, *vertical = NULL;
 
 	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_json_text(top, "crs", ECO_PATH_BYTES, &crs)
+		|| !eco_json_text(top, "vertical", ECO_PATH_BYTES, &vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
 	if (crs != NULL && origin.value == NULL) {
@@ -222,7 +198,9 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 	}
 	if (crs != NULL && (source->crs = strdup(crs)) == NULL)
 		return no_memory(top);
-	return parse_tile(source, top) && parse_ground(source, top) && eco_scene_parse_plants(source, top) && parse_instances(source, top)
+	if (vertical != NULL && (source->vertical = strdup(vertical)) == NULL)
+		return no_memory(top);
+	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top) && parse_instances(source, top)
 		&& parse_children(source, top);
 }
 
@@ -274,7 +252,7 @@ void eco_source_free(struct eco_source *source)
 	free(source->children);
 	free(source->path);
 	free(source->crs);
-	free(source->ground_heights);
-	free(source->ground_crs);
+	free(source->vertical);
+	eco_ground_source_free(&source->ground);
 	*source = (struct eco_source){ .path = NULL };
 }

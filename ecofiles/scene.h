@@ -15,6 +15,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/ground.h"
 #include "ecofiles/model.h"
 #include "ecofiles/pack.h"
 #include "ecofiles/positions.h"
@@ -55,7 +56,8 @@ struct eco_source {
 	char name[64];
 	char *crs;                           /* NULL: none, coordinates are plain metres */
 	double origin[3];
-	char *ground_heights, *ground_crs;   /* paths and CRS; NULL: none. Only the outermost file has ground */
+	char *vertical;                      /* datum of all heights; NULL: not stated */
+	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
 	struct eco_source_plant *plants;                uint32_t plant_count;
 	uint32_t *plants_by_name;            /* first variants, in the order of their names; name_count of them */

@@ -18,6 +18,10 @@ bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t
 bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top);
 void eco_source_plant_free(struct eco_source_plant *plant);
 
+/* "ground" (scene_ground.c). */
+bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
+void eco_ground_source_free(struct eco_ground_source *ground);
+
 /* Metres in a unit of that name; false where there is none. */
 #define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
 bool eco_unit_metres(const char *name, double *metres);

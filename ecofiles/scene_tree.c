@@ -139,7 +139,7 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 	if (code != ECO_OK)
 		return code;
 	child->source = index;
-	if (sources->items[index].ground_heights != NULL) {
+	if (sources->items[index].ground.height_count > 0) {
 		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested file stands where it is placed", child->eco);
 		return fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);
 	}

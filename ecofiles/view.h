@@ -17,10 +17,16 @@ struct eco_view {
 	uint32_t width, height;      /* pixels, 1..ECO_IMAGE_MAX */
 };
 
+/* Where nothing else is asked for. Measured: see lod/ground.h. */
+#define ECO_GROUND_PX 1.0
+#define ECO_GROUND_PX_MIN 0.01       /* of a picture that nobody can tell from full detail */
+#define ECO_GROUND_PX_MAX 65536.0
+
 struct eco_request {
 	struct eco_view view;
 	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
 	uint64_t bytes;              /* budget of the whole response, or ECO_BYTES_UNBOUNDED */
+	double ground_px;            /* how far the ground may be from where it is, ECO_GROUND_PX_MIN.._MAX; 0: ECO_GROUND_PX */
 };
 
 /* Refuses what cannot be drawn: values not finite or beyond 1e12, eye = target, field of view outside (0,180), sizes. `up`

@@ -10,7 +10,8 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 1, u8[16] pack id, f64 near_m, u32 needs, u32 ground list, u32 plant count, u32 list count, str name
+ * SCENE  u32 version = 2, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows, u32 plant count, u32 list count,
+ *        str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors            once per plant the client has
  *                                                                                                nothing of
  * LIST   u32 list, the list record of pack.h (eco_list_write), its palette (3 bytes a colour)    before its first chunk
@@ -26,7 +27,7 @@
  * PLAN. A plan has one encoding: arrays in the order of eco_plan_sort, of several forms of a field the first listed that can say
  * it; everything else is refused. A usual rule takes 5 or 6 bytes, a usual run 2, a plant none. z: zigzag varint, v: varint.
  *
- *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn   u8 flags: bit 0 ground, else 0
+ *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn
  *   v count, placements:
  *     u8 head    bits 0..2: axis is whole millimetres   3: turn   4: path   5-6: scale 0 = 1, 1 f32, 2 f64   7: 0
  *     3 axes     z millimetres since the axis's last whole ones (first: since 0); value = millimetres / 1000.0; or f64
@@ -37,14 +38,14 @@
  *                v placement - placement before - 1 (first: placement)
  *     v          list_end - list_first - 1
  *   v count, gates, ascending:   v plant - plant before - 1 (first: plant)   u8 band
- *   v count, summaries (cuts without an anchor), then v count, rules; both as
+ *   v count, lists drawn once (cuts without an anchor: summaries, ground), then v count, rules; both as
  *
- *     head  7     6     5     4     3     2     1     0             a summary has no bands (bits 2-3 are 0) and no share, and
+ *     head  7     6     5     4     3     2     1     0             one drawn once has no bands (bits 2-3 are 0) and no share, and
  *         +-----+-----+-----------+-----------+-----+-----+         "anchor" is its placement; its bands and share are read back
  *         | end | more|   scale   |   bands   | list|anchr|         as [0, ECO_BANDS) and [0, ECO_SHARE_ONE)
  *         +-----+-----+-----------+-----------+-----+-----+
  *     then, in this order and only if the head says so ("before": in the cut before; for the first all 0, anchor -1, placement 0):
- *     anchor  1: rule: v anchor - before - 1; summary: z placement - before              0: as before
+ *     anchor  1: rule: v anchor - before - 1; drawn once: z placement - before           0: as before
  *     list    1: z list - before                                                         0: as before
  *     bands   0 as before   1 one band, from before's end   2 u8 end, from before's end   3 u8 first, u8 end
  *     more    1: u8: bits 0-1 first: 0 zero, 1 as before, 2 v first; bits 2-3 share: 0 all, 1 as before, 2 from before's end to all,
@@ -59,7 +60,7 @@
 #include "ecofiles/plan.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN, ECO_FRAME_END };
-#define ECO_WIRE_VERSION 1u
+#define ECO_WIRE_VERSION 2u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
@@ -95,7 +96,7 @@ float eco_wire_scale_round(float scale);
  * else memory grows with the bytes that came, not with what a header promises. A NULL callback ignores its frames. Pointers are
  * valid during the call. */
 struct eco_wire_events {
-	/* name, needs, ground, near_m and the counts of plants and lists are set; root is ECO_NONE, there are no arrays */
+	/* name, needs, ground_columns and _rows, near_m and the counts of plants and lists are set; root is ECO_NONE, there are no arrays */
 	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id, struct eco_error *e);
 	/* name, height, anchor range are set, the rest is 0 */
 	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,

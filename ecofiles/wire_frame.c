@@ -10,7 +10,7 @@
 
 /* A plan of ten thousand nested eco files stays below 1 MiB; the limit bounds what decoding it may take. */
 #define PLAN_PAYLOAD_MAX (1u << 24)
-#define SCENE_PAYLOAD_LEAST 45u
+#define SCENE_PAYLOAD_LEAST 49u
 #define STRING_MAX 64u
 #define PLANT_PAYLOAD_LEAST (4u + 1 + 4 + 4 + 4 + 16)
 #define CHUNK_PAYLOAD_LEAST (4u + 4 + 16 + 4 + 4 + 1)
@@ -20,7 +20,7 @@ static const struct { const char *name; uint32_t least, most; } frames[] = {
 	[ECO_FRAME_PLANT] = { "plant", PLANT_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_LIST] = { "list", 5, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_CHUNK] = { "chunk", CHUNK_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
-	[ECO_FRAME_PLAN] = { "plan", 8 + 24 + 2 + 1 + 5, PLAN_PAYLOAD_MAX },
+	[ECO_FRAME_PLAN] = { "plan", 8 + 24 + 2 + 5, PLAN_PAYLOAD_MAX },
 	[ECO_FRAME_END] = { "end", 16, 16 },
 };
 

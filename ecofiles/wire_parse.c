@@ -33,7 +33,8 @@ struct eco_wire_parser {
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last CHUNK; ECO_NONE before it */
 	uint64_t vertices;                   /* of the last PLAN */
-	uint32_t plant_count, list_count, ground;
+	uint32_t plant_count, list_count;
+	bool ground;
 };
 
 /* ---- Fields ---- */
@@ -78,7 +79,8 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 		return eco_fail(e, ECO_UNSUPPORTED, "it has version %u, this program reads version %u", version, ECO_WIRE_VERSION);
 	scene.near_m = eco_read_f64(r);
 	scene.needs = eco_read_u32(r);
-	scene.ground = eco_read_u32(r);
+	scene.ground_columns = eco_read_u32(r);
+	scene.ground_rows = eco_read_u32(r);
 	scene.plant_count = eco_read_u32(r);
 	scene.list_count = eco_read_u32(r);
 	bool named = read_string(r, scene.name);
@@ -91,12 +93,13 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	if (scene.needs & ~NEEDS_ALL)
 		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does not know",
 			scene.needs & ~NEEDS_ALL);
-	if (scene.ground != ECO_NONE && scene.ground >= scene.list_count)
-		return eco_fail(e, ECO_DAMAGED, "the ground is list %u of %u", scene.ground, scene.list_count);
+	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1 || scene.ground_rows == 1
+		|| scene.ground_columns > ECO_GROUND_SIDE_MAX || scene.ground_rows > ECO_GROUND_SIDE_MAX)
+		return eco_fail(e, ECO_DAMAGED, "the ground has %u x %u samples", scene.ground_columns, scene.ground_rows);
 	memcpy(pack_id.bytes, id, sizeof pack_id.bytes);
 	p->plant_count = scene.plant_count;
 	p->list_count = scene.list_count;
-	p->ground = scene.ground;
+	p->ground = scene.ground_columns != 0;
 	return p->events.scene ? p->events.scene(p->ctx, &scene, &pack_id, e) : ECO_OK;
 }
 
@@ -163,13 +166,15 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know", id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know", id, list->coder);
-	if ((list->attributes & ~ATTRIBUTES_ALL) || list->reserved)
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x, not all of which this program knows", id,
-			list->attributes);
+	if ((list->attributes & ~ATTRIBUTES_ALL) || (list->level && list->kind != ECO_LIST_GROUND) || list->level >= ECO_GROUND_LEVELS)
+		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this program does not know", id,
+			list->attributes, list->level);
 	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))
 		return eco_fail(e, ECO_DAMAGED, "list %u: kind %u cannot have coder %u", id, list->kind, list->coder);
 	if (!grid_sound(list))
 		return eco_fail(e, ECO_DAMAGED, "list %u: its grid or unit area is not finite or negative", id);
+	if (list->kind == ECO_LIST_GROUND && !p->ground)
+		return eco_fail(e, ECO_DAMAGED, "list %u is ground, but the scene has none", id);
 	if (list->kind == ECO_LIST_INSTANCES && list->plant >= p->plant_count)
 		return eco_fail(e, ECO_DAMAGED, "list %u plants plant %u of %u", id, list->plant, p->plant_count);
 	if ((list->image != ECO_NONE && list->image >= p->list_count) || (list->partner != ECO_NONE && list->partner >= p->list_count))
@@ -246,8 +251,6 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 
 static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struct eco_plan *plan, struct eco_error *e)
 {
-	if (plan->ground && p->ground == ECO_NONE)
-		return eco_fail(e, ECO_DAMAGED, "the plan draws a ground that the scene does not have");
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		if (plan->runs[i].list_end > p->list_count)
 			return eco_fail(e, ECO_DAMAGED, "run %u of the plan ends at list %u of %u", i, plan->runs[i].list_end, p->list_count);

@@ -418,7 +418,6 @@ static void write_sorted(struct eco_writer *w, const struct eco_plan *plan)
 	eco_write_f64(w, plan->prediction.tp);
 	eco_write_f64(w, plan->prediction.fp);
 	eco_write_f64(w, plan->prediction.fn);
-	eco_write_u8(w, plan->ground);
 	write_placements(w, plan);
 	write_runs(w, plan);
 	write_gates(w, plan);
@@ -505,7 +504,6 @@ static void read_fields(struct eco_reader *r, struct eco_plan *plan, bool *no_me
 	plan->prediction.tp = eco_read_f64(r);
 	plan->prediction.fp = eco_read_f64(r);
 	plan->prediction.fn = eco_read_f64(r);
-	plan->ground = eco_read_u8(r) & 1;
 	plan->placements = read_items(r, &plan->placement_count, 4, sizeof *plan->placements, no_memory);
 	read_placements(r, plan);
 	plan->runs = read_items(r, &plan->run_count, 2, sizeof *plan->runs, no_memory);

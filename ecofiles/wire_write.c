@@ -22,7 +22,8 @@ void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene, c
 	eco_write_bytes(w, pack_id->bytes, sizeof pack_id->bytes);
 	eco_write_f64(w, scene->near_m);
 	eco_write_u32(w, scene->needs);
-	eco_write_u32(w, scene->ground);
+	eco_write_u32(w, scene->ground_columns);
+	eco_write_u32(w, scene->ground_rows);
 	eco_write_u32(w, scene->plant_count);
 	eco_write_u32(w, scene->list_count);
 	write_string(w, scene->name, sizeof scene->name);

@@ -343,6 +343,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 		code = plan_structure(&p, structure, error);
 	if (!code)
 		code = lod_planning_emit(&p, distance_at(structure), plan, error);
+	if (!code)
+		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
 	planning_free(&p);
 	if (code)
 		eco_plan_free(plan);

@@ -18,6 +18,10 @@ struct lod_planner_input {
 /* Never above request->vertices. request->bytes is not looked at here: the server searches the vertex budget whose stream fits. */
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error);
 
+/* Replaces the ground of a plan by the tiles that `ground_px` asks for (0: ECO_GROUND_PX); the rest stays. lod_plan ends with this. */
+enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double ground_px,
+	struct eco_error *error);
+
 /* For each list in the plan, how many chunks its largest cut needs; sorted by list. Owned by the caller (free items). */
 enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan, struct eco_holdings *needs,
 	struct eco_error *error);

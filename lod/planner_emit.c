@@ -2,8 +2,10 @@
 #include "lod/planning.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/wire.h"
+#include "lod/ground.h"
 #include "lod/ladder.h"
 
 static double entry_density(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
@@ -180,8 +182,50 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = sample_distance;
-	plan->ground = p->scene->ground != ECO_NONE;
 	return ECO_OK;
+}
+
+/* ---- Ground ---- */
+
+/* Before all else among the cuts: with the summaries, sorted by list. */
+static void insert_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct lod_ground_choice *choice)
+{
+	memmove(plan->cuts + choice->count, plan->cuts, plan->cut_count * sizeof *plan->cuts);
+	plan->cut_count += choice->count;
+	for (uint32_t i = 0; i < choice->count; i++) {
+		uint32_t list = scene->ground[choice->tiles[i]].list;
+		plan->cuts[i] = (struct eco_cut){ .list = list, .end = scene->lists[list].primitive_count, .scale = 1, .anchor = ECO_NONE,
+			.share_end = ECO_SHARE_ONE };
+	}
+	qsort(plan->cuts, plan->cut_count, sizeof *plan->cuts, by_anchor);
+}
+
+enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double ground_px,
+	struct eco_error *error)
+{
+	struct lod_ground_limits limits = { .tolerance_px = ground_px > 0 ? ground_px : ECO_GROUND_PX };
+	struct lod_ground_choice choice;
+	struct lod_eye eye;
+	uint32_t kept = 0;
+	if (scene->ground_count == 0)
+		return ECO_OK;
+	lod_eye_make(&eye, view);
+	enum eco_code code = lod_ground_select(&choice, scene, &eye, &limits, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (scene->lists[plan->cuts[i].list].kind != ECO_LIST_GROUND)
+			plan->cuts[kept++] = plan->cuts[i];
+	plan->cut_count = kept;
+	struct eco_cut *cuts = realloc(plan->cuts, ((size_t)kept + choice.count + 1) * sizeof *cuts);
+	if (cuts) {
+		plan->cuts = cuts;
+		insert_ground(plan, scene, &choice);
+	} else {
+		code = eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", choice.count);
+	}
+	free(choice.tiles);
+	return code;
 }
 
 /* ---- Needs ---- */
@@ -215,8 +259,6 @@ enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_pla
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %zu lists", most);
 	struct eco_holding *items = needs->items;
 	uint32_t count = 0, kept = 0;
-	if (plan->ground)
-		items[count++] = (struct eco_holding){ scene->ground, scene->lists[scene->ground].chunk_count };
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		for (uint32_t list = plan->runs[i].list_first; list < plan->runs[i].list_end; list++)
 			items[count++] = (struct eco_holding){ list, scene->lists[list].chunk_count };

@@ -34,16 +34,6 @@ static void key_url(struct srv_json *json, const char *key, const struct srv_sce
 	srv_json_key_text(json, key, url);
 }
 
-/* ECO_NONE is null. */
-static void key_index(struct srv_json *json, const char *key, uint32_t index)
-{
-	srv_json_key(json, key);
-	if (index == ECO_NONE)
-		srv_json_null(json);
-	else
-		srv_json_count(json, index);
-}
-
 /* Of the PLAN frame's payload: what a view costs a client that holds every chunk. */
 static uint64_t plan_bytes(const struct eco_plan *plan)
 {
@@ -96,8 +86,8 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key(json, "links");
 	srv_json_open(json, '{');
 	key_url(json, "self", scene, "");
-	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,pack}");
-	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,pack}");
+	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,pack}");
+	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	srv_json_close(json, '}');
 }
@@ -166,19 +156,48 @@ static void describe_steps(struct srv_json *json, const struct srv_stream *strea
 		srv_json_open(json, '{');
 		srv_json_key_count(json, "vertices", stream->steps[i].plan.vertices);
 		srv_json_key_count(json, "end_bytes", stream->steps[i].end_bytes);
+		if (stream->input.scene->pack->scene.ground_count)
+			srv_json_key_number(json, "ground_px", stream->steps[i].ground_px);
 		srv_json_close(json, '}');
 	}
 	srv_json_close(json, ']');
 }
 
-/* Whom a cut is for: a tile's own list in its placement, or instances of a plant by distance and share. */
+static void describe_ground(struct srv_json *json, const struct srv_stream *stream)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	const struct srv_step *last = &stream->steps[stream->step_count - 1];
+	uint64_t tiles = 0, bytes = 0;
+	srv_json_key(json, "ground");
+	if (!scene->ground_count) {
+		srv_json_null(json);
+		return;
+	}
+	for (uint32_t i = 0; i < last->plan.cut_count; i++) {
+		const struct eco_list *list = &scene->lists[last->plan.cuts[i].list];
+		if (list->kind != ECO_LIST_GROUND)
+			continue;
+		tiles++;
+		bytes += scene->chunks[list->chunk_first].size_bytes;
+	}
+	srv_json_open(json, '{');
+	srv_json_key_count(json, "tiles", tiles);
+	srv_json_key_count(json, "chunk_bytes", bytes);
+	srv_json_key_number(json, "ground_px", last->ground_px);
+	srv_json_close(json, '}');
+}
+
+/* Whom a cut is for: nobody (ground), a tile's own list in its placement, or instances of a plant by distance and share. */
 static void describe_who(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
 {
 	srv_json_key(json, "who");
 	srv_json_open(json, '{');
 	if (cut->anchor == ECO_NONE) {
 		srv_json_key_count(json, "placement", cut->placement);
-		srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
+		if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
+			srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
+		else
+			srv_json_key_count(json, "level", scene->lists[cut->list].level);
 	} else {
 		uint32_t plant = scene->lists[cut->list].owner;
 		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
@@ -280,8 +299,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 	srv_json_key_count(json, "plan_bytes", plan_bytes(plan));
 	srv_json_key_number(json, "sample_distance_rad", plan->sample_distance);
 	describe_prediction(json, &plan->prediction);
-	srv_json_key_bool(json, "ground", plan->ground);
-	key_index(json, "ground_list", plan->ground ? scene->ground : ECO_NONE);
+	describe_ground(json, stream);
 	describe_steps(json, stream);
 	describe_placements(json, plan);
 	describe_runs(json, plan);

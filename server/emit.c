@@ -171,10 +171,13 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 	return code;
 }
 
-/* What others refer to goes first: where things stand, and the images that triangles are textured with. */
-static bool goes_first(const struct eco_list *list)
+/* Ground, coarse to fine as lists are numbered; then what others refer to: where things stand, and the images that triangles are
+ * textured with; then what stands there. */
+static int turn_of(const struct eco_list *list)
 {
-	return list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE;
+	if (list->kind == ECO_LIST_GROUND)
+		return 0;
+	return list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE ? 1 : 2;
 }
 
 enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, const struct eco_holdings *needs,
@@ -186,10 +189,10 @@ enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, 
 		if (plant != ECO_NONE && !emit->known[plant])
 			emit_plant(emit, plant);
 	}
-	for (int round = 0; round < 2; round++)
+	for (int round = 0; round < 3; round++)
 		for (uint32_t i = 0; i < needs->count; i++) {
 			const struct eco_holding *need = &needs->items[i];
-			if (goes_first(&scene->lists[need->list]) != (round == 0))
+			if (turn_of(&scene->lists[need->list]) != round)
 				continue;
 			enum eco_code code = emit_list(emit, need->list, need->chunks, error);
 			if (code)

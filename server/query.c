@@ -27,6 +27,7 @@ static const struct param_row {
 	{ "height", PARAM_SIZE, true, AT(request.view.height), ECO_IMAGE_MAX },
 	{ "vertices", PARAM_COUNT, true, AT(request.vertices), ECO_VERTICES_MAX },
 	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED },
+	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0 },
 	{ "pack", PARAM_ID, false, AT(pack), 0 },
 };
 #undef AT
@@ -162,13 +163,14 @@ static const struct param_row *find_row(const char *name)
 
 enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target, struct eco_error *error)
 {
-	*query = (struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 }, .bytes = ECO_BYTES_UNBOUNDED } };
+	*query = (struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 }, .bytes = ECO_BYTES_UNBOUNDED,
+		.ground_px = ECO_GROUND_PX } };
 	for (uint32_t i = 0; i < target->param_count; i++) {
 		const struct srv_param *param = &target->params[i];
 		const struct param_row *row = find_row(param->name);
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, target, up, fov_y_deg, width, height, "
-				"vertices, bytes and pack", param->name);
+				"vertices, bytes, ground_px and pack", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;
@@ -176,6 +178,9 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	for (size_t i = 0; i < PARAM_ROWS; i++)
 		if (param_rows[i].required && !srv_target_param(target, param_rows[i].name))
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing", param_rows[i].name);
+	if (!(query->request.ground_px >= ECO_GROUND_PX_MIN && query->request.ground_px <= ECO_GROUND_PX_MAX))
+		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g", query->request.ground_px,
+			ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);
 	return eco_view_check(&query->request.view, error);
 }
 

@@ -1,6 +1,7 @@
 #include "server/stream.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "lod/planner.h"
@@ -11,6 +12,10 @@
 #define STEP_BYTES_LEAST (256u << 10)        /* missing payload bytes from which a coarse step is worth its over-send */
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
+#define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
+#define GROUND_PX_SCARCE 8.0                 /* up to here ground gives way before plants */
+#define GROUND_TRIES 8u                      /* halvings of the way from the tolerance asked for to that */
+#define GROUND_SHARE 4u                      /* ground takes at most this part of a byte budget that plants do not fit in */
 
 static void step_free(struct srv_step *step)
 {
@@ -58,28 +63,48 @@ static uint64_t missing_bytes(const struct eco_scene *scene, const struct eco_ho
 	return sum;
 }
 
-static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, struct srv_step *step, struct eco_error *error)
+static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, struct eco_error *error)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	free(step->needs.items);
+	step->needs = (struct eco_holdings){ 0 };
+	enum eco_code code = lod_plan_needs(scene, &step->plan, &step->needs, error);
+	if (!code)
+		step->missing_bytes = missing_bytes(scene, stream->input.holdings, &step->needs);
+	return code;
+}
+
+static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px, struct srv_step *step,
+	struct eco_error *error)
 {
 	const struct srv_stream_input *input = &stream->input;
 	const struct eco_scene *scene = &input->scene->pack->scene;
 	struct eco_request request = *input->request;
 	struct lod_planner_input planner = { .scene = scene, .request = &request, .holdings = input->holdings,
 		.tiles_max = input->tiles_max, .placements_max = input->placements_max };
-	*step = (struct srv_step){ .budget_vertices = vertices };
+	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
 	request.vertices = vertices;
+	request.ground_px = ground_px;
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	if (!code)
-		code = lod_plan_needs(scene, &step->plan, &step->needs, error);
+		code = needs_of(stream, step, error);
 	if (code) {
 		step_free(step);
 		return code;
 	}
 	assert(step->plan.vertices <= vertices);
-	step->missing_bytes = missing_bytes(scene, input->holdings, &step->needs);
 	stream->plans_made++;
 	return ECO_OK;
+}
+
+/* The same plants on other ground. */
+static enum eco_code change_ground(struct srv_stream *stream, struct srv_step *step, double ground_px, struct eco_error *error)
+{
+	step->ground_px = ground_px;
+	enum eco_code code = lod_plan_ground(&step->plan, &stream->input.scene->pack->scene, &stream->input.request->view, ground_px, error);
+	return code ? code : needs_of(stream, step, error);
 }
 
 /* Emits `count` steps as a whole body; *emit has been initialised or restarted. */
@@ -135,23 +160,91 @@ static bool search_done(const struct search *s, uint64_t budget_bytes)
 		|| s->tries >= SEARCH_PLANS_MAX;
 }
 
+static enum eco_code size_on(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, double ground_px, uint64_t *bytes,
+	struct eco_error *error)
+{
+	enum eco_code code = change_ground(stream, step, ground_px, error);
+	if (!code)
+		code = size_of(stream, dry, step, bytes, error);
+	srv_trace(SRV_TRACE_PLAN, "byte budget %llu: ground of %g pixels, %llu vertices take %llu bytes",
+		(unsigned long long)stream->input.request->bytes, ground_px, (unsigned long long)step->plan.vertices, (unsigned long long)*bytes);
+	return code;
+}
+
+/* All the plants that were asked for, on about the finest ground up to GROUND_PX_SCARCE with which they fit; else *fits is false. */
+static enum eco_code spare_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, uint64_t *bytes, bool *fits,
+	struct eco_error *error)
+{
+	double finer = step->ground_px, px = GROUND_PX_SCARCE;
+	*fits = false;
+	if (!stream->input.scene->pack->scene.ground_count || finer >= px)
+		return ECO_OK;
+	enum eco_code code = size_on(stream, dry, step, px, bytes, error);
+	*fits = !code && *bytes <= stream->input.request->bytes;
+	if (!*fits)
+		return code;
+	for (uint32_t tries = 0; !code && tries < GROUND_TRIES; tries++) {
+		double middle = sqrt(finer * px);
+		uint64_t size;
+		code = size_on(stream, dry, step, middle, &size, error);
+		if (code)
+			break;
+		if (size <= stream->input.request->bytes) {
+			px = middle;
+			*bytes = size;
+		} else {
+			finer = middle;
+		}
+	}
+	return code || step->ground_px == px ? code : change_ground(stream, step, px, error);
+}
+
+static uint64_t missing_ground_bytes(const struct srv_stream *stream, const struct srv_step *step)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < step->needs.count; i++) {
+		const struct eco_list *list = &scene->lists[step->needs.items[i].list];
+		if (list->kind == ECO_LIST_GROUND && !eco_holdings_chunks(stream->input.holdings, step->needs.items[i].list))
+			sum += scene->chunks[list->chunk_first].size_bytes;
+	}
+	return sum;
+}
+
+/* How coarse the ground is when plants give way too. `step` is the plan for 0 vertices; *bytes its body. */
+static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, uint64_t *bytes,
+	struct eco_error *error)
+{
+	enum eco_code code = size_of(stream, dry, step, bytes, error);
+	uint64_t most = stream->input.request->bytes;
+	while (!code && step->ground_px < ECO_GROUND_PX_MAX && (missing_ground_bytes(stream, step) > most / GROUND_SHARE
+		|| (*bytes > most && stream->input.scene->pack->scene.ground_count)))
+		code = size_on(stream, dry, step, fmin(GROUND_STEP * step->ground_px, ECO_GROUND_PX_MAX), bytes, error);
+	return code;
+}
+
 /* `best` holds the plan for the whole vertex budget, whose body of `bytes` does not fit. Afterwards it holds the step to send, or
  * that for 0 vertices with *fits false. */
 static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best, uint64_t *bytes,
 	bool *fits, struct eco_error *error)
 {
 	uint64_t budget_bytes = stream->input.request->bytes;
+	double ground_px = best->ground_px;
+	enum eco_code code = spare_ground(stream, dry, best, bytes, fits, error);
+	if (code || *fits)
+		return code;
 	struct search s = { .high = best->plan.vertices, .high_bytes = *bytes };
 	step_free(best);
-	enum eco_code code = make_step(stream, 0, best, error);
+	code = make_step(stream, 0, ground_px > GROUND_PX_SCARCE ? ground_px : GROUND_PX_SCARCE, best, error);
 	if (!code)
-		code = size_of(stream, dry, best, &s.low_bytes, error);
+		code = scarce_ground(stream, dry, best, &s.low_bytes, error);
+	ground_px = best->ground_px;
 	*fits = !code && s.low_bytes <= budget_bytes;
 	*bytes = s.low_bytes;
 	for (; !code && *fits && !search_done(&s, budget_bytes); s.tries++) {
 		uint64_t vertices = next_try(&s, budget_bytes), size;
 		struct srv_step step;
-		code = make_step(stream, vertices, &step, error);
+		code = make_step(stream, vertices, ground_px, &step, error);
 		if (code)
 			break;
 		code = size_of(stream, dry, &step, &size, error);
@@ -177,16 +270,18 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 
 /* ---- Steps ---- */
 
-/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it. */
+/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it, on coarser ground. */
 static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *error)
 {
 	uint64_t vertices = stream->steps[0].plan.vertices, next = stream->steps[0].missing_bytes;
+	double ground_px = stream->steps[0].ground_px;
 	if (next <= STEP_BYTES_LEAST)
 		return ECO_OK;
 	for (uint32_t tries = 1; tries < SRV_STEPS_MAX && vertices >= 4; tries++) {
 		struct srv_step step;
 		vertices /= 4;
-		enum eco_code code = make_step(stream, vertices, &step, error);
+		ground_px *= GROUND_STEP;
+		enum eco_code code = make_step(stream, vertices, ground_px, &step, error);
 		if (code)
 			return code;
 		bool clear = step.missing_bytes < next / 2;
@@ -244,7 +339,8 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 {
 	const struct eco_request *request = stream->input.request;
 	uint64_t bytes;
-	enum eco_code code = make_step(stream, request->vertices, &stream->steps[0], error);
+	double ground_px = request->ground_px > 0 ? request->ground_px : ECO_GROUND_PX;
+	enum eco_code code = make_step(stream, request->vertices, ground_px, &stream->steps[0], error);
 	if (code)
 		return code;
 	stream->step_count = 1;

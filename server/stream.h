@@ -7,12 +7,13 @@
  *
  * Steps. The last step is the plan for the whole budget. Where it needs many bytes that the client lacks, plans for 1/4, 1/16 and
  * 1/64 of its vertices go before it, if each costs clearly fewer bytes than the next: a picture soon, at the price of the little
- * that the last plan does not use again.
+ * that the last plan does not use again. Their ground is four times as coarse from step to step; within a step ground goes first, coarse
+ * to fine.
  *
- * Byte budget. It bounds the whole body, END included. Bytes are not quite monotone in vertices, so the server searches the
- * largest vertex budget whose body it has found to fit, within 1/256, and always by the exact size, which a dry run of the same
- * code that writes the body computes. If not even the plan for 0 vertices (ground, and what no picture is valid without) fits,
- * `fits` is false: 204.
+ * Byte budget. It bounds the whole body, END included. What gives way first is the ground's detail, up to an error of 8 pixels; then the
+ * vertices, on ground that is coarser still where it would take more than a quarter of the bytes. Bytes are not quite monotone in vertices, so the server searches the largest vertex budget whose body it has
+ * found to fit, within 1/256, and always by the exact size, which a dry run of the same code that writes the body computes. If not even
+ * the plan for 0 vertices on the coarsest ground fits, `fits` is false: 204.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H
@@ -39,6 +40,7 @@ struct srv_step {
 	struct eco_plan plan;
 	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
 	uint64_t budget_vertices;                    /* what was asked of the planner */
+	double ground_px;                            /* and how far its ground may be from where it is */
 	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
 	uint64_t end_bytes;                          /* of the body, up to and with this step's PLAN */
 };

@@ -5,13 +5,42 @@
 
 #include "ecofiles/view.h"
 #include "ecofiles/chunk.h"
+#include "ecofiles/ground_tile.h"
 #include "tests/scene_random.h"
 
 struct random_pack {
 	struct random_scene r;
+	struct eco_ground_tile ground[5];
 	struct eco_pack pack;
 	uint8_t *map;
 };
+
+/* A root and four tiles under it, from -50 to 150 m. */
+static inline void random_pack_ground(struct random_pack *p)
+{
+	struct eco_scene *s = &p->r.scene;
+	s->ground = p->ground;
+	s->ground_count = 5;
+	s->ground_columns = s->ground_rows = 2 * ECO_GROUND_CELLS + 1;
+	for (uint32_t i = 0; i < 5; i++) {
+		struct eco_ground_tile *t = &p->ground[i];
+		struct eco_ground_span x, y;
+		*t = (struct eco_ground_tile){ .level = i == 0, .column = i ? (i - 1) % 2 : 0, .row = i ? (i - 1) / 2 : 0, .child_count = i ? 0 : 4,
+			.child_first = i ? 0 : 1, .error_m = i ? 0 : 0.5f, .low_m = -1, .high_m = 1 };
+		eco_ground_spans(&x, &y, t, s->ground_columns, s->ground_rows);
+		t->list = random_list(&p->r, ECO_LIST_GROUND, 1, ECO_NONE, ECO_NONE);
+		struct eco_list *list = &p->r.lists[t->list];
+		struct eco_chunk *chunk = &p->r.chunks[list->chunk_first];
+		list->level = t->level;
+		list->columns = x.count;
+		list->primitive_count = list->element_count = chunk->primitive_count = chunk->element_count = x.count * y.count;
+		chunk->size_bytes = 30;
+		for (int k = 0; k < 2; k++) {
+			list->grid_origin[k] = -50;
+			list->grid_step[k] = 100.0 / ECO_GROUND_CELLS;
+		}
+	}
+}
 
 static inline void random_pack_lists(struct random_pack *p)
 {
@@ -19,8 +48,7 @@ static inline void random_pack_lists(struct random_pack *p)
 		[ECO_LIST_POINTS] = ECO_CODER_KD, [ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
 		[ECO_LIST_IMAGE] = ECO_CODER_BYTES };
 	struct eco_scene *s = &p->r.scene;
-	s->ground = random_list(&p->r, ECO_LIST_GROUND, 64, ECO_NONE, ECO_NONE);
-	p->r.lists[s->ground].columns = 8;
+	random_pack_ground(p);
 	uint32_t image = random_list(&p->r, ECO_LIST_IMAGE, 1, 0, ECO_NONE);
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		struct eco_list *list = &p->r.lists[i];

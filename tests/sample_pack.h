@@ -127,6 +127,25 @@ static inline uint32_t sample_image(struct sample *s)
 	return id;
 }
 
+/* One tile of 16 x 16 samples. */
+static inline uint32_t sample_ground(struct sample *s)
+{
+	struct eco_list list = sample_list(ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
+	struct eco_elements e = sample_elements(s, 256, 1, &list);
+	uint32_t id = ECO_NONE, end = 256;
+	list.columns = 16;
+	list.grid_step[0] = list.grid_step[1] = 8;
+	for (uint32_t i = 0; i < 256; i++) {
+		e.position[3 * i] = (int32_t)(i % 16);
+		e.position[3 * i + 1] = (int32_t)(i / 16);
+		e.position[3 * i + 2] %= 4000;
+	}
+	if (!s->code)
+		s->code = eco_pack_add_list(s->writer, &list, &e, &end, 1, NULL, &id, s->error);
+	eco_elements_free(&e);
+	return id;
+}
+
 static inline void sample_commit(struct sample *s, const uint32_t instances[4], uint32_t leaves, uint32_t wood, uint32_t bush,
 	uint32_t summary, uint32_t ground)
 {
@@ -159,8 +178,9 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 		{ .low = { 45, -5, -5 }, .high = { 110, 60, 15 }, .area = 4000, .instance_count = 2 * SAMPLE_PLANTS, .summary = ECO_NONE,
 			.group_first = 2, .group_count = 2 },
 	};
+	const struct eco_ground_tile tile = { .list = ground, .high_m = 4 };
 	const struct eco_child children[] = { { .tile = 1, .scale = 1 }, { .tile = 2, .scale = 1 } };
-	const struct eco_scene scene = { .name = "sample", .root = 0, .ground = ground, .near_m = 0.05,
+	const struct eco_scene scene = { .name = "sample", .root = 0, .ground = &tile, .ground_count = 1, .ground_columns = 16, .ground_rows = 16, .near_m = 0.05,
 		.needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES,
 		.plants = plants, .plant_count = 2, .anchors = anchors, .anchor_count = 2, .ladders = ladders, .ladder_count = 3,
 		.curves = curves, .curve_count = 3, .tiles = tiles, .tile_count = 3, .groups = groups, .group_count = 4,
@@ -188,10 +208,8 @@ static inline enum eco_code sample_pack_write(const char *path, struct eco_error
 	for (uint32_t i = 0; i < 4; i++)
 		instances[i] = sample_instances(&s, 1 + i / 2, i % 2, i / 2 * 50.0);
 	uint32_t summary = sample_simple(&s, sample_list(ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 0), 2000, 1);
-	struct eco_list ground = sample_list(ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
-	ground.columns = 16;
-	uint32_t ground_id = sample_simple(&s, ground, 256, 1);
-	sample_commit(&s, instances, leaves, wood, bush_id, summary, ground_id);
+	uint32_t ground = sample_ground(&s);
+	sample_commit(&s, instances, leaves, wood, bush_id, summary, ground);
 	free(s.places);
 	return s.code;
 }

@@ -8,6 +8,7 @@
 
 #include "ecofiles/bytes.h"
 #include "ecofiles/chunk.h"
+#include "ecofiles/ground_tile.h"
 #include "ecofiles/pack.h"
 
 struct scene_pack {
@@ -19,12 +20,14 @@ struct scene_pack {
 	struct eco_tile tiles[2];
 	struct eco_group group;
 	struct eco_child child;
+	struct eco_ground_tile ground[3];
 	uint8_t palette[4][3];
 	struct eco_writer places;
 };
 
 #define SCENE_PACK_PLANTS 7u
 #define SCENE_PACK_QUADS 40u
+#define SCENE_PACK_GROUND 3u
 
 static inline struct eco_list scene_pack_list(uint8_t kind, uint8_t coder, uint8_t attributes, uint32_t owner)
 {
@@ -125,16 +128,47 @@ static inline enum eco_code scene_pack_plant(struct scene_pack *p, struct eco_pa
 	return code;
 }
 
-/* Ground, summary and instances, ids 6 to 8, and two tiles: the root and a nested eco file. */
+/* Two tiles of 70 x 20 samples and what stands for both, ids 6 to 8. */
+static inline enum eco_code scene_pack_ground(struct scene_pack *p, struct eco_pack_writer *w, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+
+	for (uint32_t i = 0; i < SCENE_PACK_GROUND && code == ECO_OK; i++) {
+		struct eco_list list = scene_pack_list(ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
+		struct eco_ground_tile *t = &p->ground[i];
+		struct eco_ground_span x, y;
+		struct eco_elements e;
+		uint32_t end;
+
+		*t = (struct eco_ground_tile){ .level = i == 0, .column = i == 2, .child_count = i == 0 ? 2 : 0, .child_first = i == 0,
+			.error_m = i == 0 ? 0.25f : 0, .low_m = 0, .high_m = 0.5f };
+		eco_ground_spans(&x, &y, t, 70, 20);
+		list.level = t->level;
+		list.columns = x.count;
+		end = x.count * y.count;
+		e = scene_pack_elements(end, 1, 0, 0);
+		for (uint32_t k = 0; k < end; k++) {
+			int32_t column = (int32_t)eco_ground_span_at(&x, k % x.count), row = (int32_t)eco_ground_span_at(&y, k / x.count);
+
+			e.position[3 * k] = column;
+			e.position[3 * k + 1] = row;
+			e.position[3 * k + 2] = column * row % 20;
+		}
+		code = eco_pack_add_list(w, &list, &e, &end, 1, NULL, &t->list, error);
+		eco_elements_free(&e);
+	}
+	return code;
+}
+
+/* Ground, summary and instances, ids 6 to 10, and two tiles: the root and a nested eco file. */
 static inline enum eco_code scene_pack_tiles(struct scene_pack *p, struct eco_pack_writer *w, struct eco_error *error)
 {
 	struct eco_elements e = scene_pack_elements(SCENE_PACK_PLANTS, 1, 2, 0);
-	struct eco_list list = scene_pack_list(ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
-	uint32_t ground, summary, instances;
+	struct eco_list list;
+	uint32_t summary, instances;
 	enum eco_code code;
 
-	list.columns = 6;
-	code = scene_pack_add(w, list, scene_pack_elements(36, 1, 0, 0), NULL, &ground, error);
+	code = scene_pack_ground(p, w, error);
 	if (code == ECO_OK)
 		code = scene_pack_add(w, scene_pack_list(ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 1),
 			scene_pack_elements(50, 1, 3, 0), NULL, &summary, error);
@@ -183,7 +217,8 @@ static inline enum eco_code scene_pack_write(struct scene_pack *p, const char *p
 	children[0] = (struct eco_child){ .tile = 1, .scale = 1 };
 	children[1] = (struct eco_child){ .tile = 1, .placed = true, .at = { 3, 4, 5 }, .turn = 16384, .scale = 1.5f };
 	memcpy(p->palette, colors, sizeof colors);
-	p->scene = (struct eco_scene){ .name = "small", .needs = 511, .ground = 6, .near_m = 0.1, .plants = &p->plant, .plant_count = 1,
+	p->scene = (struct eco_scene){ .name = "small", .needs = 511, .ground = p->ground, .ground_count = SCENE_PACK_GROUND,
+		.ground_columns = 70, .ground_rows = 20, .near_m = 0.1, .plants = &p->plant, .plant_count = 1,
 		.anchors = p->anchors, .anchor_count = 2, .ladders = p->ladders, .ladder_count = 4, .curves = p->curves, .curve_count = 3,
 		.tiles = p->tiles, .tile_count = 2, .groups = &p->group, .group_count = 1, .children = children, .child_count = 2,
 		.palette = p->palette, .palette_count = 4, .places = p->places.bytes, .place_count = SCENE_PACK_PLANTS };

@@ -155,7 +155,7 @@ static inline void random_scene_make(struct random_scene *r, uint64_t seed, uint
 	memset(r, 0, sizeof *r);
 	r->state = seed;
 	struct eco_scene *s = &r->scene;
-	*s = (struct eco_scene){ .ground = ECO_NONE, .near_m = 0.01, .plants = r->plants, .anchors = r->anchors, .ladders = r->ladders,
+	*s = (struct eco_scene){ .near_m = 0.01, .plants = r->plants, .anchors = r->anchors, .ladders = r->ladders,
 		.curves = r->curves, .tiles = r->tiles, .groups = r->groups, .children = r->children, .lists = r->lists,
 		.chunks = r->chunks, .places = r->places };
 	uint32_t plants = 1 + random_below(r, 4);

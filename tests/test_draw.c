@@ -54,7 +54,9 @@ static struct view_picture draw(struct view_gl *with, const struct view_store *s
 	struct eco_error error = { 0 };
 	lod_eye_make(&eye, view);
 	assert_int_equal(view_select_make(&selection, store, &eye, NULL), ECO_OK);
-	struct view_gl_job job = { store, &selection, &eye, 0.1, ground, tint };
+	if (!ground)
+		view_ground_free(&selection.ground);
+	struct view_gl_job job = { store, &selection, &eye, 0.1, tint };
 	assert_int_equal(view_picture_init(&picture, view->width, view->height, NULL), ECO_OK);
 	view_gl_draw(with, &job, &picture, &error);
 	assert_string_equal(error.text, "");
@@ -114,12 +116,11 @@ static void ground_hides_and_is_not_covered(void **state)
 	struct lod_eye eye;
 	lod_eye_make(&eye, &below);
 	plan.run_count = 1;                      /* the others stand on no ground */
-	plan.cuts++;
-	plan.cut_count--;
+	assert_true(plan.cuts[1].list == L_SUMMARY);
+	memmove(plan.cuts + 1, plan.cuts + 2, (--plan.cut_count - 1) * sizeof *plan.cuts);
 	plan.vertices = scene_count(&scene, &plan, &eye, &plan.visible_plants);
 	assert_true(plan.vertices > 0);
 	store = scene_store(&scene, &plan, NULL);
-	plan.cuts--;
 	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE), open = draw(gl, store, &below, false, VIEW_TINT_NONE);
 	/* but for feet: the ground's triangles are not exactly what plants were put on */
 	assert_true(covered(&hidden) * 50 < covered(&open));
@@ -249,7 +250,7 @@ static void wrong_size_is_refused(void **state)
 	struct view_store *store = empty_store();
 	struct view_selection selection = { 0 };
 	struct lod_eye eye = { 0 };
-	struct view_gl_job job = { store, &selection, &eye, 0.1, false, VIEW_TINT_NONE };
+	struct view_gl_job job = { store, &selection, &eye, 0.1, VIEW_TINT_NONE };
 	struct view_picture picture;
 	assert_int_equal(view_picture_init(&picture, 7, 5, NULL), ECO_OK);
 	assert_int_not_equal(view_gl_draw(gl, &job, &picture, NULL), ECO_OK);

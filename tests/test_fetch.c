@@ -83,7 +83,7 @@ static enum eco_code ask(struct server *s, struct view_store *store, uint64_t bo
 {
 	char url[64];
 	struct view_fetch *fetch;
-	struct eco_request request = { scene_view(), 1000, 5000000 };
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
 	struct view_fetch_options options = { .url = url, .body_max = body_max };
 	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
@@ -228,7 +228,7 @@ static void stop_flag_and_bad_urls_end_at_once(void **state)
 	}
 	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .stop = &flag };
 	struct view_fetch_result result;
-	struct eco_request request = { scene_view(), 1000, ECO_BYTES_UNBOUNDED };
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
 	struct view_store *store = new_store();
 	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);

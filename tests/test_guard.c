@@ -394,10 +394,12 @@ static void a_child_reads_and_does_nothing_else(void **state)
 
 static enum eco_code import_text(const char *name, const char *format, const char *within, struct eco_ground *ground, struct eco_error *error)
 {
-	char text[4096];
+	char text[4096], *path;
 
 	snprintf(text, sizeof text, format, within);
-	return eco_ground_import(ground, &(struct eco_ground_options){ .path = input_text("guard", name, text) }, error);
+	path = (char *)input_text("guard", name, text);
+	return eco_ground_import(ground, &(struct eco_ground_options){ .source = &(struct eco_ground_source){ .heights = &path, .height_count = 1 } },
+		error);
 }
 
 /* With a server that would hear them. */

@@ -171,7 +171,7 @@ static void test_plants_stand_where_the_scene_says(void **state)
 		assert_true(nearest < 0.012);            /* ground to the centimetre, places far finer */
 	}
 	assert_true(s->needs & ECO_NEED_GROUND);
-	assert_int_equal(s->lists[s->ground].columns, 21);
+	assert_int_equal(s->ground_columns, 21);
 	eco_pack_close(pack);
 }
 

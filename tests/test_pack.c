@@ -117,7 +117,13 @@ static void all_tables_come_back(void **state)
 	assert_string_equal(got->name, "small");
 	assert_int_equal(got->needs, want->needs);
 	assert_int_equal(got->root, want->root);
-	assert_int_equal(got->ground, want->ground);
+	assert_true(got->ground_columns == 70 && got->ground_rows == 20);
+	assert_true(got->ground[0].child_first == 1 && got->ground[2].column == 1 && got->ground[2].list == 8);
+	assert_int_equal(got->ground_count, want->ground_count);
+	for (uint32_t i = 0; i < want->ground_count; i++)
+		assert_true(got->ground[i].list == want->ground[i].list && got->ground[i].error_m == want->ground[i].error_m
+			&& got->ground[i].low_m == want->ground[i].low_m && got->ground[i].high_m == want->ground[i].high_m
+			&& got->ground[i].level == want->ground[i].level && got->ground[i].column == want->ground[i].column);
 	assert_true(got->near_m == want->near_m);
 	ASSERT_TABLE(plants, plant);
 	ASSERT_TABLE(anchors, anchor);
@@ -132,10 +138,10 @@ static void all_tables_come_back(void **state)
 	assert_int_equal(got->ladders[1].level_end[1], 30);
 	assert_int_equal(got->ladders[0].total, 160);
 	assert_true(got->curves[1].scale == 1.5f && got->curves[1].fn == 0.3f);
-	assert_true(got->tiles[0].high[2] == 12 && got->tiles[0].instance_count == 14 && got->tiles[1].summary == 7);
+	assert_true(got->tiles[0].high[2] == 12 && got->tiles[0].instance_count == 14 && got->tiles[1].summary == 9);
 	assert_true(got->children[1].placed && got->children[1].at[2] == 5 && got->children[1].turn == 16384);
 	assert_true(got->children[1].scale == 1.5f);
-	assert_int_equal(got->lists[6].columns, 6);
+	assert_int_equal(got->lists[6].columns, 36);
 	assert_int_equal(got->lists[2].partner, 1);
 	assert_true(got->lists[2].unit_area == 0.01f && got->lists[2].grid_step[2] == 0.01 && got->lists[2].grid_origin[0] == -5);
 	assert_int_equal(got->palette_count, 4);
@@ -467,8 +473,9 @@ struct loose {
 	struct eco_tile tiles[2];
 	struct eco_group groups[1];
 	struct eco_child children[2];
-	struct eco_list lists[9];
-	struct eco_chunk chunks[17];
+	struct eco_list lists[11];
+	struct eco_chunk chunks[18];
+	struct eco_ground_tile grounds[3];
 };
 
 static void loosen(struct loose *l, const struct eco_scene *s)
@@ -487,6 +494,8 @@ static void loosen(struct loose *l, const struct eco_scene *s)
 	COPY(children, child);
 	COPY(lists, list);
 	COPY(chunks, chunk);
+	memcpy(l->grounds, s->ground, sizeof l->grounds);
+	l->scene.ground = l->grounds;
 #undef COPY
 }
 
@@ -498,7 +507,28 @@ BREAK(missing_cells, l->scene.needs = 511 & ~ECO_NEED_CELLS)
 BREAK(root, l->scene.root = 2)
 BREAK(near, l->scene.near_m = NAN)
 BREAK(near_zero, l->scene.near_m = 0)
-BREAK(ground, l->scene.ground = 5)
+BREAK(ground, l->grounds[0].list = 5)
+BREAK(ground_range, l->grounds[0].list = 99)
+BREAK(ground_size, l->scene.ground_columns = 71)
+BREAK(ground_none, l->scene.ground_columns = 0)
+BREAK(ground_rows, l->scene.ground_rows = 0)
+BREAK(ground_lost, l->scene.ground_count = 2)
+BREAK(ground_level, l->grounds[1].level = 1)
+BREAK(ground_column, l->grounds[2].column = 2)
+BREAK(ground_twice, l->grounds[2].column = 0)
+BREAK(ground_children, l->grounds[0].child_count = 1)
+BREAK(ground_child_first, l->grounds[0].child_first = 2)
+BREAK(ground_orphans, l->grounds[0].child_count = 0; l->grounds[0].child_first = 0)
+BREAK(ground_cycle, l->grounds[1].child_count = 2; l->grounds[1].child_first = 0)
+BREAK(ground_error, l->grounds[0].error_m = -1)
+BREAK(ground_error_nan, l->grounds[0].error_m = NAN)
+BREAK(ground_error_child, l->grounds[1].error_m = 0.5f)
+BREAK(ground_bounds, l->grounds[0].low_m = 1)
+BREAK(ground_bounds_child, l->grounds[2].high_m = 0.75f)
+BREAK(ground_grid, l->lists[7].grid_origin[0] = 0)
+BREAK(ground_chunks, l->lists[8].chunk_count = 0; l->lists[8].primitive_count = l->lists[8].element_count = 0)
+BREAK(level_large, l->lists[6].level = 8)
+BREAK(level_other, l->lists[7].level = 1)
 BREAK(plant_name, memset(l->plants[0].name, 'x', 64))
 BREAK(no_anchor, l->plants[0].anchor_count = 0)
 BREAK(anchors, l->plants[0].anchor_first = UINT32_MAX)
@@ -514,7 +544,7 @@ BREAK(flags, l->ladders[0].flags = 4)
 BREAK(both_flags, l->ladders[0].flags = 3)
 BREAK(no_list, l->ladders[3].triangles = ECO_NONE)
 BREAK(wrong_kind, l->ladders[3].triangles = 4)
-BREAK(summary_in_ladder, l->ladders[0].points = 7)
+BREAK(summary_in_ladder, l->ladders[0].points = 9)
 BREAK(pair, l->ladders[0].triangles = 5)
 BREAK(levels, l->ladders[1].level_count = 7)
 BREAK(level_end, l->ladders[1].level_end[1] = 31)
@@ -535,7 +565,7 @@ BREAK(bounds_nan, l->tiles[1].high[1] = NAN)
 BREAK(instance_count, l->tiles[1].instance_count = 8)
 BREAK(subtree_count, l->tiles[0].instance_count = 7)
 BREAK(summary, l->tiles[1].summary = 2)
-BREAK(summary_tile, l->tiles[0].summary = 7)
+BREAK(summary_tile, l->tiles[0].summary = 9)
 BREAK(groups, l->tiles[1].group_first = 1)
 BREAK(two_tiles_a_group, l->tiles[0].group_count = 1)
 BREAK(children, l->tiles[0].child_count = 3)
@@ -546,21 +576,21 @@ BREAK(child_at, l->children[1].at[0] = INFINITY)
 BREAK(child_scale, l->children[1].scale = 0)
 BREAK(group_tile, l->groups[0].tile = 0)
 BREAK(group_plant, l->groups[0].plant = 1)
-BREAK(group_list, l->groups[0].list = 9)
-BREAK(group_kind, l->groups[0].list = 7)
+BREAK(group_list, l->groups[0].list = 11)
+BREAK(group_kind, l->groups[0].list = 9)
 BREAK(places, l->groups[0].place_first = 1)
 BREAK(places_overflow, l->groups[0].place_first = UINT64_MAX)
 BREAK(kind, l->lists[1].kind = 0)
 BREAK(kind_large, l->lists[1].kind = 7)
 BREAK(coder, l->lists[1].coder = ECO_CODER_KD)
 BREAK(attributes, l->lists[4].attributes = ECO_ATTR_PLACE)
-BREAK(reserved, l->lists[4].reserved = 1)
-BREAK(no_place, l->lists[8].attributes = 0)
+BREAK(level, l->lists[4].level = 1)
+BREAK(no_place, l->lists[10].attributes = 0)
 BREAK(owner, l->lists[4].owner = 1)
-BREAK(owner_tile, l->lists[8].owner = 2)
+BREAK(owner_tile, l->lists[10].owner = 2)
 BREAK(owner_none, l->lists[4].owner = ECO_NONE)
-BREAK(list_plant, l->lists[8].plant = 1)
-BREAK(list_plant_none, l->lists[8].plant = ECO_NONE)
+BREAK(list_plant, l->lists[10].plant = 1)
+BREAK(list_plant_none, l->lists[10].plant = ECO_NONE)
 BREAK(grid_step, l->lists[0].grid_step[1] = 0)
 BREAK(grid_origin, l->lists[0].grid_origin[1] = NAN)
 BREAK(unit_area, l->lists[2].unit_area = NAN)
@@ -568,16 +598,16 @@ BREAK(palette, l->lists[1].palette_first = 1)
 BREAK(palette_overflow, l->lists[1].palette_first = UINT32_MAX)
 BREAK(no_palette, l->lists[1].palette_count = 0)
 BREAK(image, l->lists[1].image = 2)
-BREAK(image_range, l->lists[1].image = 9)
+BREAK(image_range, l->lists[1].image = 11)
 BREAK(partner, l->lists[2].partner = ECO_NONE)
 BREAK(partner_kind, l->lists[2].partner = 3)
 BREAK(partner_range, l->lists[2].partner = 99)
-BREAK(partner_of_plain, l->lists[7].partner = 1)
+BREAK(partner_of_plain, l->lists[9].partner = 1)
 BREAK(columns, l->lists[6].columns = 5)
 BREAK(no_columns, l->lists[6].columns = 0)
-BREAK(columns_of_plain, l->lists[7].columns = 5)
-BREAK(chunk_range, l->lists[8].chunk_first = 16)
-BREAK(chunk_shared, l->lists[8].chunk_count = 17)
+BREAK(columns_of_plain, l->lists[9].columns = 5)
+BREAK(chunk_range, l->lists[10].chunk_first = 17)
+BREAK(chunk_shared, l->lists[10].chunk_count = 18)
 BREAK(primitives, l->lists[5].primitive_count++)
 BREAK(elements, l->lists[5].element_count--)
 BREAK(chunk_empty, l->chunks[9].element_count = 0)
@@ -591,7 +621,11 @@ static void every_inconsistency_is_found(void **state)
 {
 #define CASE(id) { #id, break_##id }
 	static const struct { const char *name; void (*apply)(struct loose *); } cases[] = {
-		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near), CASE(near_zero), CASE(ground),
+		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near), CASE(near_zero), CASE(ground), CASE(ground_range), CASE(ground_size),
+		CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level), CASE(ground_column), CASE(ground_twice),
+		CASE(ground_children), CASE(ground_child_first), CASE(ground_orphans), CASE(ground_cycle), CASE(ground_error),
+		CASE(ground_error_nan), CASE(ground_error_child), CASE(ground_bounds), CASE(ground_bounds_child), CASE(ground_grid),
+		CASE(ground_chunks), CASE(level_large), CASE(level_other),
 		CASE(plant_name), CASE(no_anchor), CASE(anchors), CASE(ladders), CASE(orphan_ladder), CASE(height), CASE(radius),
 		CASE(center), CASE(ladder_plant), CASE(ladder_anchor), CASE(organ), CASE(flags), CASE(both_flags), CASE(no_list),
 		CASE(wrong_kind), CASE(summary_in_ladder), CASE(pair), CASE(levels), CASE(level_end), CASE(level_order), CASE(level_rest),
@@ -600,7 +634,7 @@ static void every_inconsistency_is_found(void **state)
 		CASE(summary), CASE(summary_tile), CASE(groups), CASE(two_tiles_a_group), CASE(children), CASE(lost_child), CASE(cycle),
 		CASE(child_tile), CASE(child_at), CASE(child_scale), CASE(group_tile), CASE(group_plant), CASE(group_list),
 		CASE(group_kind), CASE(places), CASE(places_overflow), CASE(kind), CASE(kind_large), CASE(coder), CASE(attributes),
-		CASE(reserved), CASE(no_place), CASE(owner), CASE(owner_tile), CASE(owner_none), CASE(list_plant), CASE(list_plant_none),
+		CASE(level), CASE(no_place), CASE(owner), CASE(owner_tile), CASE(owner_none), CASE(list_plant), CASE(list_plant_none),
 		CASE(grid_step), CASE(grid_origin), CASE(unit_area), CASE(palette), CASE(palette_overflow), CASE(no_palette), CASE(image),
 		CASE(image_range), CASE(partner), CASE(partner_kind), CASE(partner_range), CASE(partner_of_plain), CASE(columns),
 		CASE(no_columns), CASE(columns_of_plain), CASE(chunk_range), CASE(chunk_shared), CASE(primitives), CASE(elements),

@@ -84,14 +84,14 @@ static void end(struct drawing *d)
 
 static void draw_software(const struct drawing *d, const struct eco_view *view, uint32_t threads, struct view_picture *picture)
 {
-	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, d->plan.ground, threads, NULL };
+	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
 
 static void draw_gl(const struct drawing *d, const struct eco_view *view, struct view_picture *picture)
 {
-	struct view_gl_job job = { d->store, &d->selection, &d->eye, 0.1, d->plan.ground, VIEW_TINT_NONE };
+	struct view_gl_job job = { d->store, &d->selection, &d->eye, 0.1, VIEW_TINT_NONE };
 	struct eco_error error = { 0 };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	if (view_gl_draw(gl, &job, picture, &error))
@@ -200,7 +200,7 @@ static void software_stops_when_told(void **state)
 	struct view_picture p;
 	static volatile sig_atomic_t stop = 1;
 	begin(&d, &view);
-	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, true, 2, &stop };
+	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop };
 	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_INTERRUPTED);
 	view_picture_free(&p);

@@ -37,7 +37,7 @@ static void everything_that_may_be_said_is_read(void **state)
 	assert_string_equal(s.crs, "EPSG:26917");
 	assert_true(s.origin[0] == 747375 && s.origin[1] == 4308510 && s.origin[2] == 2);
 	assert_int_equal(s.tile_instances, 7);
-	assert_string_equal(s.ground_heights, "dir/dem.tif");
+	assert_string_equal(s.ground.heights[0], "dir/dem.tif");
 	assert_int_equal(s.plant_count, 3);
 	assert_string_equal(s.plants[0].models[0], "dir/a.glb");
 	assert_string_equal(s.plants[1].models[0], "/b.obj");

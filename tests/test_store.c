@@ -57,7 +57,10 @@ static void stream_fills_the_store(void **state)
 	assert_string_equal(view_store_scene_name(store), "test");
 	assert_true(view_store_near_m(store) == 0.1);
 	assert_true(view_store_plan(store)->vertices == plan.vertices);
-	assert_ptr_equal(view_store_ground(store), view_store_list(store, L_GROUND));
+	uint32_t columns, rows;
+	view_store_ground(store, &columns, &rows);
+	assert_true(columns == 17 && rows == 15);
+	assert_true(view_store_list(store, L_GROUND)->tile.level == 0 && view_store_list(store, L_GROUND)->tile.column == 0);
 	assert_int_equal(view_store_plant(store, 0)->plant.anchor_count, 3);
 	assert_null(view_store_plant(store, 2));
 	assert_null(view_store_list(store, L_COUNT));
@@ -142,7 +145,7 @@ static void second_stream_extends_the_first(void **state)
 /* ---- Streams that are wrong ---- */
 
 enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, PLANT_CHANGED, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST,
-	PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING, COLOR_OUTSIDE, FAULTS };
+	PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING, GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
 {
@@ -163,7 +166,8 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	plan->cut_count = 1;
 	plan->run_count = 0;
 	plan->vertices = 0;
-	plan->ground = fault == GROUND_MISSING;
+	if (fault == GROUND_MISSING || fault == GROUND_IN_PART)
+		plan->cuts[0] = (struct eco_cut){ .list = L_GROUND, .end = fault == GROUND_IN_PART ? 17 : 17 * 15, .scale = 1, .anchor = ECO_NONE };
 	switch (fault) {
 	case SAME_CHUNK_TWICE:
 		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, 0);
@@ -176,6 +180,13 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 		other.scene.anchors = other.anchors;
 		other.anchors[A_TREE].radius += 1;
 		scene_frame(w, &other, ECO_FRAME_PLANT, &number, 0, 0);
+		break;
+	case GROUND_IN_PART:
+	case GROUND_ELSEWHERE:
+		if (fault == GROUND_ELSEWHERE)
+			other.scene.lists = other.lists, other.lists[L_GROUND].level = 2;
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_GROUND, 0);
+		scene_frame(w, &other, ECO_FRAME_CHUNK, &number, L_GROUND, 0);
 		break;
 	case PLAN_OF_UNKNOWN_LIST:
 		plan->cuts[0].list = L_WOOD;
@@ -196,7 +207,7 @@ static void wrong_streams_are_refused_with_a_reason(void **state)
 {
 	(void)state;
 	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice", "described twice", "are held",
-		"was not sent", "not drawable", "vertices", "ground", "palette" };
+		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground", "a tile of ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {
 		struct view_store *store;

@@ -17,7 +17,7 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 {
 	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance == b->sample_distance);
 	assert_true(a->prediction.tp == b->prediction.tp && a->prediction.fp == b->prediction.fp && a->prediction.fn == b->prediction.fn);
-	assert_true(a->ground == b->ground && a->placement_count == b->placement_count && a->run_count == b->run_count);
+	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
 	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
 	for (uint32_t i = 0; i < a->placement_count; i++) {
 		const struct eco_placement *p = &a->placements[i], *q = &b->placements[i];
@@ -37,7 +37,7 @@ static void plan_survives_the_wire_and_has_one_encoding(void **state)
 	struct wire_random r = { 1 };
 	(void)state;
 	for (int i = 0; i < 3000; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1, i % 3 ? 40 : UINT32_MAX, true), back;
+		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1, i % 3 ? 40 : UINT32_MAX), back;
 		struct eco_writer w = { 0 }, again = { 0 };
 		struct eco_error error = { 0 };
 		assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
@@ -63,7 +63,7 @@ static void order_of_a_plan_does_not_change_its_bytes(void **state)
 	struct wire_random r = { 2 };
 	(void)state;
 	for (int i = 0; i < 200; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 30, 20, 50, false);
+		struct eco_plan plan = wire_random_plan(&r, 30, 20, 50);
 		struct eco_writer a = { 0 }, b = { 0 };
 		eco_wire_write_plan(&a, &plan);
 		for (uint32_t n = plan.cut_count; n > 1; n--) {
@@ -176,7 +176,7 @@ static void every_truncation_of_a_plan_is_refused(void **state)
 	struct wire_random r = { 4 };
 	(void)state;
 	for (int i = 0; i < 40; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50, true), back;
+		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
 		struct eco_writer w = { 0 };
 		eco_wire_write_plan(&w, &plan);
 		for (size_t size = 0; size < w.size; size++) {
@@ -200,7 +200,7 @@ static void changed_plans_are_refused_or_other_plans(void **state)
 	uint32_t refused = 0, other = 0;
 	(void)state;
 	for (int i = 0; i < 40; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50, true), back;
+		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
 		struct eco_writer w = { 0 }, again = { 0 };
 		eco_wire_write_plan(&w, &plan);
 		for (size_t at = 0; at < w.size; at++) {
@@ -485,7 +485,7 @@ static void put_faulty_plan(struct eco_writer *w, uint32_t *number, enum fault f
 	struct eco_gate gate = { fault == FAULT_PLAN_GATE ? 2 : 1, 60 };
 	struct eco_cut cut = { .list = fault == FAULT_PLAN_LIST ? 6 : 1, .end = 9, .scale = 1, .band_end = 90, .share_end = ECO_SHARE_ONE };
 	struct eco_plan plan = { .vertices = 77, .placements = &placement, .placement_count = 1, .runs = &run, .run_count = 1,
-		.gates = &gate, .gate_count = 1, .cuts = &cut, .cut_count = 1, .ground = true };
+		.gates = &gate, .gate_count = 1, .cuts = &cut, .cut_count = 1 };
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
 	eco_wire_write_plan(w, &plan);
 	if (fault == FAULT_PLAN_TRAILING)
@@ -499,9 +499,9 @@ static struct eco_writer faulty_stream(enum fault fault)
 	struct eco_anchor anchors[3] = { { { 0, 0, fault == FAULT_ANCHOR ? INFINITY : 1 }, 1 } };
 	uint32_t number = 0;
 	if (fault != FAULT_NO_SCENE)
-		wire_put_scene(&w, &number, fault == FAULT_VERSION ? 2 : 1);
+		wire_put_scene(&w, &number, ECO_WIRE_VERSION + (fault == FAULT_VERSION));
 	if (fault == FAULT_TWO_SCENES)
-		wire_put_scene(&w, &number, 1);
+		wire_put_scene(&w, &number, ECO_WIRE_VERSION);
 	size_t plant_at = w.size;
 	wire_put_plant(&w, &number, 1, anchors, 1);
 	if (fault == FAULT_PLANT_ID) {
@@ -586,21 +586,21 @@ static void events_without_a_callback_are_checked_and_ignored(void **state)
 	eco_writer_free(&w);
 }
 
-/* The bytes themselves: this must never change within version 1. */
+/* The bytes themselves: this must never change within version 2. */
 static void golden_stream(void **state)
 {
 	static const char expected[] =
-		"0100000036000000f2ac62e7b1df9286"
-		"01000000010203000000000000000000000000009a9999999999b93f210000000500000002000000060000000957c3a46c646368656e"
-		"05000000360000006cf4747887668918"
-		"4d000000000000000000000000000000000000000000000000000000000000000000010107000000010d000001013c00010b00025a08"
-		"060000001000000032fcd5bf06cf1ad0"
-		"4d00000000000000ac00000000000000";
+		"010000003a0000001723e222e15b6c24"
+		"02000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
+		"0500000035000000edca6d74f1f7299d"
+		"4d0000000000000000000000000000000000000000000000000000000000000000000107000000010d000001013c00010b00025a08"
+		"06000000100000002c590a0eb809d814"
+		"4d00000000000000af00000000000000";
 	struct eco_writer w = { 0 };
 	uint32_t number = 0;
 	char hex[1024], *p = hex;
 	(void)state;
-	wire_put_scene(&w, &number, 1);
+	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
 	put_faulty_plan(&w, &number, FAULT_NONE);
 	wire_put_end(&w, &number, 77, 0);
 	for (size_t i = 0; i < w.size; i++)
@@ -616,13 +616,13 @@ static void names_in_other_encodings_do_not_break_a_stream(void **state)
 		{ "\xF0\x9F\x8C\xB3", "\xF0\x9F\x8C\xB3" }, { "\xF0\x80\x80\x80", "????" }, { "\xE0\x80\x80", "???" } };
 	(void)state;
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-		struct eco_scene scene = { .near_m = 1, .ground = ECO_NONE };
+		struct eco_scene scene = { .near_m = 1 };
 		struct eco_chunk_id id = { { 0 } };
 		struct eco_writer w = { 0 };
 		strcpy(scene.name, names[i].name);
 		eco_wire_write_scene(&w, &scene, &id);
-		assert_int_equal(w.bytes[44], strlen(names[i].sent));
-		assert_memory_equal(w.bytes + 45, names[i].sent, strlen(names[i].sent));
+		assert_int_equal(w.bytes[48], strlen(names[i].sent));
+		assert_memory_equal(w.bytes + 49, names[i].sent, strlen(names[i].sent));
 		eco_writer_free(&w);
 	}
 }

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/ground_tiles.h"
+
 #include "client-min/view_select.h"
 #include "ecofiles/chunk.h"
 #include "ecofiles/turn.h"
@@ -154,11 +156,11 @@ static inline void scene_instances(struct view_scene *s, uint32_t id, uint32_t c
 
 static inline void scene_ground(struct view_scene *s)
 {
-	scene_elements(s, L_GROUND, 17 * 15, 1);
-	for (uint32_t i = 0; i < 17 * 15; i++) {
-		double x = -40 + 5 * (double)(i % 17), y = -35 + 5 * (double)(i / 17);
-		scene_put(s, L_GROUND, i, x, y, scene_height(x, y));
-	}
+	struct eco_ground ground = ground_make(17, 15, -40, -35, 5, scene_height);
+	struct eco_ground_tile tile = { .level = 0 };
+	s->lists[L_GROUND] = ground_list(&ground, &tile);
+	s->elements[L_GROUND] = ground_elements(&ground, &tile);
+	eco_ground_free(&ground);
 }
 
 static inline void scene_summary(struct view_scene *s)
@@ -204,8 +206,6 @@ static inline void scene_make_lists(struct view_scene *s)
 		scene_list(s, id, ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 5);
 		s->lists[id].plant = id - L_TREES;
 	}
-	scene_list(s, L_GROUND, ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
-	s->lists[L_GROUND].columns = 17;
 	scene_list(s, L_SUMMARY, ECO_LIST_POINTS, ECO_CODER_KD, color | ECO_ATTR_PLANT, 5);
 	s->lists[L_SUMMARY].unit_area = 0.2f;
 }
@@ -216,7 +216,7 @@ static inline uint32_t scene_encode(struct view_scene *s, uint32_t id, uint32_t 
 	struct eco_list *l = &s->lists[id];
 	l->chunk_first = chunk;
 	if (s->elements[like].element_count)
-		count = eco_chunk_split(s->elements[like].element_count, 64, ends, 64);
+		count = eco_chunk_split(s->elements[like].element_count, id == L_GROUND ? s->elements[id].element_count : 64, ends, 64);
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_chunk_input input = { &s->lists[like], &s->elements[like], i ? ends[i - 1] : 0, ends[i], i };
 		size_t size = 0;
@@ -275,7 +275,7 @@ static inline void scene_make(struct view_scene *s, const uint8_t *png, size_t p
 	uint32_t chunk = 0;
 	for (uint32_t id = 0; id < L_COUNT; id++)
 		chunk = id == L_IMAGE ? scene_encode_image(s, chunk) : scene_encode(s, id, chunk);
-	s->scene = (struct eco_scene){ .name = "test", .ground = L_GROUND, .near_m = 0.1, .plants = s->plants, .plant_count = 2,
+	s->scene = (struct eco_scene){ .name = "test", .ground_columns = 17, .ground_rows = 15, .near_m = 0.1, .plants = s->plants, .plant_count = 2,
 		.anchors = s->anchors, .anchor_count = A_COUNT, .lists = s->lists, .list_count = L_COUNT, .chunks = s->chunks,
 		.chunk_count = chunk, .palette = (const uint8_t(*)[3])s->palette, .palette_count = 8 };
 }
@@ -308,7 +308,7 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 	uint64_t vertices = 0;
 	*plants = 0;
 	for (uint32_t c = 0; c < plan->cut_count; c++)
-		if (plan->cuts[c].anchor == ECO_NONE)
+		if (plan->cuts[c].anchor == ECO_NONE && plan->cuts[c].list != L_GROUND)
 			vertices += plan->cuts[c].end - plan->cuts[c].first;
 	for (uint32_t r = 0; r < plan->run_count; r++)
 		for (uint32_t id = plan->runs[r].list_first; id < plan->runs[r].list_end; id++)
@@ -347,6 +347,7 @@ static inline void scene_plan(const struct view_scene *s, const struct eco_view 
 	uint32_t high = s->lists[L_HIGH].primitive_count, m = (uint32_t)(high / 3 * end_share);
 	const uint8_t near = 97, middle = 99;            /* about 20 and 28 m */
 	struct eco_cut cuts[] = {
+		{ .list = L_GROUND, .end = 17 * 15, .scale = 1, .anchor = ECO_NONE },
 		{ .list = L_SUMMARY, .end = 300, .scale = 1.3f, .placement = 2, .anchor = ECO_NONE },
 		scene_rule(A_TREE, L_WOOD, 0, s->lists[L_WOOD].primitive_count, 1, 0, middle),
 		scene_rule(A_TREE, L_LINES, 0, 24, 1, middle, ECO_BANDS),
@@ -357,13 +358,13 @@ static inline void scene_plan(const struct view_scene *s, const struct eco_view 
 		scene_rule(A_HIGH, L_HIGH_POINTS, 2 * m, 2 * high, 1.2f, 0, ECO_BANDS),
 		scene_rule(A_BUSH, L_BUSH, 0, 80, 1, 0, ECO_BANDS),
 	};
-	cuts[8].share_end = ECO_SHARE_ONE / 2;
+	cuts[9].share_end = ECO_SHARE_ONE / 2;
 	struct eco_placement placements[] = {
 		{ .scale = 1 }, { .at = { 12, 16, 1 }, .turn = 9000, .scale = 0.8, .path = eco_owner_child(1) },
 		{ .at = { 20, 25, 0.5 }, .turn = 40000, .scale = 1.2, .path = eco_owner_child(2) },
 	};
 	struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1 }, { 1, L_TREES, L_BUSHES + 1 } };
-	*plan = (struct eco_plan){ .ground = true, .placement_count = 3, .run_count = 2, .gate_count = 1,
+	*plan = (struct eco_plan){ .placement_count = 3, .run_count = 2, .gate_count = 1,
 		.cut_count = sizeof cuts / sizeof cuts[0], .prediction = { 100, 10, 10 } };
 	plan->placements = malloc(sizeof placements);
 	plan->runs = malloc(sizeof runs);

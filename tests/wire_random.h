@@ -138,13 +138,12 @@ static inline void wire_random_prune(struct eco_plan *plan)
 }
 
 /* A sorted plan of up to `most` items an array that names lists below `lists` and plants below `plants`. */
-static inline struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants, bool ground)
+static inline struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants)
 {
 	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 1e5 / 3, 12, 0 } };
 	plan.vertices >>= wire_random_below(r, 63);
 	plan.visible_plants = wire_random_size(r, UINT32_MAX);
 	plan.sample_distance = wire_random_below(r, 2) ? 0.00123 : 0;
-	plan.ground = ground && wire_random_below(r, 2);
 	plan.placement_count = 1 + wire_random_below(r, most);
 	plan.run_count = wire_random_below(r, most + 1);
 	plan.gate_count = wire_random_below(r, most + 1);
@@ -178,7 +177,7 @@ static inline struct eco_plan wire_random_plan(struct wire_random *r, uint32_t m
 
 static inline void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 {
-	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND, .ground = 5, .near_m = 0.1,
+	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND, .ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
 		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
 	struct eco_chunk_id id = { { 1, 2, 3 } };
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_SCENE, (*number)++);
@@ -270,7 +269,7 @@ static inline void wire_random_stream(struct wire_random *r, struct eco_writer *
 				payload[i] = (uint8_t)wire_random_bits(r);
 			wire_put_chunk(w, &number, list, ordinals[list]++, payload, size, true);
 		}
-		struct eco_plan plan = wire_random_plan(r, 4 + 2 * step, WIRE_RANDOM_LISTS, WIRE_RANDOM_PLANTS, true);
+		struct eco_plan plan = wire_random_plan(r, 4 + 2 * step, WIRE_RANDOM_LISTS, WIRE_RANDOM_PLANTS);
 		wire_put_plan(w, &number, &plan);
 		vertices = plan.vertices;
 		eco_plan_free(&plan);

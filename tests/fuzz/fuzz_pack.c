@@ -6,6 +6,7 @@
 
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack.h"
+#include "lod/ground.h"
 #include "tests/pack_resign.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
@@ -27,6 +28,22 @@ static void read_chunks(const struct eco_pack *pack, const struct eco_list *list
 	}
 }
 
+/* Any table of ground that passes must be safe to walk. */
+static void choose_ground(const struct eco_scene *s)
+{
+	const struct eco_view view = { { 3, -4, 9 }, { 20, 30, 0 }, { 0, 0, 1 }, 60, 640, 480 };
+	const struct lod_ground_limits limits = { .tolerance_px = 0.5 };
+	struct lod_ground_choice choice;
+	struct lod_eye eye;
+
+	lod_eye_make(&eye, &view);
+	if (lod_ground_select(&choice, s, &eye, &limits, NULL) != ECO_OK)
+		return;
+	for (uint32_t i = 0; i < choice.count; i++)
+		assert(choice.tiles[i] < s->ground_count && (i == 0 || choice.tiles[i] > choice.tiles[i - 1]));
+	free(choice.tiles);
+}
+
 static void read_all(const struct eco_pack *pack)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -40,6 +57,7 @@ static void read_all(const struct eco_pack *pack)
 		sum += s->palette[i][2];
 	for (size_t i = 0; i < pack->meta_size; i++)
 		sum += (unsigned char)pack->meta[i];
+	choose_ground(s);
 	assert(sum < UINT64_MAX);
 }
 

@@ -1,0 +1,77 @@
+#include "client-min/view_ground.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ANCHOR_MAX ((1 << 28) - 1)
+
+static enum eco_code same_grid(const struct view_ground *g, uint32_t i, struct eco_error *error)
+{
+	const struct eco_list *a = &g->tiles[0].list->list, *b = &g->tiles[i].list->list;
+	if (memcmp(a->grid_origin, b->grid_origin, sizeof a->grid_origin) == 0 && memcmp(a->grid_step, b->grid_step, sizeof a->grid_step) == 0)
+		return ECO_OK;
+	return eco_fail(error, ECO_DAMAGED, "lists %u and %u are ground on different grids", g->tiles[0].list->id, g->tiles[i].list->id);
+}
+
+static void find_anchor(struct view_ground *g, const struct lod_eye *eye)
+{
+	const struct eco_list *list = &g->tiles[0].list->list;
+	for (int i = 0; i < 3; i++) {
+		double step = list->grid_step[i], at = step > 0 ? floor((eye->at[i] - list->grid_origin[i]) / step + 0.5) : 0;
+		at = at > ANCHOR_MAX ? ANCHOR_MAX : at < -ANCHOR_MAX ? -ANCHOR_MAX : at;
+		g->anchor[i] = (int32_t)at;
+		g->at[i] = list->grid_origin[i] + at * step;
+		g->step[i] = (float)step;
+		g->origin[i] = list->grid_origin[i];
+	}
+}
+
+enum eco_code view_ground_make(struct view_ground *g, const struct view_store *store, const struct lod_eye *eye, struct eco_error *error)
+{
+	const struct eco_plan *plan = view_store_plan(store);
+	uint32_t columns, rows, most = 0;
+	enum eco_code code = ECO_OK;
+	*g = (struct view_ground){ 0 };
+	view_store_ground(store, &columns, &rows);
+	for (uint32_t i = 0; plan && columns && i < plan->cut_count; i++)
+		most += view_store_list(store, plan->cuts[i].list)->list.kind == ECO_LIST_GROUND;
+	if (!most)
+		return ECO_OK;
+	struct eco_ground_tile *tiles = malloc(most * sizeof *tiles);
+	struct lod_ground_seam *seams = malloc(most * sizeof *seams);
+	g->tiles = malloc(most * sizeof *g->tiles);
+	for (uint32_t i = 0; tiles && g->tiles && i < plan->cut_count && !code; i++) {
+		const struct view_list *list = view_store_list(store, plan->cuts[i].list);
+		if (list->list.kind != ECO_LIST_GROUND)
+			continue;
+		struct view_ground_tile *tile = &g->tiles[g->count];
+		tile->list = list;
+		tiles[g->count] = list->tile;
+		eco_ground_spans(&tile->x, &tile->y, &list->tile, columns, rows);
+		code = same_grid(g, g->count++, error);
+	}
+	if (!tiles || !seams || !g->tiles || (!code && !lod_ground_seams(seams, tiles, g->count)))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the ground in view");
+	for (uint32_t i = 0; !code && i < g->count; i++)
+		g->tiles[i].seam = seams[i];
+	if (!code)
+		find_anchor(g, eye);
+	else
+		view_ground_free(g);
+	free(tiles);
+	free(seams);
+	return code;
+}
+
+void view_ground_free(struct view_ground *g)
+{
+	free(g->tiles);
+	*g = (struct view_ground){ 0 };
+}
+
+uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row)
+{
+	lod_ground_corner(&column, &row, &tile->seam, &tile->x, &tile->y);
+	return (row + tile->y.before) * tile->x.count + column + tile->x.before;
+}

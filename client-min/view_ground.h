@@ -1,0 +1,34 @@
+/* The ground of a plan: its tiles, who their neighbours are, and how their samples become places near the eye.
+ *
+ * All tiles share one grid of samples. A sample is drawn at (whole number - `anchor`) * `step` from the world position `at`, the sample
+ * nearest to the eye: exact where it matters, and the same floats for a sample that two tiles share, so that between them there is
+ * no gap of even one pixel. */
+#ifndef VIEW_GROUND_H
+#define VIEW_GROUND_H
+
+#include "client-min/view_store.h"
+#include "lod/ground.h"
+
+struct view_ground_tile {
+	const struct view_list *list;
+	struct eco_ground_span x, y;
+	struct lod_ground_seam seam;
+};
+
+struct view_ground {                     /* zero is none */
+	struct view_ground_tile *tiles; uint32_t count;
+	int32_t anchor[3];
+	double at[3];
+	float step[3];
+	double origin[3];                /* of the grid */
+};
+
+/* The tiles that the store's plan draws. ECO_DAMAGED where their grids differ. */
+enum eco_code view_ground_make(struct view_ground *ground, const struct view_store *store, const struct lod_eye *eye,
+	struct eco_error *error);
+void view_ground_free(struct view_ground *ground);
+
+/* Index, in its list, of the sample drawn at a corner: column < x.inner, row < y.inner. */
+uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row);
+
+#endif
