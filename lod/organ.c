@@ -98,6 +98,8 @@ static void find_hints(struct finder *f, struct lod_arena *arena)
 
 /* ---- Doubts ---- */
 
+#define STEM_LEAST 0.1           /* of the plant's diagonal; what is green and smaller is needles */
+
 /* Bark is brown or grey, and darker than petals. */
 static bool is_bark(const uint8_t rgb[3])
 {
@@ -124,7 +126,7 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 		return false;
 	if (f->hint[i] != LOD_HINT_NONE)
 		return f->hint[i] == LOD_HINT_WOOD;
-	if (lod_colour_is_green(b->rgb))
+	if (lod_colour_is_green(b->rgb) && (f->verdict[i] == RATHER_LEAF || b->diagonal < STEM_LEAST * f->diagonal))
 		return false;
 	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
@@ -185,8 +187,8 @@ static void settle_inlays(struct finder *f)
 /* ---- Things, soil and herbs ---- */
 
 #define FOOT 0.05                /* of the plant's height */
-#define THING_HEIGHT 0.6         /* of the plant's height at most, for what the plant stands in or on */
-#define THING_ABOVE 0.3          /* of the plant's area that is above it */
+#define THING_HEIGHT 0.7         /* of the plant's height at most, for what the plant stands in or on */
+#define THING_ABOVE 0.3          /* of the plant's area that is above its middle */
 #define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
 #define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
 #define STACK_LEAST 3u           /* solids that make a stem */
@@ -228,7 +230,7 @@ static bool is_below(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
 	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
-		&& !is_cutout(f->model, b->material) && area_above(f, b->high[2]) > THING_ABOVE * f->area;
+		&& !is_cutout(f->model, b->material) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
 }
 
 static bool on_ground(const struct finder *f, uint32_t i)

@@ -39,7 +39,7 @@ static enum colour colour_of(const uint8_t rgb[3])
 struct census {
 	double area[COOL + 1];       /* of small foliage, by colour */
 	double greens;               /* of anything green, stems too */
-	double other;                /* of wood that is not green */
+	double stems, other;         /* of wood that is green, and that is not */
 	struct lod_v3 reference;     /* mean chroma of foliage that is no candidate, and of green stems */
 	struct { double area; uint32_t count; } green[KINDS], warm[KINDS];  /* foliage by number of triangles */
 };
@@ -57,10 +57,9 @@ static struct census take_census(const uint8_t *organ, const struct lod_shape *s
 		const struct lod_shape *b = &shapes[i];
 		enum colour colour = colour_of(b->rgb);
 		bool wood = organ[i] == ECO_ORGAN_WOOD;
-		if (colour == GREEN)
-			c.greens += b->area;
-		else if (wood)
-			c.other += b->area;
+		c.greens += colour == GREEN ? b->area : 0;
+		if (wood)
+			*(colour == GREEN ? &c.stems : &c.other) += b->area;
 		if (!wood && b->diagonal <= SMALL * extent)
 			c.area[colour] += b->area;
 		if (!wood && colour == GREEN) {
@@ -81,10 +80,11 @@ static struct census take_census(const uint8_t *organ, const struct lod_shape *s
 	return c;
 }
 
-/* Is it made as green leaves are, of as many triangles and about as large on the mean? Then it may be one of them in autumn. */
+/* Is it made as green leaves are, of as many triangles and about as large on the mean, on twigs of bark? Then it may be one of them in
+ * autumn. */
 static bool is_leaf_made(const struct census *c, uint32_t kind)
 {
-	if (c->green[kind].count == 0 || c->warm[kind].count == 0)
+	if (c->green[kind].count == 0 || c->warm[kind].count == 0 || c->stems > c->other)
 		return false;
 	double green = c->green[kind].area / c->green[kind].count, warm = c->warm[kind].area / c->warm[kind].count;
 	return green < ALIKE * warm && warm < ALIKE * green;
