@@ -197,8 +197,9 @@ static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, ui
 /* OBJ's v points up; the image's top left is (0, 0) here. */
 static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t transform, float uv[2])
 {
-	const float *from = (const float *)m->obj->uv.items + (size_t)(c.vt != ECO_NONE ? c.vt : 0) * 2;
-	double u = c.vt != ECO_NONE ? from[0] : 0, v = c.vt != ECO_NONE ? from[1] : 1;
+	static const float none[2] = { 0, 1 };
+	const float *from = c.vt != ECO_NONE ? (const float *)m->obj->uv.items + (size_t)c.vt * 2 : none;
+	double u = from[0], v = from[1];
 
 	if (transform != ECO_NONE) {
 		u = u * m->of[transform]->uv_scale[0] + m->of[transform]->uv_offset[0];
