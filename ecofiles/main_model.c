@@ -100,15 +100,18 @@ static uint8_t largest_organ(const double area[ECO_ORGAN_COUNT])
 	return best;
 }
 
-struct use { uint32_t triangles; double area; };
+struct use { uint32_t triangles; double area, organ[ECO_ORGAN_COUNT]; };
 
 /* Per material, or per part. */
 static struct use *uses_of(const struct seen *s, const uint32_t *of, uint32_t count)
 {
 	struct use *use = calloc(count + 1u, sizeof *use);
 	for (uint32_t t = 0; use && t < s->model.triangle_count; t++) {
+		double area = eco_triangle_area(&s->model, t);
 		use[of[t]].triangles++;
-		use[of[t]].area += eco_triangle_area(&s->model, t);
+		use[of[t]].area += area;
+		if (s->organ[t] < ECO_ORGAN_COUNT)
+			use[of[t]].organ[s->organ[t]] += area;
 	}
 	return use;
 }
@@ -316,6 +319,14 @@ static json_t *rgb_json(const uint8_t rgb[3])
 	return json_string(text);
 }
 
+static json_t *organs_json(const double area[ECO_ORGAN_COUNT])
+{
+	json_t *organs = json_object();
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		json_object_set_new(organs, organ_names[i], json_real(area[i]));
+	return organs;
+}
+
 static json_t *materials_json(const struct seen *s)
 {
 	const struct eco_model *m = &s->model;
@@ -328,6 +339,7 @@ static json_t *materials_json(const struct seen *s)
 		json_object_set_new(one, "color", rgb_json(material->rgb));
 		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
 		json_object_set_new(one, "area_m2", json_real(use[i].area));
+		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
 		if (material->image != ECO_NONE) {
 			json_object_set_new(one, "texture", json_pack("[I,I]", (json_int_t)m->images[material->image].width,
 				(json_int_t)m->images[material->image].height));
@@ -349,6 +361,7 @@ static json_t *parts_json(const struct seen *s)
 		json_object_set_new(one, "name", text_json(m->parts[i].name));
 		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
 		json_object_set_new(one, "area_m2", json_real(use[i].area));
+		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
 		json_array_append_new(all, one);
 	}
 	free(use);
@@ -380,12 +393,10 @@ static void print_json(const struct seen *s)
 {
 	const struct eco_model *m = &s->model;
 	double area[ECO_ORGAN_COUNT];
-	json_t *top = json_object(), *dropped = json_object(), *organs = json_object(), *notes = json_array();
+	json_t *top = json_object(), *dropped = json_object(), *notes = json_array();
 	organ_areas(s, ECO_NONE, area);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		json_object_set_new(dropped, eco_drop_names[i], json_integer(m->dropped[i]));
-	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		json_object_set_new(organs, organ_names[i], json_real(area[i]));
 	for (uint32_t i = 0; i < s->note_count; i++)
 		json_array_append_new(notes, text_json(s->notes[i]));
 	json_object_set_new(top, "format", text_json(m->source.format));
@@ -401,7 +412,7 @@ static void print_json(const struct seen *s)
 	json_object_set_new(top, "triangles_in", json_integer(m->triangles_in));
 	json_object_set_new(top, "triangles_kept", json_integer(m->triangle_count));
 	json_object_set_new(top, "triangles_dropped", dropped);
-	json_object_set_new(top, "organs_m2", organs);
+	json_object_set_new(top, "organs_m2", organs_json(area));
 	json_object_set_new(top, "materials", materials_json(s));
 	json_object_set_new(top, "parts", parts_json(s));
 	json_object_set_new(top, "component_count", json_integer(s->components.count));
