@@ -15,7 +15,7 @@ CXX ?= g++
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla $(if $(CI),-Werror)
 CXXWARN := -Wall -Wextra $(if $(CI),-Werror)
 # Same pack and same plan everywhere: no contraction, no fast-math, in any config.
-COMMON := -ffp-contract=off -fno-strict-aliasing -g -I. -I/usr/include/gdal -D_GNU_SOURCE -fPIC -pthread
+COMMON := -ffp-contract=off -fno-strict-aliasing -g -I. -I/usr/include/gdal -I/usr/include/freetype2 -D_GNU_SOURCE -fPIC -pthread
 
 ifeq ($(config),release)
   OPT := -O2
@@ -54,7 +54,7 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp -lcairo
+LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp -lcairo -lfreetype
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread

@@ -1,13 +1,15 @@
-/* The canvas, a thin layer over cairo. Hinting is off and smoothing is gray, so that texts are the same on every screen and machine with
- * the same font. */
+/* The canvas, a thin layer over cairo. The font is opened by its path, past the fonts and rules that a machine or user prefers, hinting
+ * is off and smoothing is gray: so texts are the same everywhere. Only where that file is missing fontconfig is asked. */
 #include "ecofiles/chart.h"
 
 #include <assert.h>
+#include <cairo/cairo-ft.h>
 #include <cairo/cairo.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +17,7 @@
 #include <unistd.h>
 
 #define FONT "DejaVu Sans"
+#define FONT_FOLDER "/usr/share/fonts/truetype/dejavu/"
 #define TEXT_BYTES 1024u
 
 struct eco_chart {
@@ -200,9 +203,28 @@ static void clean(const char *text, char out[TEXT_BYTES])
 	out[used] = 0;
 }
 
+/* Plain and bold; read once and kept, as cairo holds on to fonts of canvases that are gone. Written by open_fonts alone. */
+static cairo_font_face_t *fonts[2];
+static pthread_once_t fonts_once = PTHREAD_ONCE_INIT;
+
+static void open_fonts(void)
+{
+	static const char *const files[2] = { FONT_FOLDER "DejaVuSans.ttf", FONT_FOLDER "DejaVuSans-Bold.ttf" };
+	static FT_Library library;
+	bool ready = FT_Init_FreeType(&library) == 0;
+	for (int i = 0; i < 2; i++) {
+		FT_Face face;
+		if (ready && FT_New_Face(library, files[i], 0, &face) == 0)
+			fonts[i] = cairo_ft_font_face_create_for_ft_face(face, FT_LOAD_NO_HINTING);
+		else
+			fonts[i] = cairo_toy_font_face_create(FONT, CAIRO_FONT_SLANT_NORMAL, i ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+	}
+}
+
 static void set_font(struct eco_chart *chart, const struct eco_chart_style *style)
 {
-	cairo_select_font_face(chart->cairo, FONT, CAIRO_FONT_SLANT_NORMAL, style->bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+	pthread_once(&fonts_once, open_fonts);
+	cairo_set_font_face(chart->cairo, fonts[style->bold]);
 	cairo_set_font_size(chart->cairo, style->size);
 }
 
