@@ -549,20 +549,15 @@ static void fbx_frame(struct soup *s, struct eco_model_frame *frame)
 static void collada_frame(struct soup *s, struct eco_model_frame *frame)
 {
 	size_t size;
-	uint8_t *bytes;
-	const char *unit, *end, *meter;
+	char *head = eco_path_ends_with(s->file->path, ".dae") ? eco_file_read_head(s->file->path, &size) : NULL;
+	const char *unit = head != NULL ? strstr(head, "<unit") : NULL, *up = head != NULL ? strstr(head, "<up_axis>") : NULL;
+	const char *end = unit != NULL ? strchr(unit, '>') : NULL, *meter = unit != NULL ? strstr(unit, "meter=") : NULL;
 
 	frame->unit_m = 1;
-	frame->up = ECO_UP_Y;
-	if (eco_path_ends_with(s->file->path, ".dae") && eco_file_read(s->file->path, ECO_MODEL_FILE_MAX, &bytes, &size, NULL) == ECO_OK) {
-		unit = strstr((const char *)bytes, "<unit");
-		end = unit != NULL ? strchr(unit, '>') : NULL;
-		meter = unit != NULL ? strstr(unit, "meter=") : NULL;
-		if (meter != NULL && end != NULL && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
-			frame->unit_m = strtod(meter + 7, NULL);
-		frame->up = strstr((const char *)bytes, ">Z_UP<") != NULL ? ECO_UP_Z : ECO_UP_Y;
-		free(bytes);
-	}
+	if (meter != NULL && end != NULL && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
+		frame->unit_m = strtod(meter + 7, NULL);
+	frame->up = up != NULL && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z : ECO_UP_Y;
+	free(head);
 	set_axes(s->axes, up_from_y, 1 / frame->unit_m);
 }
 

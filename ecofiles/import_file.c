@@ -129,10 +129,9 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 	return code;
 }
 
-/* Up to HEAD_BYTES, malloc'ed; NULL when it cannot be read. */
-static uint8_t *read_head(const char *path, size_t *size)
+char *eco_file_read_head(const char *path, size_t *size)
 {
-	uint8_t *head = malloc(HEAD_BYTES + 1);
+	char *head = malloc(HEAD_BYTES + 1);
 	FILE *file = fopen(path, "rb");
 
 	*size = head != NULL && file != NULL ? fread(head, 1, HEAD_BYTES, file) : 0;
@@ -146,7 +145,7 @@ static uint8_t *read_head(const char *path, size_t *size)
 bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 {
 	size_t size;
-	uint8_t *head = read_head(path, &size);
+	char *head = eco_file_read_head(path, &size);
 	bool has = head != NULL && memmem(head, size < bytes ? size : bytes, word, strlen(word)) != NULL;
 
 	free(head);
@@ -180,7 +179,7 @@ static const struct other others[] = {
 	{ ".json", "not a model; glTF files end in .gltf or .glb" },
 };
 
-static enum eco_code check_head(const char *path, const uint8_t *head, size_t size, struct eco_error *error)
+static enum eco_code check_head(const char *path, const char *head, size_t size, struct eco_error *error)
 {
 	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf");
 
@@ -196,7 +195,7 @@ static enum eco_code check_head(const char *path, const uint8_t *head, size_t si
 		head++;
 		size--;
 	}
-	if (strncasecmp((const char *)head, "<!doctype html", 14) == 0 || strncasecmp((const char *)head, "<html", 5) == 0)
+	if (strncasecmp(head, "<!doctype html", 14) == 0 || strncasecmp(head, "<html", 5) == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a web page, not a model: the download went wrong", path);
 	return ECO_OK;
 }
@@ -204,7 +203,7 @@ static enum eco_code check_head(const char *path, const uint8_t *head, size_t si
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 {
 	struct stat status;
-	uint8_t *head;
+	char *head;
 	size_t size;
 	enum eco_code code;
 
@@ -216,7 +215,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 		return eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
 	if (access(path, R_OK) != 0)
 		return eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
-	head = read_head(path, &size);
+	head = eco_file_read_head(path, &size);
 	code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path) : check_head(path, head, size, error);
 	free(head);
 	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)

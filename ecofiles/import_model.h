@@ -55,6 +55,9 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error);
 /* The whole file, followed by a 0 that *size does not count; malloc'ed. At most `most` bytes. */
 enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size, struct eco_error *error);
 
+/* Its first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. A file that cannot be read has 0 bytes. */
+char *eco_file_read_head(const char *path, size_t *size);
+
 /* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */
 bool eco_file_head_has(const char *path, size_t bytes, const char *word);
 
