@@ -237,9 +237,19 @@ static void place_vertex(const struct gltf_surface *surface, uint32_t v, const s
 
 struct bounds { double low[3], high[3], far; };
 
+static double largest_scale(const double m[16])
+{
+	double most = 0;
+
+	for (int c = 0; c < 3; c++)
+		most = fmax(most, m[c * 4] * m[c * 4] + m[c * 4 + 1] * m[c * 4 + 1] + m[c * 4 + 2] * m[c * 4 + 2]);
+	return sqrt(most);
+}
+
 static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place, const struct gltf_skin *skin)
 {
-	b->far = fmax(b->far, surface->far);
+	if (skin == NULL)
+		b->far = fmax(b->far, surface->far * largest_scale(place->world));
 	for (uint32_t v = 0; v < surface->vertex_count; v++) {
 		double at[3];
 

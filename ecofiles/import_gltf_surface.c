@@ -298,7 +298,8 @@ static void take_vertex(struct reader *r, const struct gltf_look *look, uint32_t
 	vertex_values(r, POSITION, from, values);
 	for (int k = 0; k < 3; k++) {
 		s->position[(size_t)to * 3 + (size_t)k] = (float)values[k];
-		s->far = fabs(values[k]) > s->far ? fabs(values[k]) : s->far;
+		if (r->values[POSITION].accessor.type == 5126 && r->values[POSITION].draco == NULL)
+			s->far = fmax(s->far, fabs(values[k]));
 	}
 	if (s->uv != NULL && has_value(r, TEXCOORD, from)) {
 		vertex_values(r, TEXCOORD, from, values);

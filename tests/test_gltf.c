@@ -682,6 +682,25 @@ static void quantized_meshes_are_read(void **state)
 	expect_corner(&m, 0, 0, 1, 0, 0);
 	expect_corner(&m, 0, 1, 5, 0, 0);
 	expect_corner(&m, 1, 2, 0, 20, -30);
+	assert_string_equal(notes.text, "");
+	eco_model_free(&m);
+}
+
+static void places_far_from_the_origin_keep_their_detail(void **state)
+{
+	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_floats(far[0], 3, "VEC3", 3);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3] == 1.25);
+	assert_string_equal(notes.text, "");
+	eco_model_free(&m);
+	read_good(&m, ONE_MESH("\"POSITION\":1", ""));
+	assert_non_null(strstr(notes.text, "in single precision"));
 	eco_model_free(&m);
 }
 
@@ -1126,6 +1145,7 @@ int main(void)
 		cmocka_unit_test(points_and_lines_are_counted_and_said),
 		cmocka_unit_test(a_broken_index_is_kept_apart),
 		cmocka_unit_test(quantized_meshes_are_read),
+		cmocka_unit_test(places_far_from_the_origin_keep_their_detail),
 		cmocka_unit_test(parts_are_nodes_and_meshes),
 		cmocka_unit_test(instances_of_a_model_are_expanded),
 		cmocka_unit_test(instances_without_end_are_refused_at_once),
