@@ -32,7 +32,7 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 
 /* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in files without, for each node that has a mesh. Columns: x, y, z
  * (metres, Z up), name (of the node, else of its mesh), mesh, yaw_deg (of the turn about the vertical), scale (the cube root of that of
- * volumes); then scalar attributes of instances and "extras" of nodes, by their names. Line is row. */
+ * volumes; none of quantized meshes), height_m (of the mesh, so placed; none where the file does not say its bounds); then scalar attributes of instances and "extras" of nodes, by their names. Line is row. */
 enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error);
 
 #endif

@@ -1094,9 +1094,9 @@ static void a_row_for_each_instance(void **state)
 	gw_floats(places[0], 1, "VEC3", 3);
 	expect_rows(",\"nodes\":[{\"name\":\"oaks\",\"mesh\":0,\"translation\":[100,0,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,"
 		"\"ROTATION\":1,\"SCALE\":2,\"_SPECIES\":3}}}},{\"mesh\":0},{\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":4}}}}],"
-		"\"meshes\":[{\"name\":\"oak\"}]", "x,y,z,name,mesh,yaw_deg,scale,_SPECIES",
-		(const char *const[]){ "101,-3,2,oaks,oak,0.0000,1,7", "104,6,0,oaks,oak,90.0000,2,9", "100,0,0,oaks,oak,315.0000,2,7",
-			"1,-3,2,,,0.0000,1," }, 4);
+		"\"meshes\":[{\"name\":\"oak\"}]", "x,y,z,name,mesh,yaw_deg,scale,height_m,_SPECIES",
+		(const char *const[]){ "101,-3,2,oaks,oak,0.0000,1,,7", "104,6,0,oaks,oak,90.0000,2,,9", "100,0,0,oaks,oak,315.0000,2,,7",
+			"1,-3,2,,,0.0000,1,," }, 4);
 }
 
 static void a_row_for_each_node_with_a_mesh(void **state)
@@ -1105,8 +1105,24 @@ static void a_row_for_each_node_with_a_mesh(void **state)
 	gw_begin();
 	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,\"translation\":[1,0,-1],\"extras\":{\"dbh_cm\":31.5,\"alive\":true}},"
 		"{\"mesh\":0,\"name\":\"Ash.001\",\"extras\":{\"species\":\"ash\",\"list\":[1],\"dbh_cm\":12}},{\"name\":\"lamp\"}],\"meshes\":[{\"name\":\"ash\"}]",
-		"x,y,z,name,mesh,yaw_deg,scale,dbh_cm,alive,species",
-		(const char *const[]){ "2,2,0,ash,ash,0.0000,2,31.5,true,", "0,0,0,Ash.001,ash,0.0000,2,12,,ash" }, 2);
+		"x,y,z,name,mesh,yaw_deg,scale,height_m,dbh_cm,alive,species",
+		(const char *const[]){ "2,2,0,ash,ash,0.0000,2,,31.5,true,", "0,0,0,Ash.001,ash,0.0000,2,,12,,ash" }, 2);
+}
+
+/* Of floats, and of 16-bit fractions from -1 to 1 about the middle of the same mesh, which is 4 wide and 10 high. */
+static void heights_are_those_of_meshes_however_packed(void **state)
+{
+	static const float f[2][3] = { { 0, 0, 0 }, { 4, 10, 4 } };
+	static const int16_t q[2][4] = { { -32767, -32767, -32767 }, { 32767, 32767, 32767 } };
+
+	(void)state;
+	gw_begin();
+	gw_accessor(gw_view(f, sizeof f, ""), GLTF_FLOAT, 2, "VEC3", ",\"min\":[0,0,0],\"max\":[4,10,4]");
+	gw_accessor(gw_view(q, sizeof q, ",\"byteStride\":8"), GLTF_SHORT, 2, "VEC3", ",\"normalized\":true,\"min\":[-32767,-32767,-32767],\"max\":"
+		"[32767,32767,32767]");
+	expect_rows(",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3],\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[2,5,2],\"scale\":[2,5,2]}],\"meshes\":["
+		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]",
+		"x,y,z,name,mesh,yaw_deg,scale,height_m", (const char *const[]){ "1,-3,2,,,0.0000,2,20", "2,-2,0,,,0.0000,,10" }, 2);
 }
 
 static void a_scene_without_plants_is_no_inventory(void **state)
@@ -1161,6 +1177,7 @@ int main(void)
 		cmocka_unit_test(a_glb_is_known_by_its_content),
 		cmocka_unit_test(a_row_for_each_instance),
 		cmocka_unit_test(a_row_for_each_node_with_a_mesh),
+		cmocka_unit_test(heights_are_those_of_meshes_however_packed),
 		cmocka_unit_test(a_scene_without_plants_is_no_inventory),
 	};
 
