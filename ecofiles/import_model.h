@@ -85,6 +85,10 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
 
+/* Fills format, unit, up and convention of the frame; axes: from assimp's world to ours, rows of a matrix, unit included (Z up where
+ * the format says its axes, else as in the file). */
+void eco_assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3]);
+
 /* OBJ with MTL. The same. */
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
