@@ -1,437 +1,607 @@
-/* From rows of texts to plants in the scene: species to plant, coordinates through PROJ, heights, yaw. Formats are behind rows.h.
- *
- * Heights and converted coordinates are rounded to the millimetre, so that exp() and PROJ, which differ between machines in their
- * last bits, do not decide a bit of a pack.
- *
- * Levels: a plant's heights are divided between their least and greatest in equal ratios, and each takes the mean of its class: the
- * relative error is bounded, so that the few tall trees among many shrubs keep their height (classes of equal counts would
- * average them away). The file is read once before for that, into counts per centimetre. */
+/* From rows of texts to plants in the scene: what a row is (filters, species), where it stands (columns or geometry, through
+ * positions_crs.c), how large it is (positions_size.c). Each step counts what it leaves out, with the first line of each reason.
+ * Formats are behind rows.h. */
 #include "ecofiles/positions.h"
 
 #include <ctype.h>
 #include <math.h>
-#include <proj.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
+#include "ecofiles/inventory_text.h"
 #include "ecofiles/mix.h"
 #include "ecofiles/model.h"
-#include "ecofiles/rows.h"
+#include "ecofiles/positions_parts.h"
 
 #define DISTANCE_MAX_M 1e7
 #define HEIGHT_MIN_M 0.01
 #define HEIGHT_MAX_M 300.0
-#define BINS 30001u                  /* centimetres */
-#define LEVEL_PLANTS_MAX 4096u
+#define HEIGHT_PLAUSIBLE_M 150.0
+#define CROWN_MAX_M 100.0
+#define CROWN_PLAUSIBLE_M 60.0
+#define SCALE_MIN 0.001
+#define SCALE_MAX 1000.0
+#define VALUE_BYTES 256u
 
-const char *const eco_skip_names[ECO_SKIP_COUNT] = {
-	[ECO_SKIP_NO_COORDINATES] = "no coordinates",
-	[ECO_SKIP_BAD_NUMBER] = "a coordinate that is not a number",
-	[ECO_SKIP_OUTSIDE] = "outside the CRS or too far from the origin",
-	[ECO_SKIP_UNKNOWN_SPECIES] = "a species that the map does not have",
-	[ECO_SKIP_LEFT_OUT] = "left out by the map",
-	[ECO_SKIP_SHORT_ROW] = "too few fields",
-	[ECO_SKIP_NO_HEIGHT] = "no usable height",
-};
+/* ---- What is said ---- */
 
-enum column { X, Y, Z, SPECIES, HEIGHT, YAW, COLUMNS };
+void eco_positions_note(void *reader, const char *format, ...)
+{
+	struct eco_positions *p = reader;
+	char text[400];
+	va_list arguments;
 
-struct levels { uint32_t plant, *bin; };     /* bin[cm]: first a count, then the height taken instead, in cm */
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	for (uint32_t i = 0; i < p->note_count; i++)
+		if (strcmp(p->notes[i], text) == 0)
+			return;
+	if (p->note_count < ECO_ROWS_NOTES_MAX && (p->notes[p->note_count] = strdup(text)) != NULL)
+		p->note_count++;
+}
 
-struct eco_positions {
-	const struct eco_positions_spec *spec;
-	struct eco_frame frame;
-	struct eco_rows *rows;
-	uint32_t column[COLUMNS], fields_needed;
-	PJ_CONTEXT *context;
-	PJ *conversion;                      /* NULL: none */
-	struct eco_skipped skipped[ECO_SKIP_COUNT];
-	struct levels *levels;
-	uint32_t levels_count;
-};
+void eco_positions_count(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
+{
+	if (counter->count++ > 0)
+		return;
+	counter->first_line = p->rows->line;
+	snprintf(counter->first_text, sizeof counter->first_text, "%.47s", text);
+	for (char *c = counter->first_text; *c != 0; c++)
+		if (iscntrl((unsigned char)*c))
+			*c = ' ';
+}
+
+static void count(struct eco_positions *p, enum eco_skip why, const char *text)
+{
+	eco_positions_count(p, &p->skipped[why], text);
+}
 
 /* ---- Columns ---- */
 
-static enum eco_code missing_column(const struct eco_positions *p, const char *name, struct eco_error *error)
+static void list_columns(const struct eco_rows *rows, char *there, size_t size)
 {
-	char there[300] = "";
 	size_t used = 0;
 
-	for (uint32_t i = 0; i < p->rows->column_count && used < sizeof there; i++)
-		used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", i > 0 ? ", " : "", p->rows->columns[i]);
-	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", p->spec->path, name, there,
-		p->rows->column_count == 1 ? " (is \"separator\" another?)" : "");
+	*there = 0;
+	for (uint32_t i = 0; i < rows->column_count && used < size; i++)
+		used += (size_t)snprintf(there + used, size - used, "%s%s", i > 0 ? ", " : "", rows->columns[i]);
 }
 
-static enum eco_code find_column(struct eco_positions *p, enum column which, const char *name, struct eco_error *error)
+static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name, struct eco_error *error)
 {
-	p->column[which] = ECO_NONE;
+	char there[300];
+
+	*column = ECO_NONE;
 	if (name == NULL)
 		return ECO_OK;
 	for (uint32_t i = 0; i < p->rows->column_count; i++) {
 		if (strcmp(p->rows->columns[i], name) != 0)
 			continue;
-		if (p->column[which] != ECO_NONE)
+		if (*column != ECO_NONE)
 			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", p->spec->path, name);
-		p->column[which] = i;
+		*column = i;
 	}
-	if (p->column[which] == ECO_NONE)
-		return missing_column(p, name, error);
-	if (p->column[which] >= p->fields_needed)
-		p->fields_needed = p->column[which] + 1;
+	if (*column == ECO_NONE) {
+		list_columns(p->rows, there, sizeof there);
+		return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", p->spec->path, name, there,
+			p->rows->column_count == 1 ? " (is \"separator\" another?)" : "");
+	}
+	if (*column >= p->fields_needed)
+		p->fields_needed = *column + 1;
 	return ECO_OK;
+}
+
+/* A guess at the columns that hold coordinates, for a message only. */
+static const char *likely_column(const struct eco_rows *rows, const char *const *names)
+{
+	char folded[64];
+
+	for (; *names != NULL; names++)
+		for (uint32_t i = 0; i < rows->column_count; i++)
+			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0 && strcmp(folded, *names) == 0)
+				return rows->columns[i];
+	return NULL;
+}
+
+static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_error *error)
+{
+	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x", "easting", "rechtswert", "ostwert", "utm_e", "xcoord",
+		"point_x", "x_coord", "coord_x", NULL };
+	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing", "hochwert", "nordwert", "utm_n", "ycoord", "point_y",
+		"y_coord", "coord_y", NULL };
+	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
+	char there[200];
+
+	list_columns(p->rows, there, sizeof there);
+	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the columns with easting or longitude and northing "
+		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y != NULL ? x : "...",
+		x != NULL && y != NULL ? y : "...", there);
+}
+
+static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
+{
+	const struct eco_positions_spec *s = p->spec;
+	bool geometry_z = s->z != NULL && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
+	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
+	enum eco_code code = ECO_OK;
+
+	p->from_geometry = p->rows->has_geometry && s->x == NULL;
+	if (s->x == NULL && !p->rows->has_geometry)
+		return no_coordinates(p, error);
+	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, and the plants stand on the ground",
+			p->spec->path, p->from_geometry ? "its points have no heights" : "its coordinates come from columns");
+	p->use_z = s->z != NULL;
+	p->fields_needed = 0;
+	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_FIXED; i++)
+		code = find_column(p, &p->column[i], names[i], error);
+	for (uint32_t i = 0; code == ECO_OK && i < s->height_count; i++)
+		code = find_column(p, &p->height_column[i], s->heights[i].column, error);
+	for (uint32_t i = 0; code == ECO_OK && i < s->filter_count; i++)
+		code = find_column(p, &p->filter_column[i], s->filters[i].column, error);
+	return code;
 }
 
 static enum eco_code open_rows(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
-	const char *names[COLUMNS] = { s->x, s->y, s->z, s->species, s->height_column, s->yaw_deg };
+	const char *wanted[ECO_COLUMN_FIXED + ECO_HEIGHT_SOURCES_MAX + ECO_FILTERS_MAX];
+	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
+	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator, .wanted = wanted };
 	enum eco_code code;
 
+	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
+		if (fixed[i] != NULL)
+			wanted[source.wanted_count++] = fixed[i];
+	for (uint32_t i = 0; i < s->height_count; i++)
+		if (s->heights[i].column != NULL)
+			wanted[source.wanted_count++] = s->heights[i].column;
+	for (uint32_t i = 0; i < s->filter_count; i++)
+		wanted[source.wanted_count++] = s->filters[i].column;
 	eco_rows_close(p->rows);
-	code = eco_rows_open(&p->rows, s, error);
-	for (int i = 0; code == ECO_OK && i < COLUMNS; i++)
-		code = find_column(p, (enum column)i, names[i], error);
-	return code;
-}
-
-/* ---- CRS ---- */
-
-static enum eco_code check_metric(struct eco_positions *p, struct eco_error *error)
-{
-	PJ *crs = proj_create(p->context, p->frame.crs), *flat, *axes = NULL;
-	double unit = 0;
-	enum eco_code code = ECO_OK;
-
-	if (crs == NULL || !proj_is_crs(crs)) {
-		proj_destroy(crs);
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", p->frame.crs);
-	}
-	flat = proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS ? proj_crs_get_sub_crs(p->context, crs, 0) : proj_clone(p->context, crs);
-	if (flat != NULL && proj_get_type(flat) == PJ_TYPE_PROJECTED_CRS)
-		axes = proj_crs_get_coordinate_system(p->context, flat);
-	if (axes == NULL || !proj_cs_get_axis_info(p->context, axes, 0, NULL, NULL, NULL, &unit, NULL, NULL, NULL) || fabs(unit - 1) > 1e-9)
-		code = eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
-			"\"EPSG:32617\"", p->frame.crs);
-	proj_destroy(axes);
-	proj_destroy(flat);
-	proj_destroy(crs);
-	return code;
-}
-
-static enum eco_code open_conversion(struct eco_positions *p, struct eco_error *error)
-{
-	const char *from = p->spec->crs;
-	PJ *raw;
-
-	if (p->frame.crs == NULL && from == NULL)
-		return ECO_OK;
-	if (p->frame.crs == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": \"%.80s\" and \"origin\" to the scene",
-			p->spec->path, from, from);
-	if (from == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS is not stated; add \"crs\": \"%.80s\" to its entry if it is the scene's",
-			p->spec->path, p->frame.crs);
-	p->context = proj_context_create();
-	if (p->context == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	proj_log_level(p->context, PJ_LOG_NONE);
-	if (check_metric(p, error) != ECO_OK)
-		return ECO_BAD_INPUT;
-	if (strcasecmp(from, p->frame.crs) == 0)
-		return ECO_OK;
-	raw = proj_create_crs_to_crs(p->context, from, p->frame.crs, NULL);
-	p->conversion = raw != NULL ? proj_normalize_for_visualization(p->context, raw) : NULL;
-	proj_destroy(raw);
-	if (p->conversion == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to \"%.80s\": %.100s", p->spec->path, from, p->frame.crs,
-			proj_context_errno_string(p->context, proj_context_errno(p->context)));
-	return ECO_OK;
+	p->rows = NULL;
+	code = eco_rows_open(&p->rows, &source, error);
+	return code == ECO_OK ? find_columns(p, error) : code;
 }
 
 /* ---- Fields ---- */
 
-static const char *field(const struct eco_positions *p, enum column which)
+/* Without the spaces in front of it. */
+static const char *field(const struct eco_positions *p, uint32_t column)
 {
-	const char *text = p->rows->fields[p->column[which]];
+	const char *text = p->rows->fields[column];
 
 	while (isspace((unsigned char)*text))
 		text++;
 	return text;
 }
 
-static size_t trimmed_length(const char *text)
+/* Of a text without the spaces at its ends, short enough for a message. */
+static const char *shown(const char *text, char *buffer, size_t size)
 {
 	size_t length = strlen(text);
 
 	while (length > 0 && isspace((unsigned char)text[length - 1]))
 		length--;
-	return length;
+	snprintf(buffer, size, "%.*s", (int)(length < size ? length : size - 1), text);
+	return buffer;
 }
 
-static bool is_missing(const char *text)
+static char decimal_of(const struct eco_positions *p)
 {
-	static const char *const words[] = { "", "NA", "N/A", "NaN", "null", "-" };
-	size_t length = trimmed_length(text);
+	return p->spec->decimal != 0 ? p->spec->decimal : '.';
+}
 
-	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		if (strlen(words[i]) == length && strncasecmp(text, words[i], length) == 0)
+/* ---- Filters ---- */
+
+static bool fold_filters(struct eco_positions *p)
+{
+	char folded[VALUE_BYTES];
+
+	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
+		const struct eco_filter *f = &p->spec->filters[i];
+
+		p->filter_patterns[i] = calloc(f->value_count + 1u, sizeof *p->filter_patterns[i]);
+		for (uint32_t k = 0; p->filter_patterns[i] != NULL && k < f->value_count; k++) {
+			if (f->values[k].text == NULL)
+				continue;
+			eco_text_fold(f->values[k].text, folded, sizeof folded);
+			if ((p->filter_patterns[i][k] = strdup(folded)) == NULL)
+				return false;
+		}
+		if (p->filter_patterns[i] == NULL)
+			return false;
+	}
+	return true;
+}
+
+static bool has_value(const struct eco_positions *p, uint32_t filter, const char *text)
+{
+	const struct eco_filter *f = &p->spec->filters[filter];
+	char folded[VALUE_BYTES];
+	double number;
+	bool numeric = eco_text_number(text, decimal_of(p), &number);
+
+	eco_text_fold(text, folded, sizeof folded);
+	for (uint32_t k = 0; k < f->value_count; k++) {
+		const char *pattern = p->filter_patterns[filter][k];
+
+		if (pattern != NULL ? eco_text_fits(folded, pattern) : numeric && number == f->values[k].number)
 			return true;
+	}
 	return false;
 }
 
-/* Decimal numbers only: strtod alone would also take hexadecimal, "inf" and "nan". */
-static bool parse_number(const char *text, double *number)
+static bool passes_filters(struct eco_positions *p)
 {
-	size_t length = trimmed_length(text);
-	char *end;
+	char text[64];
 
-	if (length == 0 || length > 64 || strspn(text, "0123456789+-.eE") < length)
+	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
+		const char *value = field(p, p->filter_column[i]);
+
+		if (has_value(p, i, value) == p->spec->filters[i].only)
+			continue;
+		eco_positions_count(p, &p->filtered[i], shown(value, text, sizeof text));
+		count(p, ECO_SKIP_FILTERED, text);
 		return false;
-	*number = strtod(text, &end);
-	return end == text + length && isfinite(*number);
-}
-
-static double to_millimetres(double metres)
-{
-	return floor(metres * 1000 + 0.5) / 1000;
-}
-
-static void count(struct eco_positions *p, enum eco_skip why, const char *text)
-{
-	struct eco_skipped *s = &p->skipped[why];
-
-	if (s->count++ > 0)
-		return;
-	s->first_line = p->rows->line;
-	snprintf(s->first_text, sizeof s->first_text, "%.47s", text);
-	for (char *c = s->first_text; *c != 0; c++)
-		if (iscntrl((unsigned char)*c))
-			*c = ' ';
-}
-
-/* ---- Parts of a record: each returns false when the row was counted as skipped ---- */
-
-static const struct eco_species *find_species(const struct eco_positions *p, const char *text, size_t length)
-{
-	uint32_t low = 0, high = p->spec->map_count;
-
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		const char *name = p->spec->map[middle].name;
-		int order = strncmp(name, text, length);
-
-		if (order == 0 && name[length] == 0)
-			return &p->spec->map[middle];
-		if (order < 0)
-			low = middle + 1;
-		else
-			high = middle;
 	}
-	return &p->spec->fallback;
+	return true;
 }
 
-static bool read_plant(struct eco_positions *p, struct eco_position *record, uint32_t *variants)
+/* ---- Species ---- */
+
+static bool read_plant(struct eco_positions *p, struct eco_position *record)
 {
 	const struct eco_species *species = &p->spec->fallback;
-	const char *text = "";
+	char text[256] = "";
 
-	if (p->column[SPECIES] != ECO_NONE) {
-		text = field(p, SPECIES);
-		species = find_species(p, text, trimmed_length(text));
+	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
+		uint32_t key;
+
+		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof text);
+		key = eco_species_find(p->species, text, p->rows->line);
+		if (key < p->spec->map_count)
+			species = &p->spec->map[key];
 	}
-	record->plant = species->plant;
-	*variants = species->variant_count;
+	record->plant = record->variant_first = species->plant;
+	record->variant_count = species->variant_count;
 	if (species->plant == ECO_NONE)
 		count(p, species->name != NULL ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
 	return species->plant != ECO_NONE;
 }
 
-static bool read_coordinate(struct eco_positions *p, enum column which, double *number)
-{
-	const char *text = field(p, which);
+/* ---- Places ---- */
 
-	if (is_missing(text)) {
-		count(p, ECO_SKIP_NO_COORDINATES, text);
-		return false;
+enum verdict { GOOD, SKIPPED, FAILED };
+
+/* Before any good row a number with the other decimal sign tells what the whole file is like. */
+static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number, struct eco_error *error)
+{
+	const char *text = field(p, column);
+	char buffer[48];
+
+	if (eco_text_number(text, decimal_of(p), number))
+		return GOOD;
+	shown(text, buffer, sizeof buffer);
+	if (eco_text_is_missing(text)) {
+		count(p, ECO_SKIP_NO_COORDINATES, buffer);
+		return SKIPPED;
 	}
-	if (!parse_number(text, number)) {
-		count(p, ECO_SKIP_BAD_NUMBER, text);
-		return false;
+	if (p->good_places == 0 && p->spec->decimal == 0 && eco_text_number(text, ',', number)) {
+		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry", p->spec->path,
+			(unsigned long long)p->rows->line, buffer);
+		return FAILED;
 	}
-	return true;
+	count(p, ECO_SKIP_BAD_NUMBER, buffer);
+	return SKIPPED;
 }
 
-static bool read_place(struct eco_positions *p, struct eco_position *record)
+static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	enum verdict verdict = GOOD;
+
+	for (int k = 0; k < 3 && verdict == GOOD; k++)
+		if (p->column[k] != ECO_NONE)
+			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
+	return verdict;
+}
+
+static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const struct eco_rows_place *place = &p->rows->place;
+
+	if (place->kind == ECO_PLACE_EMPTY || place->kind == ECO_PLACE_NONE)
+		count(p, ECO_SKIP_NO_GEOMETRY, place->what);
+	else if (place->kind == ECO_PLACE_OTHER)
+		count(p, ECO_SKIP_NOT_A_POINT, place->what);
+	if (place->kind != ECO_PLACE_POINT)
+		return SKIPPED;
+	memcpy(xyz, place->at, sizeof place->at);
+	if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2]))) {
+		count(p, ECO_SKIP_BAD_NUMBER, "not finite");
+		return SKIPPED;
+	}
+	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2], error) : GOOD;
+}
+
+static bool sounds_like_degrees(const char *x, const char *y)
+{
+	static const char *const longitudes[] = { "lon", "lon*", "lng", "*longitude*", "*_lon", "*länge*", "lng*", "*_lng" };
+	static const char *const latitudes[] = { "lat", "*latitude*", "*_lat", "lat_*", "*breite*", "lati*" };
+	char fx[64], fy[64];
+	bool is_x = false, is_y = false;
+
+	eco_text_fold(x, fx, sizeof fx);
+	eco_text_fold(y, fy, sizeof fy);
+	for (size_t i = 0; i < sizeof longitudes / sizeof *longitudes; i++)
+		is_x |= eco_text_fits(fx, longitudes[i]) && strstr(fx, "_m") == NULL;
+	for (size_t i = 0; i < sizeof latitudes / sizeof *latitudes; i++)
+		is_y |= eco_text_fits(fy, latitudes[i]) && strstr(fy, "_m") == NULL;
+	return is_x && is_y;
+}
+
+/* A scene in plain metres that is fed with degrees would become a heap of a few millimetres. */
+static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3], struct eco_error *error)
+{
+	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
+
+	if (p->frame.crs != NULL || p->spec->crs != NULL || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
+		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
+		return GOOD;
+	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in plain metres; add \"crs\": \"EPSG:4326\" to its "
+		"entry, and \"crs\": \"EPSG:%d\" (the UTM zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x, p->spec->y,
+		(xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
+	return FAILED;
+}
+
+static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const double was[2] = { xyz[0], xyz[1] };
+	const char *why;
+	bool converted;
+	char text[80];
+
+	if (p->good_places == 0 && refuse_degrees(p, xyz, error) == FAILED)
+		return FAILED;
+	if (p->frame.crs != NULL && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local) {
+		count(p, ECO_SKIP_NO_COORDINATES, "0, 0");
+		return SKIPPED;
+	}
+	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
+		return FAILED;
+	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
+	if (!converted) {
+		count(p, ECO_SKIP_NO_CONVERSION, text);
+		return SKIPPED;
+	}
+	for (int k = 0; k < 3; k++)
+		if (!(fabs(xyz[k]) <= DISTANCE_MAX_M)) {
+			count(p, ECO_SKIP_OUTSIDE, text);
+			return SKIPPED;
+		}
+	return GOOD;
+}
+
+/* At the place of an earlier plant? */
+static enum verdict find_duplicate(struct eco_positions *p, const double at[3], struct eco_error *error)
+{
+	char text[80];
+	bool known;
+
+	if (!eco_place_set_add(p->places, at, &known)) {
+		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants", p->spec->path, (unsigned long long)p->plants);
+		return FAILED;
+	}
+	if (!known)
+		return GOOD;
+	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
+	count(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE, text);
+	return p->spec->skip_duplicates ? SKIPPED : GOOD;
+}
+
+static enum verdict read_place(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
 	double xyz[3] = { 0, 0, 0 };
+	enum verdict verdict = p->from_geometry ? read_geometry(p, xyz, error) : read_columns(p, xyz, error);
 
-	record->absolute = p->column[Z] != ECO_NONE;
-	if (!read_coordinate(p, X, &xyz[0]) || !read_coordinate(p, Y, &xyz[1]) || (record->absolute && !read_coordinate(p, Z, &xyz[2])))
-		return false;
-	if (p->conversion != NULL) {
-		PJ_COORD to = proj_trans(p->conversion, PJ_FWD, proj_coord(xyz[0], xyz[1], 0, HUGE_VAL));
-
-		xyz[0] = to_millimetres(to.xy.x);
-		xyz[1] = to_millimetres(to.xy.y);
+	record->absolute = p->use_z;
+	if (!p->use_z)
+		xyz[2] = 0;
+	if (verdict == GOOD)
+		verdict = convert(p, xyz, error);
+	if (verdict == GOOD)
+		verdict = find_duplicate(p, xyz, error);
+	if (verdict != GOOD)
+		return verdict;
+	p->good_places++;
+	memcpy(record->at, xyz, sizeof xyz);
+	for (int k = 0; k < 2; k++) {
+		p->low[k] = fmin(p->low[k], xyz[k]);
+		p->high[k] = fmax(p->high[k], xyz[k]);
 	}
-	for (int k = 0; k < 3; k++) {
-		record->at[k] = k < 2 || record->absolute ? xyz[k] - p->frame.origin[k] : 0;
-		if (!(fabs(record->at[k]) <= DISTANCE_MAX_M)) {
-			count(p, ECO_SKIP_OUTSIDE, field(p, (enum column)k));
-			return false;
-		}
-	}
-	return true;
+	return GOOD;
 }
 
-static double read_height(struct eco_positions *p)
+/* ---- Sizes ---- */
+
+static void remark(struct eco_positions *p, const struct eco_size_remarks *remarks, const char *text)
+{
+	char buffer[48];
+
+	shown(text, buffer, sizeof buffer);
+	if (remarks->range)
+		count(p, ECO_KEPT_RANGE, buffer);
+	if (remarks->open)
+		count(p, ECO_KEPT_OPEN, buffer);
+	if (remarks->other_unit)
+		count(p, ECO_KEPT_OTHER_UNIT, buffer);
+	if (remarks->implausible)
+		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
+}
+
+static double read_crown(struct eco_positions *p)
+{
+	struct eco_size_remarks remarks = { .range = false };
+	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? field(p, p->column[ECO_COLUMN_CROWN]) : "";
+	double radius = p->spec->crown.kind == ECO_SIZE_NONE ? NAN
+		: eco_size_read(&p->spec->crown, text, decimal_of(p), ECO_NONE, HEIGHT_MIN_M, CROWN_MAX_M, &remarks);
+
+	remarks.implausible |= radius > CROWN_PLAUSIBLE_M;
+	remark(p, &remarks, text);
+	return radius;
+}
+
+static double read_height(struct eco_positions *p, uint32_t plant, double crown_radius_m)
 {
 	const struct eco_positions_spec *s = p->spec;
-	double number, height;
+	char buffer[48];
 
-	if (s->height == ECO_HEIGHT_NONE)
-		return NAN;
-	if (s->height == ECO_HEIGHT_NUMBER)
-		return s->height_value_m;
-	if (!parse_number(field(p, HEIGHT), &number) || !(number > 0)) {
-		count(p, ECO_SKIP_NO_HEIGHT, field(p, HEIGHT));
-		return NAN;
+	for (uint32_t i = 0; i < s->height_count; i++) {
+		struct eco_size_remarks remarks = { .range = false };
+		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
+		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M, HEIGHT_MAX_M, &remarks);
+
+		if (isnan(height))
+			continue;
+		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
+		remark(p, &remarks, text);
+		return height;
 	}
-	height = number * s->unit_m;
-	if (s->height == ECO_HEIGHT_DBH)
-		height = 1.3 + (s->max_m - 1.3) * (1 - exp(-s->rate * height));
-	height = to_millimetres(height);
-	if (!(height >= HEIGHT_MIN_M && height <= HEIGHT_MAX_M)) {
-		count(p, ECO_SKIP_NO_HEIGHT, field(p, HEIGHT));
-		return NAN;
-	}
-	return height;
+	if (s->height_count > 0)
+		count(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
+			p->height_column[0] != ECO_NONE ? shown(field(p, p->height_column[0]), buffer, sizeof buffer) : "");
+	return NAN;
 }
 
 static double read_yaw(struct eco_positions *p)
 {
 	double yaw;
 
-	if (p->column[YAW] != ECO_NONE && parse_number(field(p, YAW), &yaw) && fabs(yaw) <= 1e6)
+	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]), decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
+	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
+		return p->rows->place.yaw_deg;
 	return eco_mix_turn(p->spec->seed, p->rows->row) * (360.0 / 65536);
 }
 
-/* The next usable row; *variants: how many models its plant may take. */
-static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, uint32_t *variants, struct eco_error *error)
+static double read_scale(struct eco_positions *p)
 {
-	for (;;) {
-		bool more;
-		enum eco_code code = p->rows->next(p->rows, &more, error);
+	double scale = p->from_geometry ? p->rows->place.scale : NAN;
 
-		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN };
-		if (code != ECO_OK || !more)
-			return code;
-		if (p->rows->field_count < p->fields_needed) {
-			count(p, ECO_SKIP_SHORT_ROW, p->rows->fields[0]);
-			continue;
-		}
-		if (!read_plant(p, record, variants) || !read_place(p, record))
-			continue;
-		record->height_m = read_height(p);
-		record->yaw_deg = read_yaw(p);
-		record->row = p->rows->row;
-		record->line = p->rows->line;
-		return ECO_OK;
+	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]), decimal_of(p), &scale))
+		return 1;
+	return scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
+}
+
+/* ---- Records ---- */
+
+static enum verdict read_row(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+{
+	enum verdict verdict;
+
+	if (p->rows->field_count < p->fields_needed) {
+		count(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
+		return SKIPPED;
 	}
+	if (!passes_filters(p) || !read_plant(p, record))
+		return SKIPPED;
+	verdict = read_place(p, record, error);
+	if (verdict != GOOD)
+		return verdict;
+	record->crown_radius_m = read_crown(p);
+	record->height_m = read_height(p, record->plant, record->crown_radius_m);
+	record->yaw_deg = read_yaw(p);
+	record->scale = read_scale(p);
+	record->row = p->rows->row;
+	record->line = p->rows->line;
+	p->plants++;
+	return GOOD;
+}
+
+/* The next usable row, its plant the first of its variants. */
+static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+{
+	while (!p->ended) {
+		bool more = false;
+		enum eco_code code = p->rows->next(p->rows, &more, error);
+		enum verdict verdict;
+
+		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
+		if (code != ECO_OK)
+			return code;
+		if (!more) {
+			p->ended = true;
+			break;
+		}
+		verdict = read_row(p, record, error);
+		if (verdict == FAILED)
+			return error != NULL ? error->code : ECO_BAD_INPUT;
+		if (verdict == GOOD)
+			return ECO_OK;
+	}
+	*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
+	return ECO_OK;
+}
+
+static enum eco_code start_places(struct eco_positions *p, struct eco_error *error)
+{
+	eco_place_set_close(p->places);
+	p->places = eco_place_set_open();
+	p->low[0] = p->low[1] = INFINITY;
+	p->high[0] = p->high[1] = -INFINITY;
+	p->plants = p->good_places = 0;
+	p->ended = false;
+	return p->places != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }
 
 /* ---- Levels ---- */
 
-static uint32_t centimetres(double height_m)
+static bool wants_levels(const struct eco_positions *p)
 {
-	return (uint32_t)(height_m * 100 + 0.5);
-}
-
-static struct levels *levels_of(const struct eco_positions *p, uint32_t plant)
-{
-	for (uint32_t i = 0; i < p->levels_count; i++)
-		if (p->levels[i].plant == plant)
-			return &p->levels[i];
-	return NULL;
-}
-
-static enum eco_code count_height(struct eco_positions *p, const struct eco_position *record, struct eco_error *error)
-{
-	struct levels *l = levels_of(p, record->plant);
-
-	if (l == NULL) {
-		if (p->levels_count == LEVEL_PLANTS_MAX)
-			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants", p->spec->path, LEVEL_PLANTS_MAX);
-		l = &p->levels[p->levels_count];
-		*l = (struct levels){ record->plant, calloc(BINS, sizeof *l->bin) };
-		if (l->bin == NULL)
-			return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", p->spec->path);
-		p->levels_count++;
-	}
-	l->bin[centimetres(record->height_m)]++;
-	return ECO_OK;
-}
-
-/* Replaces the counts of [first, end) by the mean height there. */
-static void average(uint32_t *bin, uint32_t first, uint32_t end)
-{
-	uint64_t sum = 0, members = 0, mean;
-
-	for (uint32_t i = first; i < end; i++) {
-		sum += (uint64_t)bin[i] * i;
-		members += bin[i];
-	}
-	mean = members > 0 ? (sum + members / 2) / members : 0;
-	for (uint32_t i = first; i < end; i++)
-		bin[i] = (uint32_t)mean;
-}
-
-static void make_levels(uint32_t *bin, uint32_t levels)
-{
-	uint32_t low = 0, high = BINS - 1, first;
-
-	while (low < BINS - 1 && bin[low] == 0)
-		low++;
-	while (high > low && bin[high] == 0)
-		high--;
-	first = low;
-	for (uint32_t i = 1; i <= levels; i++) {
-		uint32_t end = i == levels ? high + 1 : (uint32_t)(low * pow((double)high / low, (double)i / levels) + 0.5);
-
-		if (end <= first)
-			continue;
-		average(bin, first, end);
-		first = end;
-	}
+	return p->spec->levels > 0 && p->levels == NULL;
 }
 
 static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)
 {
 	struct eco_position record;
-	uint32_t variants;
 	enum eco_code code;
 
-	p->levels = calloc(LEVEL_PLANTS_MAX, sizeof *p->levels);
+	p->levels = eco_levels_open();
 	if (p->levels == NULL)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", p->spec->path);
 	do {
-		code = read_record(p, &record, &variants, error);
+		code = read_record(p, &record, error);
 		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
-			code = count_height(p, &record, error);
+			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path, error);
 	} while (code == ECO_OK && record.plant != ECO_NONE);
 	if (code != ECO_OK)
 		return code;
-	for (uint32_t i = 0; i < p->levels_count; i++)
-		make_levels(p->levels[i].bin, p->spec->levels);
+	eco_levels_make(p->levels, p->spec->levels);
 	memset(p->skipped, 0, sizeof p->skipped);
-	return open_rows(p, error);
+	memset(p->filtered, 0, sizeof p->filtered);
+	eco_species_reset(p->species);
+	code = start_places(p, error);
+	return code == ECO_OK ? open_rows(p, error) : code;
 }
 
 /* ---- The reader ---- */
+
+static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
+{
+	const struct eco_rows *rows = p->rows;
+	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs, .vertical = p->spec->vertical,
+		.of_file = p->from_geometry ? rows->crs : NULL, .local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
+		.note = eco_positions_note, .ctx = p };
+
+	if (p->from_geometry && rows->degrees_doubted && p->spec->crs == NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this format means unless it says otherwise; add "
+			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path, p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
+	return eco_crs_open(&p->crs, &request, error);
+}
 
 enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error)
@@ -444,11 +614,15 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	p->spec = spec;
 	p->frame = *frame;
-	code = open_rows(p, error);
+	p->species = eco_species_open(spec);
+	code = start_places(p, error);
+	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX
+		|| !fold_filters(p)))
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (code == ECO_OK)
-		code = open_conversion(p, error);
-	if (code == ECO_OK && spec->levels > 0 && (spec->height == ECO_HEIGHT_COLUMN || spec->height == ECO_HEIGHT_DBH))
-		code = find_levels(p, error);
+		code = open_rows(p, error);
+	if (code == ECO_OK)
+		code = open_crs(p, error);
 	if (code == ECO_OK)
 		*reader = p;
 	else
@@ -458,36 +632,52 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 
 enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record, struct eco_error *error)
 {
-	uint32_t variants = 1;
-	enum eco_code code = read_record(reader, record, &variants, error);
-	const struct levels *levels;
+	struct eco_error own = { .code = ECO_OK };
+	enum eco_code code;
 
+	if (error == NULL)
+		error = &own;
+	code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
+	if (code == ECO_OK)
+		code = read_record(reader, record, error);
 	if (code != ECO_OK || record->plant == ECO_NONE)
 		return code;
-	levels = isnan(record->height_m) ? NULL : levels_of(reader, record->plant);
-	if (levels != NULL && levels->bin[centimetres(record->height_m)] > 0)
-		record->height_m = levels->bin[centimetres(record->height_m)] / 100.0;
-	record->plant += eco_mix_variant(reader->spec->seed, record->row, variants);
+	if (reader->levels != NULL && !isnan(record->height_m))
+		record->height_m = eco_levels_height(reader->levels, record->plant, record->height_m);
+	record->plant += eco_mix_variant(reader->spec->seed, record->row, record->variant_count);
 	return ECO_OK;
 }
 
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows)
 {
 	if (rows != NULL)
-		*rows = reader->rows->row;
+		*rows = reader->rows != NULL ? reader->rows->row : 0;
 	return reader->skipped;
+}
+
+void eco_positions_counted(const struct eco_positions *reader, struct eco_positions_counts *counts)
+{
+	*counts = (struct eco_positions_counts){ .plants = reader->plants, .skipped = reader->skipped, .filters = reader->filtered,
+		.low = { reader->low[0], reader->low[1] }, .high = { reader->high[0], reader->high[1] },
+		.where = reader->rows != NULL ? reader->rows->where : "line", .rows = reader->rows != NULL ? reader->rows->row : 0 };
+	eco_species_counted(reader->species, counts);
 }
 
 void eco_positions_close(struct eco_positions *reader)
 {
 	if (reader == NULL)
 		return;
-	for (uint32_t i = 0; i < reader->levels_count; i++)
-		free(reader->levels[i].bin);
-	free(reader->levels);
 	eco_rows_close(reader->rows);
-	proj_destroy(reader->conversion);
-	if (reader->context != NULL)
-		proj_context_destroy(reader->context);
+	eco_crs_close(reader->crs);
+	eco_species_close(reader->species);
+	eco_place_set_close(reader->places);
+	eco_levels_close(reader->levels);
+	for (uint32_t i = 0; i < ECO_FILTERS_MAX; i++) {
+		for (uint32_t k = 0; reader->filter_patterns[i] != NULL && k < reader->spec->filters[i].value_count; k++)
+			free(reader->filter_patterns[i][k]);
+		free(reader->filter_patterns[i]);
+	}
+	for (uint32_t i = 0; i < reader->note_count; i++)
+		free(reader->notes[i]);
 	free(reader);
 }

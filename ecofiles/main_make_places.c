@@ -71,6 +71,33 @@ static void note_far(const char *path, double nearest_m)
 			nearest_m / 1000);
 }
 
+/* Height and crown together speak for one variant: that whose proportions come nearest to theirs. */
+static uint32_t fitting_variant(const struct make *m, uint32_t source, const struct eco_position *row)
+{
+	uint32_t best = row->plant;
+	double least = INFINITY;
+	if (isnan(row->height_m) || isnan(row->crown_radius_m))
+		return m->plant_of[source][row->plant];
+	for (uint32_t i = 0; i < row->variant_count; i++) {
+		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
+		double ratio = row->height_m * plant->reach / (row->crown_radius_m * (double)plant->built.plant.height_m);
+		double off = fmax(ratio, 1 / ratio);
+		/* of equals the one that chance took */
+		if (off < least || (off == least && row->variant_first + i == row->plant)) {
+			least = off;
+			best = row->variant_first + i;
+		}
+	}
+	return m->plant_of[source][best];
+}
+
+static double row_scale(const struct make *m, uint32_t plant, const struct eco_position *row)
+{
+	if (isnan(row->height_m) && !isnan(row->crown_radius_m))
+		return row->scale * row->crown_radius_m / m->plants[plant].reach;
+	return scale_for(m, plant, row->scale, row->height_m);
+}
+
 static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
 {
 	struct eco_position row;
@@ -82,9 +109,9 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 		if (row.plant == ECO_NONE)
 			return note_far(path, nearest_m), ECO_OK;
 		nearest_m = fmin(nearest_m, sqrt(row.at[0] * row.at[0] + row.at[1] * row.at[1]));
-		uint32_t plant = m->plant_of[source][row.plant];
+		uint32_t plant = fitting_variant(m, source, &row);
 		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
-			.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+			.scale = row_scale(m, plant, &row), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
 		code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
@@ -95,8 +122,10 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 
 static struct eco_frame frame_of(const struct eco_source *s)
 {
-	return (struct eco_frame){ .crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	return (struct eco_frame){ .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
 }
+
+static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
 
 static enum eco_code place_rows(struct make *m, uint32_t source)
 {
@@ -112,19 +141,14 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 		uint64_t rows = 0;
 		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
 		eco->rows += rows;
-		if (!rows && !code)
-			main_note("%s: it has no rows below its header", s->positions[i].path);
 		for (int k = 0; k < ECO_SKIP_COUNT; k++) {
 			if (skipped[k].count && !eco->skipped[k].count)
 				eco->skipped[k] = skipped[k];
 			else
 				eco->skipped[k].count += skipped[k].count;
-			if (skipped[k].count && !code)
-				main_note("%s: %llu row%s %s: %s (first in line %llu: \"%s\")", s->positions[i].path,
-					(unsigned long long)skipped[k].count, plural(skipped[k].count),
-					k == ECO_SKIP_NO_HEIGHT ? "with the plant's own height" : "left out", eco_skip_names[k],
-					(unsigned long long)skipped[k].first_line, skipped[k].first_text);
 		}
+		if (!code)
+			eco_positions_report(reader, note, s->positions[i].path);
 		eco_positions_close(reader);
 		if (code)
 			return code;

@@ -1,11 +1,17 @@
-/* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, fields are offsets into it. */
+/* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, fields are offsets into it. A row that is not
+ * UTF-8 is taken for Windows-1252 as a whole, which contains Latin-1: files are mixed more often than one would think. */
 #include "ecofiles/rows.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "ecofiles/rows_formats.h"
+
+#define SNIFF_BYTES 65536u
 
 struct csv {
 	struct eco_rows rows;
@@ -14,6 +20,8 @@ struct csv {
 	char *text;
 	size_t used, capacity;
 	size_t *start;               /* of each field in text */
+	char *converted;             /* the row in UTF-8, where it was not */
+	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
 };
 
@@ -74,8 +82,8 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 	}
 	for (; code == ECO_OK && *c != EOF; *c = get(csv)) {
 		if (*c == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (a spreadsheet, UTF-16?), save it as CSV in UTF-8", csv->path,
-				(unsigned long long)csv->line);
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (a spreadsheet, UTF-16?), save it as CSV in UTF-8",
+				csv->path, (unsigned long long)csv->line);
 		if (quoted && *c == '"') {
 			if (peek(csv) == '"')
 				code = put(csv, (char)get(csv), error);
@@ -94,6 +102,88 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 			(unsigned long long)csv->rows.line);
 	return code == ECO_OK ? put(csv, 0, error) : code;
 }
+
+/* ---- Text that is not UTF-8 ---- */
+
+/* Bytes of the character that text begins with, 0 if it is not UTF-8. */
+static size_t utf8_bytes(const unsigned char *t)
+{
+	size_t bytes = t[0] < 0x80 ? 1 : t[0] >= 0xc2 && t[0] < 0xe0 ? 2 : t[0] >= 0xe0 && t[0] < 0xf0 ? 3 : t[0] >= 0xf0 && t[0] < 0xf5 ? 4 : 0;
+
+	for (size_t i = 1; i < bytes; i++)
+		if ((t[i] & 0xc0) != 0x80)
+			return 0;
+	return bytes;
+}
+
+/* Ends in 0, so that no character runs over the end. */
+static bool is_utf8(const char *text, size_t size)
+{
+	for (size_t i = 0, bytes; i < size; i += bytes)
+		if ((bytes = utf8_bytes((const unsigned char *)text + i)) == 0)
+			return false;
+	return true;
+}
+
+static unsigned windows_1252(unsigned char c)
+{
+	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6, 0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d,
+		0x8f, 0x90, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014, 0x2dc, 0x2122, 0x161, 0x203a, 0x153, 0x9d, 0x17e, 0x178 };
+
+	return c >= 0x80 && c < 0xa0 ? high[c - 0x80] : c;
+}
+
+static size_t put_utf8(char *to, unsigned c)
+{
+	if (c < 0x80) {
+		to[0] = (char)c;
+		return 1;
+	}
+	if (c < 0x800) {
+		to[0] = (char)(0xc0 | c >> 6);
+		to[1] = (char)(0x80 | (c & 0x3f));
+		return 2;
+	}
+	to[0] = (char)(0xe0 | c >> 12);
+	to[1] = (char)(0x80 | (c >> 6 & 0x3f));
+	to[2] = (char)(0x80 | (c & 0x3f));
+	return 3;
+}
+
+static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
+{
+	char *grown = realloc(csv->converted, 3 * csv->used + 1);
+	size_t used = 0;
+
+	if (grown == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+	csv->converted = grown;
+	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
+		size_t at = csv->start[i];
+
+		csv->rows.fields[i] = grown + used;
+		do {
+			used += put_utf8(grown + used, windows_1252((unsigned char)csv->text[at]));
+		} while (csv->text[at++] != 0);
+	}
+	if (csv->first_converted == 0) {
+		csv->first_converted = csv->rows.line;
+		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as Windows-1252, which contains Latin-1",
+			(unsigned long long)csv->rows.line);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code set_fields(struct csv *csv, struct eco_error *error)
+{
+	if (!is_utf8(csv->text, csv->used))
+		return convert_fields(csv, error);
+	for (uint32_t i = 0; i < csv->rows.field_count; i++)
+		csv->rows.fields[i] = csv->text + csv->start[i];
+	return ECO_OK;
+}
+
+/* ---- Rows ---- */
 
 static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *error)
 {
@@ -115,9 +205,7 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 	}
 	if (ferror(csv->file))
 		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
-	for (uint32_t i = 0; i < csv->rows.field_count; i++)
-		csv->rows.fields[i] = csv->text + csv->start[i];
-	return ECO_OK;
+	return *more ? set_fields(csv, error) : ECO_OK;
 }
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
@@ -132,12 +220,10 @@ static void close_csv(struct eco_rows *rows)
 {
 	struct csv *csv = (struct csv *)rows;
 
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		free(rows->columns[i]);
-	free(rows->columns);
-	free(rows->fields);
+	eco_rows_free_texts(rows);
 	free(csv->start);
 	free(csv->text);
+	free(csv->converted);
 	free(csv->path);
 	if (csv->file != NULL)
 		fclose(csv->file);
@@ -156,19 +242,73 @@ static char *trimmed(const char *name)
 	return strndup(name, size);
 }
 
+/* ---- The beginning of the file ---- */
+
+/* Excel's "sep=;" line. */
+static bool excel_separator(const char *text, char *separator)
+{
+	if (strncmp(text, "sep=", 4) != 0 || text[4] == 0 || (text[5] != '\n' && text[5] != '\r' && text[5] != 0))
+		return false;
+	*separator = text[4];
+	return true;
+}
+
+/* The sign that stands most often outside of quotes in the first line; ',' of equals. */
+static char count_separators(const char *text)
+{
+	static const char signs[] = { ',', ';', '\t', '|' };
+	uint32_t counts[sizeof signs] = { 0 };
+	size_t best = 0;
+	bool quoted = false;
+
+	for (; *text != 0 && (quoted || *text != '\n'); text++) {
+		quoted ^= *text == '"';
+		for (size_t i = 0; !quoted && i < sizeof signs; i++)
+			counts[i] += *text == signs[i];
+	}
+	for (size_t i = 1; i < sizeof signs; i++)
+		if (counts[i] > counts[best])
+			best = i;
+	return signs[best];
+}
+
+/* Passes over the byte order mark and a "sep=" line, and settles the separator. */
+static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
+{
+	char *head = malloc(SNIFF_BYTES + 1);
+	const char *text = head;
+	size_t size;
+	bool good;
+
+	if (head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+	size = fread(head, 1, SNIFF_BYTES, csv->file);
+	head[size] = 0;
+	if (size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0)
+		text += 3;
+	if (excel_separator(text, &csv->separator)) {
+		text += strcspn(text, "\n");
+		text += *text == '\n';
+		csv->line = 2;
+	}
+	if (csv->separator == 0) {
+		csv->separator = count_separators(text + strspn(text, "\r\n"));
+		if (csv->separator != ',')
+			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs" : "its columns are separated by \"%c\"",
+				csv->separator);
+	}
+	good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
+	free(head);
+	return good ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+}
+
 static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 {
 	bool more;
-	enum eco_code code;
-	int c = peek(csv);
+	enum eco_code code = begin_file(csv, error);
 
-	if (c == 0xef) {                     /* a byte order mark in UTF-8 */
-		char mark[3];
-
-		if (fread(mark, 1, 3, csv->file) != 3 || memcmp(mark, "\xef\xbb\xbf", 3) != 0)
-			rewind(csv->file);
-	}
-	code = read_row(csv, &more, error);
+	if (code == ECO_OK)
+		code = read_row(csv, &more, error);
 	if (code == ECO_OK && !more)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the columns", csv->path);
 	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
@@ -191,7 +331,9 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	csv->rows.next = next;
 	csv->rows.close = close_csv;
-	csv->separator = separator != 0 ? separator : ',';
+	csv->separator = separator;
+	csv->rows.where = "line";
+	csv->rows.place.yaw_deg = csv->rows.place.scale = NAN;
 	csv->line = 1;
 	csv->path = strdup(path);
 	csv->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
@@ -208,15 +350,4 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	else
 		close_csv(&csv->rows);
 	return code;
-}
-
-enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_positions_spec *spec, struct eco_error *error)
-{
-	return eco_rows_open_csv(rows, spec->path, spec->separator, error);
-}
-
-void eco_rows_close(struct eco_rows *rows)
-{
-	if (rows != NULL)
-		rows->close(rows);
 }

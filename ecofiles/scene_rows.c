@@ -6,13 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COLUMN_BYTES 256u
-#define MAP_MAX (1u << 20)
+#include "ecofiles/inventory_text.h"
 
-static const char *const row_fields[] = { "from", "x", "y", "z", "crs", "separator", "species", "map", "plant", "height_m",
-	"yaw_deg", "seed", NULL };
-static const char *const height_fields[] = { "from_dbh_mm", "from_dbh_cm", "from_dbh_in", "max", "rate", "column", "unit", "value",
-	"levels", NULL };
+#define COLUMN_BYTES 256u
+#define VALUE_BYTES 200u
+#define MAP_MAX (1u << 20)
+#define VALUES_MAX 4096u
+#define SOURCES_MAX 16u              /* of heights */
+#define FILTERS_MAX 32u              /* of "only" and of "skip" */
+
+static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator", "decimal", "species", "map", "plant",
+	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
+static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth", "from_dbh_mm", "from_dbh_cm", "from_dbh_in",
+	"max", "rate", "shape", "per_plant", "levels", NULL };
+static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
+static const char *const crown_fields[] = { "column", "unit", "is", NULL };
 
 static bool copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
 {
@@ -30,11 +38,6 @@ static bool copy_text(const struct eco_json *at, const char *key, size_t bytes_m
 
 /* ---- Species ---- */
 
-static int species_compare(const void *a, const void *b)
-{
-	return strcmp(((const struct eco_species *)a)->name, ((const struct eco_species *)b)->name);
-}
-
 static bool species_set(const struct eco_source *source, const struct eco_json *at, const char *name, struct eco_species *species)
 {
 	species->plant = ECO_NONE;
@@ -48,6 +51,45 @@ static bool species_set(const struct eco_source *source, const struct eco_json *
 	if (species->name == NULL)
 		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
 	return species->name != NULL;
+}
+
+struct folded { char *text; uint32_t key; };
+
+static int compare_folded(const void *a, const void *b)
+{
+	return strcmp(((const struct folded *)a)->text, ((const struct folded *)b)->text);
+}
+
+/* Keys that are one species to the reader must not say two things. */
+static bool keys_differ(const struct eco_json *at, const struct eco_positions_spec *spec)
+{
+	struct folded *folded = calloc(spec->map_count + 1u, sizeof *folded);
+	bool good = folded != NULL;
+
+	for (uint32_t i = 0; good && i < spec->map_count; i++) {
+		char text[COLUMN_BYTES];
+
+		eco_text_fold(spec->map[i].name, text, sizeof text);
+		folded[i] = (struct folded){ strdup(text), i };
+		good = folded[i].text != NULL;
+	}
+	if (!good)
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+	else
+		qsort(folded, spec->map_count, sizeof *folded, compare_folded);
+	for (uint32_t i = 1; good && i < spec->map_count; i++) {
+		const struct eco_species *a = &spec->map[folded[i - 1].key], *b = &spec->map[folded[i].key];
+
+		if (strcmp(folded[i - 1].text, folded[i].text) != 0 || a->plant == b->plant)
+			continue;
+		eco_json_fail(at, ECO_BAD_INPUT, "\"%.60s\" and \"%.60s\" are one species (capitals and spaces do not count), with two plants", a->name,
+			b->name);
+		good = false;
+	}
+	for (uint32_t i = 0; folded != NULL && i < spec->map_count; i++)
+		free(folded[i].text);
+	free(folded);
+	return good;
 }
 
 static bool parse_map(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
@@ -78,8 +120,7 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 		spec->map_count += !fallback;
 		entry.index++;
 	}
-	qsort(spec->map, spec->map_count, sizeof *spec->map, species_compare);
-	return true;
+	return keys_differ(at, spec);
 }
 
 /* Without a map a species is the name of a plant. */
@@ -98,8 +139,7 @@ static bool map_of_plants(const struct eco_source *source, const struct eco_json
 		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
 		return false;
 	}
-	qsort(spec->map, spec->map_count, sizeof *spec->map, species_compare);
-	return true;
+	return keys_differ(at, spec);
 }
 
 static bool parse_species(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
@@ -123,23 +163,7 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 	return map.value != NULL ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
 }
 
-/* ---- Heights ---- */
-
-static bool parse_dbh(const struct eco_json *at, struct eco_positions_spec *spec, const char *key, double unit_mm)
-{
-	struct eco_json rate = eco_json_member(at, "rate"), max = eco_json_member(at, "max");
-
-	spec->height = ECO_HEIGHT_DBH;
-	spec->unit_m = unit_mm;
-	spec->max_m = spec->rate = NAN;
-	if (rate.value == NULL || max.value == NULL) {
-		eco_json_fail(at, ECO_BAD_INPUT, "\"%s\" needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))",
-			key);
-		return false;
-	}
-	return copy_text(at, key, COLUMN_BYTES, &spec->height_column) && eco_json_number(at, "max", 1.3, 1000, &spec->max_m)
-		&& eco_json_number(at, "rate", 1e-9, 1e3, &spec->rate);
-}
+/* ---- Heights and crowns ---- */
 
 bool eco_unit_metres(const char *name, double *metres)
 {
@@ -154,86 +178,304 @@ bool eco_unit_metres(const char *name, double *metres)
 	return false;
 }
 
-static bool parse_unit(const struct eco_json *at, double *unit_m)
+static bool parse_unit(const struct eco_json *at, const char *name, double *unit_m)
 {
 	struct eco_json unit = eco_json_member(at, "unit");
-	const char *name = "m";
 
 	if (!eco_json_text(at, "unit", 16, &name))
 		return false;
+	if (name == NULL) {
+		eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
+		return false;
+	}
 	if (eco_unit_metres(name, unit_m))
 		return true;
 	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 	return false;
 }
 
-/* {"from_dbh_mm": ..} or {"column": ..} or {"value": ..}: exactly one of them. */
-static bool parse_height_object(const struct eco_json *at, struct eco_positions_spec *spec)
+/* "max", "rate" and "shape"; false, without an error, in *there where neither of the first two is given. */
+static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bool *there)
 {
-	static const struct { const char *key; double mm; } dbh[] = { { "from_dbh_mm", 1 }, { "from_dbh_cm", 10 }, { "from_dbh_in", 25.4 } };
-	uint64_t levels = 0;
-	unsigned kinds = 0;
+	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max") != NULL;
 
-	if (!eco_json_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &levels))
+	*there = rate || max;
+	rule->shape = 1;
+	if (*there && !(rate && max)) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 		return false;
-	spec->levels = (uint32_t)levels;
-	for (size_t i = 0; i < 3; i++)
-		if (json_object_get(at->value, dbh[i].key) != NULL) {
-			kinds++;
-			if (kinds == 1 && !parse_dbh(at, spec, dbh[i].key, dbh[i].mm))
-				return false;
-		}
-	if (json_object_get(at->value, "column") != NULL && kinds++ == 0) {
-		spec->height = ECO_HEIGHT_COLUMN;
-		if (!copy_text(at, "column", COLUMN_BYTES, &spec->height_column) || !parse_unit(at, &spec->unit_m))
-			return false;
 	}
-	if (json_object_get(at->value, "value") != NULL && kinds++ == 0) {
-		spec->height = ECO_HEIGHT_NUMBER;
-		if (!eco_json_number(at, "value", 0.001, 1000, &spec->height_value_m))
-			return false;
-	}
-	if (kinds != 1)
-		eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of from_dbh_mm, from_dbh_cm, from_dbh_in, column, value");
-	return kinds == 1;
+	return eco_json_number(at, "max", 1.3, 1000, &rule->max_m) && eco_json_number(at, "rate", 1e-9, 1e3, &rule->rate)
+		&& eco_json_number(at, "shape", 0.01, 100, &rule->shape);
 }
 
-static bool parse_height(const struct eco_json *at, struct eco_positions_spec *spec)
+static int compare_rules(const void *a, const void *b)
+{
+	uint32_t p = ((const struct eco_allometry *)a)->plant, q = ((const struct eco_allometry *)b)->plant;
+
+	return p < q ? -1 : p > q;
+}
+
+static bool parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
+{
+	static const char *const any[] = { NULL };
+	struct eco_json entry = { .file = at->file, .parent = at };
+	const char *key;
+	json_t *value;
+
+	if (!json_is_object(at->value))
+		return eco_json_object(at, any);
+	json_object_foreach((json_t *)at->value, key, value) {
+		struct eco_allometry *rule = &size->rules[size->rule_count];
+		bool there;
+
+		entry.key = key;
+		entry.value = value;
+		rule->plant = eco_source_find_plant(source, key);
+		if (rule->plant == ECO_NONE) {
+			eco_json_fail(&entry, ECO_BAD_INPUT, "plant \"%.60s\" is not among \"plants\"", key);
+			return false;
+		}
+		if (!eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+			return false;
+		if (!there)
+			return eco_json_required(&entry, "max");
+		size->rule_count++;
+		entry.index++;
+	}
+	return true;
+}
+
+static bool parse_allometry(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
+{
+	struct eco_json per_plant = eco_json_member(at, "per_plant");
+	bool there;
+
+	size->rules = calloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
+	if (size->rules == NULL) {
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+		return false;
+	}
+	if (per_plant.value != NULL && !parse_per_plant(source, &per_plant, size))
+		return false;
+	size->rules[size->rule_count].plant = ECO_NONE;
+	if (!parse_rule(at, &size->rules[size->rule_count], &there))
+		return false;
+	size->rule_count += there;
+	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
+	if (size->rule_count > 0)
+		return true;
+	eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or \"per_plant\": "
+		"h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+	return false;
+}
+
+/* One member says where a height comes from. */
+static bool parse_height_object(const struct eco_source *source, const struct eco_json *at, struct eco_size *size, uint32_t *levels)
+{
+	static const struct { const char *key, *unit; enum eco_size_kind kind; double factor; } from[] = {
+		{ "column", "m", ECO_SIZE_COLUMN, 1 }, { "from_dbh", NULL, ECO_SIZE_DBH, 1 }, { "from_girth", NULL, ECO_SIZE_DBH, 1 / 3.14159265358979323846 },
+		{ "from_dbh_mm", "mm", ECO_SIZE_DBH, 1 }, { "from_dbh_cm", "cm", ECO_SIZE_DBH, 1 }, { "from_dbh_in", "in", ECO_SIZE_DBH, 1 } };
+	uint64_t count = *levels;
+	unsigned kinds = 0, which = 0;
+
+	if (!eco_json_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &count))
+		return false;
+	*levels = (uint32_t)count;
+	for (unsigned i = 0; i < sizeof from / sizeof *from; i++)
+		if (json_object_get(at->value, from[i].key) != NULL) {
+			kinds++;
+			which = i;
+		}
+	if (json_object_get(at->value, "value") != NULL) {
+		size->kind = ECO_SIZE_NUMBER;
+		if (kinds++ == 0)
+			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
+	}
+	if (kinds != 1) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
+		return false;
+	}
+	size->kind = from[which].kind;
+	size->factor = from[which].factor;
+	return copy_text(at, from[which].key, COLUMN_BYTES, &size->column) && parse_unit(at, from[which].unit, &size->unit_m)
+		&& (size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size));
+}
+
+static bool parse_height_source(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_size *size = &spec->heights[spec->height_count++];
+	double number;
+
+	if (json_is_object(at->value))
+		return parse_height_object(source, at, size, &spec->levels);
+	number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
+	size->kind = ECO_SIZE_NUMBER;
+	size->value_m = number;
+	if (number >= 0.001 && number <= 1000)
+		return true;
+	eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or an object such as {\"column\": \"Height\", "
+		"\"unit\": \"ft\"}");
+	return false;
+}
+
+static bool parse_height(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
+	bool several = json_is_array(height.value);
+	size_t count = several ? json_array_size(height.value) : 1;
+	uint64_t levels = 0;
 
+	if (!eco_json_whole(at, "levels", 1, 1024, &levels))
+		return false;
+	spec->levels = (uint32_t)levels;
 	if (height.value == NULL)
 		return true;
-	if (json_is_object(height.value))
-		return parse_height_object(&height, spec);
-	spec->height = ECO_HEIGHT_NUMBER;
-	return eco_json_number(at, "height_m", 0.001, 1000, &spec->height_value_m);
+	if (several && (!eco_json_array(&height, SOURCES_MAX) || count == 0)) {
+		eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
+		return false;
+	}
+	spec->heights = calloc(count, sizeof *spec->heights);
+	if (spec->heights == NULL) {
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+		return false;
+	}
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = several ? eco_json_item(&height, i) : height;
+
+		if (!parse_height_source(source, &item, spec))
+			return false;
+	}
+	return true;
+}
+
+static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json crown = eco_json_member(at, "crown_m"), is_node;
+	const char *is = NULL;
+
+	if (crown.value == NULL)
+		return true;
+	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column") || !eco_json_required(&crown, "is")
+		|| !eco_json_text(&crown, "is", 16, &is) || !copy_text(&crown, "column", COLUMN_BYTES, &spec->crown.column)
+		|| !parse_unit(&crown, "m", &spec->crown.unit_m))
+		return false;
+	spec->crown.kind = ECO_SIZE_COLUMN;
+	spec->crown.factor = strcmp(is, "diameter") == 0 ? 0.5 : 1;
+	if (strcmp(is, "diameter") == 0 || strcmp(is, "radius") == 0)
+		return true;
+	is_node = eco_json_member(&crown, "is");
+	eco_json_fail(&is_node, ECO_BAD_INPUT, "\"is\" is \"radius\" or \"diameter\"");
+	return false;
+}
+
+/* ---- Filters ---- */
+
+static bool parse_value(const struct eco_json *at, struct eco_value *value)
+{
+	if (json_is_number(at->value)) {
+		value->number = json_number_value(at->value);
+		return true;
+	}
+	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
+		return false;
+	}
+	value->text = strdup(json_string_value(at->value));
+	if (value->text == NULL)
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+	return value->text != NULL;
+}
+
+static bool parse_filter(const struct eco_json *at, const char *column, struct eco_filter *filter)
+{
+	bool several = json_is_array(at->value);
+	size_t count = several ? json_array_size(at->value) : 1;
+
+	if (several && !eco_json_array(at, VALUES_MAX))
+		return false;
+	filter->column = strdup(column);
+	filter->values = calloc(count + 1, sizeof *filter->values);
+	if (filter->column == NULL || filter->values == NULL) {
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+		return false;
+	}
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = several ? eco_json_item(at, i) : *at;
+
+		filter->value_count++;
+		if (!parse_value(&item, &filter->values[i]))
+			return false;
+	}
+	return true;
+}
+
+static bool parse_filters(const struct eco_json *at, const char *name, struct eco_positions_spec *spec)
+{
+	struct eco_json filters = eco_json_member(at, name), entry = { .file = at->file, .parent = &filters };
+	static const char *const any[] = { NULL };
+	const char *key;
+	json_t *value;
+
+	if (filters.value == NULL)
+		return true;
+	if (!json_is_object(filters.value))
+		return eco_json_object(&filters, any);
+	if (json_object_size(filters.value) > FILTERS_MAX) {
+		eco_json_fail(&filters, ECO_TOO_LARGE, "more than %u columns", FILTERS_MAX);
+		return false;
+	}
+	json_object_foreach((json_t *)filters.value, key, value) {
+		struct eco_filter *filter = &spec->filters[spec->filter_count++];
+
+		filter->only = strcmp(name, "only") == 0;
+		entry.key = key;
+		entry.value = value;
+		if (!parse_filter(&entry, key, filter))
+			return false;
+		entry.index++;
+	}
+	return true;
 }
 
 /* ---- The entry ---- */
 
-static bool parse_separator(const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_sign(const struct eco_json *at, const char *key, const char *signs, const char *says, char *sign)
 {
-	struct eco_json separator = eco_json_member(at, "separator");
-	const char *text = ",";
+	struct eco_json node = eco_json_member(at, key);
+	const char *text = NULL;
 
-	if (!eco_json_text(at, "separator", 8, &text))
+	if (!eco_json_text(at, key, 8, &text))
 		return false;
-	if (strlen(text) != 1 || strchr(",;\t|", *text) == NULL) {
-		eco_json_fail(&separator, ECO_BAD_INPUT, "\"separator\" is one of \",\" \";\" \"\\t\" \"|\"");
-		return false;
-	}
-	spec->separator = *text;
-	return true;
+	if (text == NULL)
+		return true;
+	*sign = *text;
+	if (strlen(text) == 1 && strchr(signs, *text) != NULL)
+		return true;
+	eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
+	return false;
 }
 
-bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spec *spec)
 {
-	struct eco_json from = eco_json_member(at, "from"), crs = eco_json_member(at, "crs");
+	struct eco_json node = eco_json_member(at, "duplicates");
+	const char *text = "keep";
+
+	if (!eco_json_text(at, "duplicates", 8, &text))
+		return false;
+	spec->skip_duplicates = strcmp(text, "skip") == 0;
+	if (spec->skip_duplicates || strcmp(text, "keep") == 0)
+		return true;
+	eco_json_fail(&node, ECO_BAD_INPUT, "\"duplicates\" is \"keep\" or \"skip\"");
+	return false;
+}
+
+static bool parse_file(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json from = eco_json_member(at, "from");
 	const char *path = NULL;
 
-	if (!eco_json_object(at, row_fields) || !eco_json_text(at, "from", ECO_PATH_BYTES, &path) || !eco_json_required(at, "x")
-		|| !eco_json_required(at, "y"))
+	if (!eco_json_object(at, row_fields) || !eco_json_text(at, "from", ECO_PATH_BYTES, &path))
 		return false;
 	eco_json_place(&from, &spec->line, &spec->column);
 	spec->path = eco_path_beside(source->path, path);
@@ -241,14 +483,17 @@ bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 		eco_json_fail(&from, ECO_NO_MEMORY, "out of memory");
 		return false;
 	}
-	if (!eco_source_has_file(source, &from, spec->path))
-		return false;
-	if (!copy_text(at, "x", COLUMN_BYTES, &spec->x) || !copy_text(at, "y", COLUMN_BYTES, &spec->y)
-		|| !copy_text(at, "z", COLUMN_BYTES, &spec->z) || !copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs)
-		|| !copy_text(at, "yaw_deg", COLUMN_BYTES, &spec->yaw_deg) || !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed)
-		|| !parse_separator(at, spec) || !parse_species(source, at, spec) || !parse_height(at, spec))
-		return false;
-	if (source->crs != NULL && spec->crs == NULL) {
+	return eco_source_has_file(source, &from, spec->path) && copy_text(at, "layer", COLUMN_BYTES, &spec->layer)
+		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
+		&& parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal);
+}
+
+/* What a file itself says of its CRS is seen when it is opened; columns never say it. */
+static bool check_crs(const struct eco_source *source, const struct eco_json *at, const struct eco_positions_spec *spec)
+{
+	struct eco_json crs = eco_json_member(at, "crs");
+
+	if (source->crs != NULL && spec->crs == NULL && spec->x != NULL) {
 		eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": \"%.80s\"",
 			source->crs, source->crs);
 		return false;
@@ -261,19 +506,57 @@ bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 	return true;
 }
 
+static bool parse_place(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	if (json_object_get(at->value, "x") != NULL && !eco_json_required(at, "y"))
+		return false;
+	if (json_object_get(at->value, "y") != NULL && !eco_json_required(at, "x"))
+		return false;
+	return copy_text(at, "x", COLUMN_BYTES, &spec->x) && copy_text(at, "y", COLUMN_BYTES, &spec->y) && copy_text(at, "z", COLUMN_BYTES, &spec->z)
+		&& copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs) && copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
+		&& check_crs(source, at, spec);
+}
+
+bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	if (!parse_file(source, at, spec) || !copy_text(at, "yaw_deg", COLUMN_BYTES, &spec->yaw_deg)
+		|| !copy_text(at, "scale", COLUMN_BYTES, &spec->scale) || !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed)
+		|| !parse_duplicates(at, spec) || !parse_species(source, at, spec) || !parse_height(source, at, spec) || !parse_crown(at, spec))
+		return false;
+	spec->filters = calloc(2 * FILTERS_MAX, sizeof *spec->filters);
+	if (spec->filters == NULL) {
+		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+		return false;
+	}
+	return parse_filters(at, "only", spec) && parse_filters(at, "skip", spec) && parse_place(source, at, spec);
+}
+
+static void free_size(struct eco_size *size)
+{
+	free(size->column);
+	free(size->rules);
+}
+
 void eco_positions_spec_free(struct eco_positions_spec *spec)
 {
-	free(spec->path);
-	free(spec->x);
-	free(spec->y);
-	free(spec->z);
-	free(spec->crs);
-	free(spec->species);
-	free(spec->height_column);
-	free(spec->yaw_deg);
-	free(spec->fallback.name);
+	char *texts[] = { spec->path, spec->layer, spec->x, spec->y, spec->z, spec->crs, spec->vertical, spec->species, spec->yaw_deg, spec->scale,
+		spec->fallback.name };
+
+	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+		free(texts[i]);
 	for (uint32_t i = 0; i < spec->map_count; i++)
 		free(spec->map[i].name);
+	for (uint32_t i = 0; i < spec->height_count; i++)
+		free_size(&spec->heights[i]);
+	free_size(&spec->crown);
+	for (uint32_t i = 0; i < spec->filter_count; i++) {
+		for (uint32_t k = 0; k < spec->filters[i].value_count; k++)
+			free(spec->filters[i].values[k].text);
+		free(spec->filters[i].values);
+		free(spec->filters[i].column);
+	}
 	free(spec->map);
+	free(spec->heights);
+	free(spec->filters);
 	*spec = (struct eco_positions_spec){ .path = NULL };
 }

@@ -1,0 +1,13 @@
+/* Inside the readers of tables. Not for others. */
+#ifndef ECO_ROWS_FORMATS_H
+#define ECO_ROWS_FORMATS_H
+
+#include "ecofiles/rows.h"
+
+/* Frees columns, fields, notes and crs; for a reader's `close`. */
+void eco_rows_free_texts(struct eco_rows *rows);
+
+/* Does a driver of OGR other than CSV's claim the file? */
+bool eco_rows_ogr_knows(const char *path);
+
+#endif
