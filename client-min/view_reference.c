@@ -274,7 +274,7 @@ static void tell_apart(const struct lod_raster *raster, struct view_picture *pic
 
 static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture, struct eco_error *error)
 {
-	struct lod_raster_options options = { picture->width, picture->height, true, true };
+	struct lod_raster_options options = { .width = picture->width, .height = picture->height, .owner = true, .rgb = true };
 	for (uint32_t i = 0; i < count; i++) {
 		enum eco_code code = lod_raster_init(&workers[i].raster, &options, error);
 		if (code)

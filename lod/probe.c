@@ -94,7 +94,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	probe->model = model;
 	probe->views = options->views;
 	enum eco_code code = lod_raster_init(&probe->raster,
-		&(struct lod_raster_options){ .width = options->pixels, .height = options->pixels }, error);
+		&(struct lod_raster_options){ .width = options->pixels, .height = options->pixels, .silhouette = true }, error);
 	if (code)
 		return code;
 	if (!allocate(probe)) {

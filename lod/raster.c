@@ -47,6 +47,8 @@ enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster
 	raster->width = options->width;
 	raster->height = options->height;
 	raster->state->place.cosine = raster->state->place.scale = 1;
+	raster->state->silhouette = options->silhouette;
+	assert(!options->silhouette || (!options->owner && !options->rgb));
 	lod_raster_clear(raster);
 	return ECO_OK;
 }
@@ -172,7 +174,7 @@ static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2
 	return true;
 }
 
-static bool blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest)
+bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest)
 {
 	struct lod_raster_state *state = raster->state;
 	for (uint32_t by = y[0] >> LOD_BLOCK_SHIFT; by <= y[1] >> LOD_BLOCK_SHIFT; by++) {
@@ -210,7 +212,7 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 	if (!pixel_range(half_x + half_x * across[0] / eye->tan_x, half_x + half_x * across[1] / eye->tan_x, raster->width, columns)
 		|| !pixel_range(half_y - half_y * upward[1] / eye->tan_y, half_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
 		return true;
-	return blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
+	return lod_blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
 }
 
 /* ---- Merging ---- */

@@ -39,7 +39,9 @@ struct lod_raster {
 	/* private */
 	struct lod_raster_state *state;
 };
-struct lod_raster_options { uint32_t width, height; bool owner, rgb; };
+/* silhouette: of a picture without ground only `cover` is wanted (depth is not: it becomes infinite where something covers). Then what is
+ * covered is not looked at again, which in a dense crown is nearly everything. */
+struct lod_raster_options { uint32_t width, height; bool owner, rgb, silhouette; };
 enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error);
 void lod_raster_free(struct lod_raster *raster);
 void lod_raster_clear(struct lod_raster *raster);

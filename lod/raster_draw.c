@@ -208,6 +208,25 @@ static void draw_each(struct lod_paint *paint, const struct soup *soup, const st
 	}
 }
 
+/* Those of four triangles whose boxes are not covered all over. */
+static unsigned uncovered(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes)
+{
+	struct lod_raster *raster = (struct lod_raster *)paint->raster;
+	int32_t right = (int32_t)raster->width - 1, bottom = (int32_t)raster->height - 1;
+	unsigned kept = 0;
+	for (unsigned rest = lanes; rest; rest &= rest - 1) {
+		unsigned lane = (unsigned)__builtin_ctz(rest);
+		int32_t x0 = four->first_x[lane], x1 = four->last_x[lane], y0 = four->first_y[lane], y1 = four->last_y[lane];
+		if (x0 > right || y0 > bottom || x1 < 0 || y1 < 0)
+			continue;
+		const uint32_t x[2] = { (uint32_t)(x0 < 0 ? 0 : x0), (uint32_t)(x1 > right ? right : x1) };
+		const uint32_t y[2] = { (uint32_t)(y0 < 0 ? 0 : y0), (uint32_t)(y1 > bottom ? bottom : y1) };
+		if (!lod_blocks_hide(raster, x, y, INFINITY))
+			kept |= 1u << lane;
+	}
+	return kept;
+}
+
 static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 {
 	struct screen screen;
@@ -225,6 +244,10 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 		struct lanes lanes = project_four(&screen, c, &four);
 		unsigned used = (1u << here) - 1;
 		lanes.small &= used, lanes.large &= used, lanes.clip &= used;
+		if (paint->silhouette) {
+			lanes.small = uncovered(paint, &four, lanes.small);
+			lanes.large = uncovered(paint, &four, lanes.large);
+		}
 		if (plain && !(lanes.large | lanes.clip)) {
 			if (lanes.small)
 				lod_fill_small(paint, &four, lanes.small);
@@ -236,7 +259,8 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 
 static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
-	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0 };
+	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,
+		.silhouette = raster->state->silhouette };
 }
 
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)

@@ -29,7 +29,7 @@ struct texture {                     /* perspective-correct uv: corner values ti
 static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 {
 	const struct lod_raster *raster = paint->raster;
-	lod_f4_store(raster->depth + i, z);
+	lod_f4_store(raster->depth + i, paint->silhouette ? lod_f4_all(INFINITY) : z);
 	memset(raster->cover + i, paint->cover, 4);
 	if (raster->owner)
 		memcpy(raster->owner + i, (const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);

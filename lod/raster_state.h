@@ -2,6 +2,8 @@
 #ifndef LOD_RASTER_STATE_H
 #define LOD_RASTER_STATE_H
 
+#include <math.h>
+
 #include "lod/lanes.h"
 #include "lod/raster.h"
 
@@ -24,6 +26,7 @@ struct lod_raster_state {
 	uint32_t blocks_x, blocks_y;
 	float *block;                    /* lower bound of the depths in a block; exact where not stale */
 	uint8_t *stale;
+	bool silhouette;
 };
 
 /* Where and as what pixels are painted; one per batch. */
@@ -33,6 +36,7 @@ struct lod_paint {
 	const uint8_t *rgb;              /* of the primitive being drawn, or NULL */
 	uint64_t owner;
 	uint8_t cover;
+	bool silhouette;
 };
 
 struct lod_corner { int32_t x, y; float z, u, v; };      /* x, y in 1/256 pixel from the top left; z = 1/w */
@@ -47,6 +51,9 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes);
 /* The box [x0, x1) x [y0, y1) (1/256 pixel) at depth z. */
 void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z);
+
+/* True if all pixels of columns x[0] to x[1] and rows y[0] to y[1] are certainly nearer than 1/nearest. */
+bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest);
 
 /* First pixel whose centre is at or after `at`, and last one whose centre is at or before it. */
 static inline int32_t lod_pixel_from(int32_t at) { return (at + LOD_SUBPIXEL / 2 - 1) >> 8; }
@@ -72,7 +79,7 @@ static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, floa
 	if (!(raster->owner ? lod_sample_wins(z, paint->owner, raster->depth[i], raster->owner[i])
 		: lod_sample_wins(z, paint->cover, raster->depth[i], raster->cover[i])))
 		return false;
-	raster->depth[i] = z;
+	raster->depth[i] = paint->silhouette ? INFINITY : z;
 	if (raster->owner)
 		raster->owner[i] = paint->owner;
 	if (raster->rgb) {

@@ -34,7 +34,7 @@ static struct lod_eye flat_eye(uint32_t width, uint32_t height)
 
 static void start(struct lod_raster *raster, uint32_t width, uint32_t height, const struct lod_eye *eye)
 {
-	struct lod_raster_options options = { width, height, true, true };
+	struct lod_raster_options options = { .width = width, .height = height, .owner = true, .rgb = true };
 	assert_int_equal(lod_raster_init(raster, &options, NULL), ECO_OK);
 	struct lod_eye flat = flat_eye(width, height);
 	lod_raster_camera(raster, eye ? eye : &flat, 1.0 / 1024);
@@ -351,7 +351,7 @@ static void nearer_wins_and_of_equals_the_smaller_owner(void **unused)
 	for (int owners = 0; owners < 2; owners++) {
 		for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
 			struct lod_raster raster;
-			struct lod_raster_options options = { 16, 16, owners, false };
+			struct lod_raster_options options = { .width = 16, .height = 16, .owner = owners };
 			struct lod_eye eye = flat_eye(16, 16);
 			assert_int_equal(lod_raster_init(&raster, &options, NULL), ECO_OK);
 			lod_raster_camera(&raster, &eye, 0.1);
@@ -365,6 +365,59 @@ static void nearer_wins_and_of_equals_the_smaller_owner(void **unused)
 			assert_true(!owners || raster.owner[77] == rows[r].wins);
 			lod_raster_free(&raster);
 		}
+	}
+}
+
+/* Triangles from slivers to larger than the picture, some behind the eye; lines; points. */
+static void draw_anything(struct lod_raster *raster, uint32_t count, const struct eco_image *image)
+{
+	float position[9 * 64], uv[6 * 64], width[64];
+	for (uint32_t kind = 0; kind < 4; kind++) {
+		double size = uniform(0, 1) < 0.5 ? 0.05 : 0.6;
+		for (uint32_t i = 0; i < count; i++) {
+			double at[3] = { uniform(-4, 4), uniform(-1, 12), uniform(-3, 3) };
+			for (uint32_t k = 0; k < 9; k++)
+				position[9 * i + k] = (float)(at[k % 3] + uniform(-size, size));
+			for (uint32_t k = 0; k < 6; k++)
+				uv[6 * i + k] = (float)uniform(-1, 2);
+			width[i] = (float)uniform(0, 0.2);
+		}
+		struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = kind == 1 ? image : NULL, .width = width,
+			.area = (float)(size * size), .owner = 1 };
+		if (kind < 2)
+			lod_raster_triangles(raster, &batch);
+		else if (kind == 2)
+			lod_raster_lines(raster, &batch);
+		else
+			lod_raster_points(raster, &batch);
+	}
+}
+
+static void a_silhouette_covers_what_a_picture_covers(void **unused)
+{
+	uint8_t texels[4 * 64];
+	const struct eco_image image = { 8, 8, texels };
+	struct lod_eye eye = wide_eye();
+	(void)unused;
+	for (uint32_t round = 0; round < 60; round++) {
+		struct lod_raster whole, mask;
+		uint32_t width = 1 + round * 3, height = 1 + round * 2;
+		assert_int_equal(lod_raster_init(&whole, &(struct lod_raster_options){ .width = width, .height = height }, NULL), ECO_OK);
+		assert_int_equal(lod_raster_init(&mask, &(struct lod_raster_options){ .width = width, .height = height, .silhouette = true }, NULL),
+			ECO_OK);
+		for (uint32_t i = 0; i < sizeof texels; i++)
+			texels[i] = (uint8_t)rnd(256);
+		for (uint32_t batch = 0; batch < 8; batch++) {
+			struct lod_raster *rasters[2] = { &whole, &mask };
+			for (int i = 0; i < 2; i++) {
+				seed = 100 * round + batch;
+				lod_raster_camera(rasters[i], &eye, 0.1);
+				draw_anything(rasters[i], 1 + rnd(64), &image);
+			}
+			assert_memory_equal(whole.cover, mask.cover, (size_t)width * height);
+		}
+		lod_raster_free(&whole);
+		lod_raster_free(&mask);
 	}
 }
 
@@ -612,6 +665,7 @@ int main(void)
 		cmocka_unit_test(what_is_no_number_or_behind_draws_nothing),
 		cmocka_unit_test(batches_of_any_size_paint_the_same),
 		cmocka_unit_test(nearer_wins_and_of_equals_the_smaller_owner),
+		cmocka_unit_test(a_silhouette_covers_what_a_picture_covers),
 		cmocka_unit_test(order_and_split_do_not_change_a_picture),
 		cmocka_unit_test(skipping_what_is_hidden_changes_no_pixel),
 		cmocka_unit_test(only_full_cover_hides),
