@@ -56,6 +56,11 @@ page() {
 				echo '</div>'
 			done
 		done
+		for picture in map sheet; do
+			if [ -f "$(dirname "$out")/$picture.png" ]; then
+				echo "<h2>$picture</h2><img src=\"$picture.png\" alt=\"$picture\">"
+			fi
+		done
 		echo "<h2>Figures</h2><pre>"; jq . "$summary"; echo "</pre></html>"
 	} >"$out.tmp-$$" && mv "$out.tmp-$$" "$out"
 }
