@@ -77,7 +77,10 @@ void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error);
 /* What OGR opens. */
 enum eco_code eco_rows_open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
-/* Instances of EXT_mesh_gpu_instancing, else nodes with meshes (rows_gltf.c). */
+/* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in files without, for each node that has a mesh. Columns: x, y, z
+ * (metres, Z up), name (of the node, else of its mesh), mesh, yaw_deg (of the turn about the vertical), scale (the cube root of that of
+ * volumes; none of quantized meshes), height_m (of the mesh, so placed; none where the file does not
+ * say its bounds); then scalar attributes of instances and "extras" of nodes, by their names. Line is row. */
 enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error);
 /* SolitaryVegetationObject of CityGML 1 to 3, read as a stream. */
 enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, struct eco_error *error);

@@ -1,6 +1,10 @@
-/* glTF as an inventory: programs that place plants (game engines, tools for 3D Tiles) write one node with thousands of instances
- * (EXT_mesh_gpu_instancing), others a node for each plant. Rows are made one at a time from the file's own bytes: a million instances cost
- * no memory beyond the file.
+/* glTF as an inventory: programs that place plants (game engines, tools for 3D Tiles) write one node with thousands of
+ * instances (EXT_mesh_gpu_instancing), others a node for each plant. Rows are made one at a time from the file's own bytes: a
+ * million instances cost no memory beyond the file.
+ *
+ * A plant stands where its mesh has its origin. Where a mesh is quantized (KHR_mesh_quantization), that origin and the node's scale are
+ * what packing made of them; there the middle of the lower side of its box stands for the origin, and scale has no value. The height of the
+ * box is sound in any case.
  *
  * What a program wanted to say of a plant stands in scalar attributes of the instances (_ID, _SPECIES) or in a node's "extras"; both
  * become columns. */
@@ -15,14 +19,19 @@
 
 #include "ecofiles/gltf.h"
 
-enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, FIXED };
-static const char *const fixed_names[FIXED] = { "x", "y", "z", "name", "mesh", "yaw_deg", "scale" };
+enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, HEIGHT, FIXED };
+static const char *const fixed_names[FIXED] = { "x", "y", "z", "name", "mesh", "yaw_deg", "scale", "height_m" };
 
 #define FURTHER_MAX 64u
 #define TEXT_BYTES 1024u             /* of a field; names are cut there */
 #define DEGREES (180 / 3.14159265358979323846)
 
 struct holder { uint32_t node; double world[16]; };
+
+struct box {                     /* of a mesh, in its own coordinates */
+	bool known, quantized;
+	double low[3], high[3];
+};
 
 struct gltf_rows {
 	struct eco_rows rows;
@@ -33,6 +42,7 @@ struct gltf_rows {
 	uint32_t at;                 /* holder */
 	uint64_t instance;
 	bool open;
+	struct box box;
 	struct eco_gltf_instances instances;
 	struct eco_gltf_accessor further[FURTHER_MAX];
 	char (*text)[TEXT_BYTES];    /* per column */
@@ -158,6 +168,36 @@ static void set_json(struct gltf_rows *g, uint32_t column, const json_t *value)
 		set_text(g, column, json_is_true(value) ? "true" : json_is_false(value) ? "false" : "");
 }
 
+/* As the file says it, without a look at the vertices. */
+static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, struct box *box)
+{
+	const json_t *accessor = eco_gltf_item(doc, "accessors", eco_gltf_whole(json_object_get(primitive, "attributes"), "POSITION", UINT64_MAX));
+	static const double most[] = { 127, 255, 32767, 65535 };
+	uint64_t type = eco_gltf_whole(accessor, "componentType", 0);
+	double low[3], high[3];
+
+	if (json_array_size(json_object_get(accessor, "min")) != 3 || json_array_size(json_object_get(accessor, "max")) != 3
+		|| !eco_gltf_numbers(accessor, "min", low, 3) || !eco_gltf_numbers(accessor, "max", high, 3))
+		return;
+	box->quantized |= type >= 5120 && type <= 5123;
+	for (int k = 0; k < 3; k++) {
+		double unit = type >= 5120 && type <= 5123 && json_is_true(json_object_get(accessor, "normalized")) ? 1 / most[type - 5120] : 1;
+
+		box->low[k] = box->known ? fmin(box->low[k], low[k] * unit) : low[k] * unit;
+		box->high[k] = box->known ? fmax(box->high[k], high[k] * unit) : high[k] * unit;
+	}
+	box->known = true;
+}
+
+static void find_box(struct gltf_rows *g, const json_t *node)
+{
+	const json_t *mesh = eco_gltf_item(g->doc, "meshes", eco_gltf_whole(node, "mesh", UINT64_MAX)), *primitives = json_object_get(mesh, "primitives");
+
+	g->box = (struct box){ .known = false };
+	for (size_t i = 0; i < json_array_size(primitives); i++)
+		add_to_box(g->doc, json_array_get(primitives, i), &g->box);
+}
+
 /* What is the same for all rows of a node. */
 static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 {
@@ -172,6 +212,7 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 		return code;
 	g->open = true;
 	g->instance = 0;
+	find_box(g, json);
 	set_text(g, NAME, *name != 0 ? name : mesh);
 	set_text(g, MESH, mesh);
 	for (uint32_t i = FIXED; i < g->rows.column_count && code == ECO_OK; i++) {
@@ -184,20 +225,40 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 	return code;
 }
 
+/* Lowest and highest z of the box in the scene. */
+static void extent(const struct box *box, const double m[16], double *low, double *high)
+{
+	*low = *high = m[13];
+	for (int k = 0; k < 3; k++) {
+		double a = m[k * 4 + 1] * box->low[k], b = m[k * 4 + 1] * box->high[k];
+
+		*low += fmin(a, b);
+		*high += fmax(a, b);
+	}
+}
+
 /* The turn about the vertical that is nearest to what the matrix does, and the cube root of how much larger it makes things. */
 static void set_place(struct gltf_rows *g, const double m[16])
 {
-	double yaw = atan2(m[8] - m[2], m[0] + m[10]) * DEGREES;
+	double yaw = round(atan2(m[8] - m[2], m[0] + m[10]) * DEGREES * 1e4) / 1e4, at[3] = { m[12], m[13], m[14] };
 	double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+	double low, high;
 
-	snprintf(g->text[X], TEXT_BYTES, "%.15g", m[12]);
-	snprintf(g->text[Y], TEXT_BYTES, "%.15g", 0 - m[14]);
-	snprintf(g->text[Z], TEXT_BYTES, "%.15g", m[13]);
-	yaw = round(yaw * 1e4) / 1e4;
+	g->text[SCALE][0] = g->text[HEIGHT][0] = 0;
+	if (g->box.known) {
+		extent(&g->box, m, &low, &high);
+		snprintf(g->text[HEIGHT], TEXT_BYTES, "%.9g", high - low);
+	}
+	if (g->box.quantized)
+		eco_gltf_apply(m, (const double[]){ (g->box.low[0] + g->box.high[0]) / 2, g->box.low[1], (g->box.low[2] + g->box.high[2]) / 2 }, at);
+	else
+		snprintf(g->text[SCALE], TEXT_BYTES, "%.9g", cbrt(fabs(volume)));
+	snprintf(g->text[X], TEXT_BYTES, "%.15g", at[0]);
+	snprintf(g->text[Y], TEXT_BYTES, "%.15g", 0 - at[2]);
+	snprintf(g->text[Z], TEXT_BYTES, "%.15g", at[1]);
 	snprintf(g->text[YAW], TEXT_BYTES, "%.4f", yaw < 0 ? yaw + 360 : yaw + 0.0);
-	snprintf(g->text[SCALE], TEXT_BYTES, "%.9g", cbrt(fabs(volume)));
-	g->rows.place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { m[12], 0 - m[14], m[13] }, .yaw_deg = yaw,
-		.scale = cbrt(fabs(volume)) };
+	g->rows.place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { at[0], 0 - at[2], at[1] }, .yaw_deg = yaw,
+		.scale = g->box.quantized ? NAN : cbrt(fabs(volume)) };
 }
 
 static void set_further(struct gltf_rows *g)
