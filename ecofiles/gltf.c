@@ -1,6 +1,6 @@
-/* The document: container, JSON, buffers. What real files do beside the specification is taken: a JSON chunk padded with zeros, a byte
- * order mark, whole numbers written as 3.0, names of buffers as another system spells them, a GLB named .gltf. What cannot be right is
- * refused: a GLB that is shorter than it says was cut off on its way. */
+/* The document: container, JSON, buffers. What real files do beside the specification is taken: a JSON chunk padded with
+ * zeros, a byte order mark, whole numbers written as 3.0, names of buffers as another system spells them, a GLB named .gltf.
+ * What cannot be right is refused: a GLB that is shorter than it says was cut off on its way. */
 #include "ecofiles/gltf_document.h"
 
 #include <errno.h>
@@ -172,7 +172,8 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 
 /* ---- Buffers ---- */
 
-static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, const char *uri, struct gltf_bytes *to, struct eco_error *error)
+static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, const char *uri, struct gltf_bytes *to,
+	struct eco_error *error)
 {
 	char path[4096];
 	enum eco_code code;
@@ -215,8 +216,8 @@ enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t 
 	if (b->bytes == NULL && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
 		return code;
 	if (offset > b->size || size > b->size - offset)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has only %zu bytes, its use needs %llu from %llu on; was it cut off?", doc->path,
-			buffer, b->size, (unsigned long long)size, (unsigned long long)offset);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has only %zu bytes, its use needs %llu from %llu on; was it cut off?",
+			doc->path, buffer, b->size, (unsigned long long)size, (unsigned long long)offset);
 	*bytes = b->bytes + offset;
 	return ECO_OK;
 }
@@ -249,13 +250,19 @@ static uint32_t u32_at(const uint8_t *p)
 	return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
+static enum eco_code refuse_version_1(const struct eco_gltf *doc, struct eco_error *error)
+{
+	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF 1.0 is not read; convert it to 2.0: npx gltf-pipeline -i OLD -o NEW.glb",
+		doc->path);
+}
+
 /* The JSON text of a GLB; its binary chunk goes into the document. */
 static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, size_t size, size_t *length, struct eco_error *error)
 {
 	size_t at, left;
 
 	if (size >= 8 && u32_at(bytes + 4) == 1)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF 1.0 is not read; convert it to 2.0: npx gltf-pipeline -i OLD -o NEW.glb", doc->path);
+		return refuse_version_1(doc, error);
 	if (size < 20 || u32_at(bytes + 4) != 2 || u32_at(bytes + 16) != CHUNK_JSON)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: not a glTF 2.0 binary file, or cut off", doc->path);
 	if (u32_at(bytes + 8) > size || u32_at(bytes + 12) > size - 20)
@@ -265,7 +272,8 @@ static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, siz
 	left = at < size ? size - at : 0;
 	if (left >= 8 && u32_at(bytes + at + 4) == CHUNK_BIN) {
 		if (u32_at(bytes + at) > left - 8)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u bytes, there are %zu", doc->path, u32_at(bytes + at), left - 8);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u bytes, there are %zu", doc->path,
+				u32_at(bytes + at), left - 8);
 		doc->chunk = (struct gltf_bytes){ .bytes = bytes + at + 8, .size = u32_at(bytes + at) };
 	}
 	return ECO_OK;
@@ -279,7 +287,7 @@ static enum eco_code check_version(const struct eco_gltf *doc, struct eco_error 
 	if (!json_is_object(doc->root) || (asset == NULL && json_object_get(doc->root, "meshes") == NULL))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not glTF: it has no \"asset\"", doc->path);
 	if (*version == '1' || *version == '0' || json_is_object(json_object_get(doc->root, "meshes")))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF 1.0 is not read; convert it to 2.0: npx gltf-pipeline -i OLD -o NEW.glb", doc->path);
+		return refuse_version_1(doc, error);
 	if (*version != 0 && *version != '2')
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF %.20s is not read, only 2.x", doc->path, version);
 	return ECO_OK;
@@ -305,7 +313,8 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 		length -= 3;
 	}
 	if (length > ECO_GLTF_JSON_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible", doc->path, length, ECO_GLTF_JSON_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible", doc->path, length,
+			ECO_GLTF_JSON_MAX);
 	doc->root = json_loadb((const char *)text, length, 0, &problem);
 	if (doc->root == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", doc->path, problem.line, problem.text);
@@ -324,7 +333,8 @@ static enum eco_code take_arrays(struct eco_gltf *doc, struct eco_error *error)
 	return ECO_OK;
 }
 
-enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct eco_gltf *d = calloc(1, sizeof *d);
 	enum eco_code code;

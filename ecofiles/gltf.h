@@ -1,5 +1,5 @@
-/* A glTF 2.0 document, .glb or .gltf with what lies beside it: its JSON, numbers and nodes, checked. Meaning is left to the users:
- * models (import_gltf.c), inventories (rows_gltf.c), cameras.
+/* A glTF 2.0 document, .glb or .gltf with what lies beside it: its JSON, numbers and nodes, checked. Meaning is left to the
+ * users: models (import_gltf.c), inventories (rows_gltf.c), cameras.
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(eco_gltf_json(doc), "nodes");
@@ -7,10 +7,10 @@
  *   eco_gltf_node_matrix(doc, node, world, &error);
  *   eco_gltf_close(doc);
  *
- * Why not assimp: its reader of 5.2 passes over extensions that files require (quantization, meshopt, instances), and with them over
- * leaves. A file is a stranger's: run this in the child of guard.h (its own code bounds whatever it allocates, but Draco and
- * meshopt unpack small files to large ones). Numbers are read byte by byte. Buffers are loaded when they are first asked for, so what
- * nobody needs may be missing. Not thread-safe. Errors name the file and the thing in it. */
+ * Why not assimp: its reader of 5.2 passes over extensions that files require (quantization, meshopt, instances), and with
+ * them over leaves. A file is a stranger's: run this in the child of guard.h (its own code bounds whatever it allocates, but
+ * Draco and meshopt unpack small files to large ones). Numbers are read byte by byte. Buffers are loaded when they are first
+ * asked for, so what nobody needs may be missing. Not thread-safe. Errors name the file and the thing in it. */
 #ifndef ECO_GLTF_H
 #define ECO_GLTF_H
 
@@ -31,7 +31,8 @@ struct eco_gltf;
 /* Errors: no file, not glTF 2.0, cut off, JSON that is none (with its line). */
 enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_error *error);
 /* The same from memory, which must outlive the document; files that it names are looked for beside `name`. */
-enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 void eco_gltf_close(struct eco_gltf *doc);       /* NULL is fine */
 
 const json_t *eco_gltf_json(const struct eco_gltf *doc);     /* an object; owned by the document */
@@ -80,7 +81,8 @@ uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
 /* The whole accessor; *values is malloc'ed: count * components. */
 enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
 	struct eco_error *error);
-enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count, struct eco_error *error);
+enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count,
+	struct eco_error *error);
 
 /* Bytes of a buffer view, decompressed; live as long as the document. */
 enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error);
@@ -97,9 +99,9 @@ void eco_gltf_multiply(double out[16], const double a[16], const double b[16]); 
 void eco_gltf_compose(double out[16], const double translation[3], const double rotation[4], const double scale[3]);
 void eco_gltf_apply(const double matrix[16], const double point[3], double out[3]);
 
-/* Calls visit(ctx, node, world) for each node of the scene that a viewer would show (the default, else the first, else all roots),
- * parents first; hidden nodes (KHR_node_visibility) are passed over with all below. A node below several parents is visited for each.
- * Stops at the first status other than ECO_OK. */
+/* Calls visit(ctx, node, world) for each node of the scene that a viewer would show (the default, else the first, else all
+ * roots), parents first; hidden nodes (KHR_node_visibility) are passed over with all below. A node below several parents is
+ * visited for each. Stops at the first status other than ECO_OK. */
 typedef enum eco_code eco_gltf_visit(void *ctx, uint32_t node, const double world[16]);
 enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error);
 

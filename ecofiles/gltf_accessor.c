@@ -1,5 +1,5 @@
-/* Accessors: where each number stands and what it means. An accessor is resolved once into a place, a stride and a type, and elements are
- * read from it one by one; only sparse ones are copied. */
+/* Accessors: where each number stands and what it means. An accessor is resolved once into a place, a stride and a type, and
+ * elements are read from it one by one; only sparse ones are copied. */
 #include "ecofiles/gltf_document.h"
 
 #include <math.h>
@@ -65,8 +65,8 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 }
 
 /* `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
-static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes, size_t stride,
-	const uint8_t **at, struct eco_error *error)
+static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes,
+	size_t stride, const uint8_t **at, struct eco_error *error)
 {
 	uint32_t view = eco_gltf_index(json, "bufferView");
 	uint64_t offset = eco_gltf_whole(json, "byteOffset", 0), need;
@@ -84,7 +84,8 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 	return ECO_OK;
 }
 
-static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a, struct eco_error *error)
+static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
+	struct eco_error *error)
 {
 	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
 	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
@@ -119,7 +120,8 @@ static bool own_elements(struct eco_gltf_accessor *a)
 	return copy != NULL;
 }
 
-static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse, struct eco_gltf_accessor *a, struct eco_error *error)
+static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse, struct eco_gltf_accessor *a,
+	struct eco_error *error)
 {
 	const json_t *indices = json_object_get(sparse, "indices"), *values = json_object_get(sparse, "values");
 	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX), type = eco_gltf_whole(indices, "componentType", 0);
@@ -158,7 +160,8 @@ enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, ui
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there", doc->path, accessor);
 	code = read_shape(doc, accessor, json, a, error);
 	if (code == ECO_OK && components != 0 && a->components != components)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u", doc->path, accessor, a->components, components);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u", doc->path, accessor,
+			a->components, components);
 	if (code == ECO_OK && json_object_get(json, "bufferView") != NULL)
 		code = place_dense(doc, accessor, json, a, error);
 	if (code == ECO_OK && sparse != NULL)
@@ -247,7 +250,8 @@ enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint
 	return code;
 }
 
-enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count, struct eco_error *error)
+enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count,
+	struct eco_error *error)
 {
 	struct eco_gltf_accessor a;
 	enum eco_code code = eco_gltf_accessor_open(doc, accessor, 1, &a, error);

@@ -1,6 +1,6 @@
-/* Views compressed with meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression): its decoders are made for strangers' bytes, but
- * take sizes on trust; those are checked here. The library of Debian 12 knows the codec's first version; the second, which came with the
- * KHR extension, is in gltf_meshopt_v1.c. */
+/* Views compressed with meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression): its decoders are made for strangers'
+ * bytes, but take sizes on trust; those are checked here. The library of Debian 12 knows the codec's first version; the
+ * second, which came with the KHR extension, is in gltf_meshopt_v1.c. */
 #include "ecofiles/gltf_document.h"
 
 #include <meshoptimizer.h>
@@ -68,7 +68,8 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 	if (!strides_fit(p) || p->count > ECO_GLTF_UNPACKED_MAX)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes that make no sense", doc->path, view);
 	if (p->count * p->stride > ECO_GLTF_UNPACKED_MAX - doc->unpacked)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path, (unsigned long long)ECO_GLTF_UNPACKED_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
+			(unsigned long long)ECO_GLTF_UNPACKED_MAX);
 	return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
 }
 
@@ -98,7 +99,7 @@ static void undo_filter(const struct packed *p, uint8_t *bytes)
 	}
 }
 
-/* An element costs at least an eighth of a bit a byte, a triangle a byte: what says it unpacks to more is not worth its memory. */
+/* No codec packs more tightly than 1024 to 1: what says so gets no memory. */
 static bool can_be(const struct packed *p)
 {
 	return p->count * p->stride <= p->length * 1024;

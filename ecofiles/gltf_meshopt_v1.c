@@ -1,12 +1,12 @@
-/* The second version of meshoptimizer's vertex codec, as the specification of KHR_meshopt_compression gives it, and its filter for
- * colours.
+/* The second version of meshoptimizer's vertex codec, as the specification of KHR_meshopt_compression gives it, and its filter
+ * for colours.
  *
  *   0xa1, blocks, tail:  the vertex that precedes the first (stride bytes), then one byte a channel (stride / 4)
  *   block: one control byte a channel, then the channel's four bytes one after the other, each of all vertices in the block
  *
- * A channel is four bytes of a vertex. Two bits of its control byte tell for each of the four: groups with 0, 1, 2 or 4 bits (0), or 1, 2,
- * 4 or 8 bits (1), all zero (2), plain bytes (3). The channel's kind says what these bytes are: differences of bytes (0), of 16-bit
- * numbers (1), or rotated 32-bit exclusive ors (2) with the vertex before. */
+ * A channel is four bytes of a vertex. Two bits of its control byte tell for each of the four: groups with 0, 1, 2 or 4 bits
+ * (0), or 1, 2, 4 or 8 bits (1), all zero (2), plain bytes (3). The channel's kind says what these bytes are: differences of
+ * bytes (0), of 16-bit numbers (1), or rotated 32-bit exclusive ors (2) with the vertex before. */
 #include "ecofiles/gltf_meshopt.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Nodes: their places in the world, in double, and the instances that they carry. No recursion: the depth of a stranger's tree, and whether
- * it is one, are not ours to choose. */
+/* Nodes: their places in the world, in double, and the instances that they carry. No recursion: the depth of a stranger's
+ * tree, and whether it is one, are not ours to choose. */
 #include "ecofiles/gltf_document.h"
 
 #include <math.h>
@@ -32,7 +32,8 @@ void eco_gltf_compose(double out[16], const double t[3], const double q[4], cons
 {
 	double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), unit = length > 0 ? 1 / length : 0;
 	double x = q[0] * unit, y = q[1] * unit, z = q[2] * unit, w = length > 0 ? q[3] * unit : 1;
-	const double turn[9] = { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 2 * (x * y - z * w), 1 - 2 * (x * x + z * z),
+	const double turn[9] = { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 2 * (x * y - z * w),
+		1 - 2 * (x * x + z * z),
 		2 * (y * z + x * w), 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) };
 
 	for (int c = 0; c < 3; c++) {
@@ -52,7 +53,8 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 
 	if (json == NULL)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path, node);
-	good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4) && eco_gltf_numbers(json, "scale", s, 3);
+	good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
+		&& eco_gltf_numbers(json, "scale", s, 3);
 	eco_gltf_compose(matrix, t, q, s);
 	if (json_array_size(json_object_get(json, "matrix")) == 16)
 		good = eco_gltf_numbers(json, "matrix", matrix, 16);
@@ -204,7 +206,8 @@ static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t 
 	return ECO_OK;
 }
 
-enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *all, struct eco_error *error)
+enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *all,
+	struct eco_error *error)
 {
 	const json_t *extension = eco_gltf_extension(eco_gltf_item(doc, "nodes", node), "EXT_mesh_gpu_instancing");
 	const json_t *attributes = json_object_get(extension, "attributes");

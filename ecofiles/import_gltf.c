@@ -1,8 +1,8 @@
-/* A glTF model becomes a soup. First the scene is walked and every mesh that stands in it is read once; then it is known which materials
- * count and how far from the origin all of it is; then each place of each mesh is written out, in double.
+/* A glTF model becomes a soup. First the scene is walked and every mesh that stands in it is read once; then it is known which
+ * materials count and how far from the origin all of it is; then each place of each mesh is written out, in double.
  *
- * Axes and unit are the format's: Y up, metres. Files that say they require what is not understood here are refused by name: a model
- * that silently lacks its leaves is worse than an error. */
+ * Axes and unit are the format's: Y up, metres. Files that say they require what is not understood here are refused by name: a
+ * model that silently lacks its leaves is worse than an error. */
 #include "ecofiles/import_gltf.h"
 
 #include <math.h>
@@ -43,6 +43,7 @@ struct soup {
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct eco_tints tints;
 	struct gltf_counts counts;
+	uint64_t read;               /* triangles of all shapes; each is placed at least once, so their sum is bounded too */
 	uint64_t triangles, vertices, hidden, instances;
 	uint32_t averaged;           /* textured primitives whose vertex colours differ */
 };
@@ -70,7 +71,8 @@ static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 
 /* ---- What files require ---- */
 
-/* Read correctly, or without effect on a plant at rest; every KHR_materials_* only changes a shading that is not computed here. */
+/* Read correctly, or without effect on a plant at rest; every KHR_materials_* only changes a shading that is not computed
+ * here. */
 static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_meshopt_compression",
 	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform", "KHR_lights_punctual",
 	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld", "EXT_mesh_primitive_restart",
@@ -106,6 +108,13 @@ static enum eco_code check_required(const struct soup *s)
 
 /* ---- Meshes ---- */
 
+static enum eco_code too_many(struct soup *s, uint64_t triangles)
+{
+	return triangles <= s->triangles_max ? ECO_OK : eco_fail(s->error, ECO_TOO_LARGE,
+		"%.300s: %llu triangles or more, at most %u are possible",
+		eco_gltf_path(s->doc), (unsigned long long)triangles, s->triangles_max);
+}
+
 static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
 {
 	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count, .primitive = primitive,
@@ -123,7 +132,8 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	shape->count++;
 	shape->triangles += piece->surface.triangle_count;
 	s->looks[piece->surface.material].used = true;
-	return ECO_OK;
+	s->read += piece->surface.triangle_count;
+	return too_many(s, s->read);
 }
 
 /* The shape of a node's mesh, read if it is new. */
@@ -158,9 +168,8 @@ static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, co
 	struct place *place;
 
 	s->triangles += s->shapes[shape].triangles;
-	if (s->triangles > s->triangles_max)
-		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: %llu triangles or more, at most %u are possible", eco_gltf_path(s->doc),
-			(unsigned long long)s->triangles, s->triangles_max);
+	if (too_many(s, s->triangles) != ECO_OK)
+		return ECO_TOO_LARGE;
 	if (!grow((void **)&s->places, s->place_count, &s->place_room, sizeof *s->places))
 		return out_of_memory(s);
 	place = &s->places[s->place_count++];
@@ -222,7 +231,8 @@ static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_
 }
 
 /* A vertex in the scene, Z up. */
-static void place_vertex(const struct gltf_surface *surface, uint32_t v, const struct place *place, const struct gltf_skin *skin, double out[3])
+static void place_vertex(const struct gltf_surface *surface, uint32_t v, const struct place *place,
+	const struct gltf_skin *skin, double out[3])
 {
 	const float *p = &surface->position[(size_t)v * 3];
 	const double local[3] = { (double)p[0], (double)p[1], (double)p[2] };
@@ -246,7 +256,8 @@ static double largest_scale(const double m[16])
 	return sqrt(most);
 }
 
-static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place, const struct gltf_skin *skin)
+static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place,
+	const struct gltf_skin *skin)
 {
 	if (skin == NULL)
 		b->far = fmax(b->far, surface->far * largest_scale(place->world));
@@ -264,7 +275,8 @@ static void bound_surface(struct bounds *b, const struct gltf_surface *surface, 
 }
 
 /* Calls act(s, surface, ...) for every piece of every place. */
-typedef enum eco_code act_on(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin);
+typedef enum eco_code act_on(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
+	const struct gltf_skin *skin);
 
 static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
 {
@@ -282,7 +294,8 @@ static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
 	return code;
 }
 
-static enum eco_code measure(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin)
+static enum eco_code measure(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
+	const struct gltf_skin *skin)
 {
 	bound_surface(ctx, &piece->surface, place, skin);
 	s->vertices += piece->surface.vertex_count;
@@ -318,8 +331,8 @@ static bool one_color(const struct gltf_surface *surface)
 	return true;
 }
 
-/* A textured primitive gets the mean of its colours: every other colour would be another image, and would cut leaves and branches into
- * pieces. */
+/* A textured primitive gets the mean of its colours: every other colour would be another image, and would cut leaves and
+ * branches into pieces. */
 static void choose_whole(struct soup *s, struct piece *piece)
 {
 	const struct gltf_surface *surface = &piece->surface;
@@ -388,7 +401,8 @@ static void add_part(struct soup *s, const struct place *place)
 		m->parts[m->part_count++] = part;
 }
 
-static void add_vertices(struct soup *s, const struct gltf_surface *surface, const struct place *place, const struct gltf_skin *skin)
+static void add_vertices(struct soup *s, const struct gltf_surface *surface, const struct place *place,
+	const struct gltf_skin *skin)
 {
 	struct eco_model *m = s->model;
 
@@ -404,7 +418,8 @@ static void add_vertices(struct soup *s, const struct gltf_surface *surface, con
 	}
 }
 
-static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece, const struct place *place, const struct gltf_skin *skin)
+static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
+	const struct gltf_skin *skin)
 {
 	const struct gltf_surface *surface = &piece->surface;
 	struct eco_model *m = s->model;
@@ -453,7 +468,8 @@ static void tell(struct soup *s)
 	if (s->counts.faint > 0)
 		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied", (unsigned long long)s->counts.faint);
 	if (s->hidden > 0)
-		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): they are left out", (unsigned long long)s->hidden);
+		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): they are left out",
+			(unsigned long long)s->hidden);
 	if (s->averaged > 0)
 		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
 }
@@ -511,8 +527,8 @@ static enum eco_code read_soup(struct soup *s)
 	return code;
 }
 
-enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error, .triangles_max = triangles_max };
 	enum eco_code code = read_soup(&s);

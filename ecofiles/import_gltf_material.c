@@ -1,5 +1,6 @@
-/* Materials of glTF: one linear colour, one base colour texture, cut out or not. All shading beyond that is left behind. Of the two ways
- * to say it (metallic-roughness, and the older specular-glossiness, whose diffuse part is meant) the extension wins, as it demands.
+/* Materials of glTF: one linear colour, one base colour texture, cut out or not. All shading beyond that is left behind. Of
+ * the two ways to say it (metallic-roughness, and the older specular-glossiness, whose diffuse part is meant) the extension
+ * wins, as it demands.
  *
  * OPAQUE: alpha does not count. MASK: the cutoff is scaled to 0.5. BLEND: cut at 0.5. */
 #include "ecofiles/import_gltf.h"
@@ -111,7 +112,8 @@ struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count)
 void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2])
 {
 	double x = from[0] * look->uv.scale[0], y = from[1] * look->uv.scale[1];
-	double u = look->uv.offset[0] + look->uv.cosine * x + look->uv.sine * y, v = look->uv.offset[1] - look->uv.sine * x + look->uv.cosine * y;
+	double u = look->uv.offset[0] + look->uv.cosine * x + look->uv.sine * y,
+		v = look->uv.offset[1] - look->uv.sine * x + look->uv.cosine * y;
 
 	to[0] = fabs(u) <= 65536 ? (float)u : 0;
 	to[1] = fabs(v) <= 65536 ? (float)v : 0;
@@ -180,8 +182,8 @@ static uint32_t source_of(const struct eco_gltf *doc, const json_t *texture)
 	return source != ECO_NONE ? source : eco_gltf_index(eco_gltf_extension(json, "EXT_texture_webp"), "source");
 }
 
-static void read_image(struct eco_images *images, const struct eco_gltf *doc, const json_t *material, double opacity, struct eco_material *to,
-	struct eco_notes *notes)
+static void read_image(struct eco_images *images, const struct eco_gltf *doc, const json_t *material, double opacity,
+	struct eco_material *to, struct eco_notes *notes)
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char name[2048];

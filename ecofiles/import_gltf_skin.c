@@ -1,11 +1,12 @@
-/* Skins at rest: a skinned mesh stands where its joints hold it; its node's own place does not count, says the specification, and in files
- * whose skeletons carry the scale or the axis it is wrong by a factor of a hundred. */
+/* Skins at rest: a skinned mesh stands where its joints hold it; its node's own place does not count, says the specification,
+ * and in files whose skeletons carry the scale or the axis it is wrong by a factor of a hundred. */
 #include "ecofiles/import_gltf.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, struct eco_gltf_accessor *inverse, struct eco_error *error)
+static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, struct eco_gltf_accessor *inverse,
+	struct eco_error *error)
 {
 	*inverse = (struct eco_gltf_accessor){ .bytes = NULL };
 	if (json_object_get(json, "inverseBindMatrices") == NULL)
@@ -45,7 +46,8 @@ enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint3
 
 bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *s, uint32_t v, double out[3])
 {
-	const double from[3] = { (double)s->position[(size_t)v * 3], (double)s->position[(size_t)v * 3 + 1], (double)s->position[(size_t)v * 3 + 2] };
+	const double from[3] = { (double)s->position[(size_t)v * 3], (double)s->position[(size_t)v * 3 + 1],
+		(double)s->position[(size_t)v * 3 + 2] };
 	double sum = 0, to[3] = { 0, 0, 0 };
 
 	for (uint32_t i = 0; i < s->influences; i++) {

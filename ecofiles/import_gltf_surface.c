@@ -1,5 +1,5 @@
-/* One primitive of a glTF mesh, whatever it comes from (accessors, or a Draco stream), as triangles with the vertices they use. Vertices
- * that nobody names are left behind here: exporters let all primitives of a file share one large buffer. */
+/* One primitive of a glTF mesh, whatever it comes from (accessors, or a Draco stream), as triangles with the vertices they
+ * use. Vertices that nobody names are left behind here: exporters let all primitives of a file share one large buffer. */
 #include "ecofiles/import_gltf.h"
 
 #include <math.h>
@@ -34,7 +34,8 @@ struct reader {
 
 static enum eco_code fail(const struct reader *r, enum eco_code code, const char *says)
 {
-	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", eco_gltf_path(r->from->doc), r->from->mesh, r->from->number, says);
+	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", eco_gltf_path(r->from->doc), r->from->mesh,
+		r->from->number, says);
 }
 
 /* ---- Attributes ---- */
@@ -63,8 +64,7 @@ static bool is_wanted(const struct reader *r, enum attribute which, const struct
 
 static bool components_fit(enum attribute which, uint32_t components)
 {
-	return which == POSITION ? components == 3 : which == TEXCOORD ? components == 2 : which == COLOR ? components == 3 || components == 4
-		: components == 4;
+	return components == (which == POSITION ? 3u : which == TEXCOORD ? 2u : 4u) || (which == COLOR && components == 3);
 }
 
 static enum eco_code open_attribute(struct reader *r, enum attribute which, const char *name)
@@ -127,8 +127,8 @@ static uint32_t faces_declared(const struct reader *r)
 }
 
 /* Draco's attributes: those of ours that it has. Others keep their accessors, if these have data. */
-static uint32_t match_attributes(struct reader *r, const json_t *ids, const struct gltf_look *look, struct eco_draco_attribute *wanted,
-	enum attribute *which)
+static uint32_t match_attributes(struct reader *r, const json_t *ids, const struct gltf_look *look,
+	struct eco_draco_attribute *wanted, enum attribute *which)
 {
 	uint32_t count = 0;
 
@@ -163,7 +163,8 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 		return code;
 	if (count == 0 || which[0] != POSITION)
 		return fail(r, ECO_DAMAGED, "its Draco stream has no positions");
-	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted, count, &mesh, &inner) != ECO_OK)
+	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted, count, &mesh,
+		&inner) != ECO_OK)
 		return fail(r, inner.code, inner.text);
 	for (uint32_t i = 0; i < count; i++)
 		r->values[which[i]].draco = wanted[i].values;
@@ -184,7 +185,8 @@ static uint32_t index_at(const struct reader *r, uint64_t i)
 /* The greatest index of a type is none: it begins the next strip. */
 static bool is_restart(const struct reader *r, uint32_t index)
 {
-	return r->indexed && r->draco_index == NULL && index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
+	return r->indexed && r->draco_index == NULL
+		&& index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
 }
 
 static void add_triangle(struct reader *r, uint32_t a, uint32_t b, uint32_t c)
@@ -338,7 +340,8 @@ static bool take_memory(struct reader *r)
 	struct gltf_surface *s = r->to;
 	size_t n = (size_t)s->vertex_count + 1;
 
-	while (s->influences < GLTF_INFLUENCES_MAX && r->values[JOINTS + s->influences / 4].there && r->values[WEIGHTS + s->influences / 4].there)
+	while (s->influences < GLTF_INFLUENCES_MAX && r->values[JOINTS + s->influences / 4].there
+		&& r->values[WEIGHTS + s->influences / 4].there)
 		s->influences += 4;
 	s->position = malloc(n * 3 * sizeof *s->position);
 	s->uv = r->values[TEXCOORD].there ? calloc(n * 2, sizeof *s->uv) : NULL;
@@ -431,7 +434,8 @@ static enum eco_code count_others(struct reader *r, uint64_t mode)
 static enum eco_code read_primitive(struct reader *r)
 {
 	const json_t *draco = eco_gltf_extension(r->from->primitive, "KHR_draco_mesh_compression");
-	uint64_t mode = eco_gltf_whole(r->from->primitive, "mode", TRIANGLES), material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
+	uint64_t mode = eco_gltf_whole(r->from->primitive, "mode", TRIANGLES);
+	uint64_t material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
 	const struct gltf_look *look;
 	enum eco_code code;
 
