@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -118,6 +119,7 @@ struct work {
 	pthread_mutex_t lock;
 	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and a child must not find their locks taken */
 	uint32_t next, done;
+	uint32_t idle;               /* threads without a plant: they help others */
 	double *share;               /* per plant */
 	uint32_t failed;             /* lowest plant that failed; its error is the one that is told */
 	struct eco_error error;
@@ -196,11 +198,51 @@ static void enter(void *ctx, enum lod_plant_stage stage)
 	main_times_stage(stages[stage]);
 }
 
+/* ---- Parts of a plant's work, shared out to idle threads ---- */
+
+struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; atomic_uint next; };
+
+static void *take_pieces(void *ctx)
+{
+	struct shared *shared = ctx;
+	for (uint32_t i; (i = atomic_fetch_add(&shared->next, 1)) < shared->count;)
+		shared->piece(shared->pieces, i);
+	return NULL;
+}
+
+static void *help(void *ctx)
+{
+	main_times_stage(MAIN_STAGE_CURVES);
+	take_pieces(ctx);
+	main_times_stage(MAIN_STAGE_NONE);
+	return NULL;
+}
+
+static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	struct work *work = ((struct job *)ctx)->work;
+	struct shared shared = { .piece = piece, .pieces = pieces, .count = count };
+	pthread_t helpers[64];
+	uint32_t started = 0;
+	pthread_mutex_lock(&work->lock);
+	uint32_t taken = work->idle < count - 1 ? work->idle : count - 1;
+	work->idle -= taken;
+	pthread_mutex_unlock(&work->lock);
+	while (started < taken && started < 64 && pthread_create(&helpers[started], NULL, help, &shared) == 0)
+		started++;
+	take_pieces(&shared);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(helpers[i], NULL);
+	pthread_mutex_lock(&work->lock);
+	work->idle += taken;
+	pthread_mutex_unlock(&work->lock);
+}
+
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
 	struct eco_model model = { 0 };
-	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .stage = enter, .ctx = job };
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .stage = enter, .each = each, .ctx = job };
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	job->from = 0;
 	job->to = IMPORTED;
@@ -249,6 +291,7 @@ static void *work_on(void *ctx)
 		struct job job = { .work = work, .plant = work->next };
 		bool more = !work->stop && work->next < work->m->plant_count;
 		work->next += more;
+		work->idle += !more;
 		pthread_mutex_unlock(&work->lock);
 		if (!more)
 			return NULL;
@@ -272,17 +315,17 @@ static void *work_on(void *ctx)
 static uint32_t thread_count(const struct make *m)
 {
 #ifdef __SANITIZE_ADDRESS__
-	uint32_t jobs = 1;
+	(void)m;
+	return 1;
 #else
-	uint32_t jobs = make_threads(m);
+	return make_threads(m);
 #endif
-	return jobs > m->plant_count ? m->plant_count : jobs;
 }
 
 static enum eco_code build_plants(struct make *m)
 {
-	uint32_t jobs = thread_count(m), started = 0;
-	struct work work = { .m = m, .lock = PTHREAD_MUTEX_INITIALIZER,
+	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
+	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
 		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
 	pthread_t threads[64];
 	if (!work.share)

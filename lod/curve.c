@@ -503,7 +503,8 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 	struct eco_error *error)
 {
 	struct lod_probe probe;
-	struct lod_probe_options size = { options->views ? options->views : 12, options->pixels ? options->pixels : 256 };
+	struct lod_probe_options size = { options->views ? options->views : 12, options->pixels ? options->pixels : 256, options->each,
+		options->ctx };
 	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
 	if (code)
 		return code;

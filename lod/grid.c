@@ -43,21 +43,27 @@ static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, s
 	return ECO_OK;
 }
 
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error)
+static enum eco_code loss_of(const struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	double *loss, struct eco_error *error)
 {
 	struct lod_probe probe;
 	*loss = 0;
-	enum eco_code code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ 1, 1 }, error);
+	enum eco_code code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ .views = 1, .pixels = 1 }, error);
 	if (code)
 		return code;
 	uint32_t side = picture_side(plant, &probe);
 	lod_probe_free(&probe);
-	code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ VIEWS, side }, error);
+	code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ VIEWS, side, options->each, options->ctx }, error);
 	if (code)
 		return code;
 	code = compare_with_model(&probe, loss, error);
 	lod_probe_free(&probe);
 	return code;
+}
+
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error)
+{
+	return loss_of(plant, model, &(struct lod_plant_options){ 0 }, loss, error);
 }
 
 static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
@@ -70,7 +76,7 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	enum eco_code code = lod_plant_build(plant, model, &finer, error);
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);
-	return code ? code : lod_grid_loss(plant, model, loss, error);
+	return code ? code : loss_of(plant, model, options, loss, error);
 }
 
 static uint32_t predict(uint32_t bits, double loss)
@@ -87,7 +93,7 @@ enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *m
 {
 	uint32_t bits = LOD_GRID_BITS_MIN, failed = bits - 1;
 	double loss;
-	enum eco_code code = lod_grid_loss(plant, model, &loss, error);
+	enum eco_code code = loss_of(plant, model, options, &loss, error);
 	while (!code && loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX) {
 		double before = loss;
 		failed = bits;

@@ -39,6 +39,9 @@ struct lod_plant {
 	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */
 };
 
+/* Calls piece(pieces, i) once for each i below count, in any order and in as many threads as it likes; returns when all are done. */
+typedef void lod_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces);
+
 enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_CURVES };
 
 struct lod_plant_options {
@@ -51,6 +54,7 @@ struct lod_plant_options {
 	/* called now and then with a share done in [0,1]; return false to stop with ECO_INTERRUPTED; may be NULL */
 	bool (*progress)(void *ctx, double share);
 	void (*stage)(void *ctx, enum lod_plant_stage stage);        /* a stage begins, perhaps not for the first time; may be NULL */
+	lod_each *each;              /* for work that can be shared out, with the same outcome; NULL: one after the other */
 	void *ctx;
 };
 

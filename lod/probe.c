@@ -7,6 +7,8 @@
 
 #define DISTANCE_RADII 16.0
 #define FRAME 1.04                   /* half the picture over the bounding sphere's silhouette */
+#define PIXELS_AT_ONCE (1u << 22)    /* of all pictures that are drawn at a time */
+#define SHARED_PRIMITIVES 8192u      /* fewer are drawn faster than threads begin */
 
 struct lod_drawing {                 /* one cut, as triangles, lines or points; offsets into `floats` */
 	uint8_t kind;
@@ -58,7 +60,7 @@ static void place_eyes(struct lod_probe *probe)
 		eye->right[0] = -y, eye->right[1] = x;
 		eye->up[0] = -z * x, eye->up[1] = -z * y, eye->up[2] = flat;
 		eye->tan_x = eye->tan_y = half;
-		eye->pixel_rad = 2 * half / probe->raster.height;
+		eye->pixel_rad = 2 * half / probe->options.pixels;
 		double next = x * turn_x - y * turn_y;
 		y = x * turn_y + y * turn_x;
 		x = next;
@@ -74,16 +76,39 @@ static bool has_holes(const struct eco_image *image)
 	return false;
 }
 
+static size_t view_pixels(const struct lod_probe *probe)
+{
+	return (size_t)probe->options.pixels * probe->options.pixels;
+}
+
+/* One raster, or, where views can be drawn at a time, as many as stay small together. */
+static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *error)
+{
+	size_t most = probe->options.each ? PIXELS_AT_ONCE / (view_pixels(probe) + 1) + 1 : 1;
+	uint32_t wanted = most < probe->views ? (uint32_t)most : probe->views;
+	enum eco_code code = ECO_OK;
+	probe->rasters = calloc(wanted, sizeof *probe->rasters);
+	if (!probe->rasters)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u pictures", wanted);
+	while (!code && probe->raster_count < wanted) {
+		code = lod_raster_init(&probe->rasters[probe->raster_count], &(struct lod_raster_options){ .width = probe->options.pixels,
+			.height = probe->options.pixels, .silhouette = true }, error);
+		probe->raster_count += !code;
+	}
+	return code;
+}
+
 static bool allocate(struct lod_probe *probe)
 {
 	const struct lod_plant *plant = probe->plant;
-	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
+	size_t pixels = view_pixels(probe);
 	probe->eyes = calloc(probe->views, sizeof *probe->eyes);
 	probe->reference = calloc(probe->views, pixels);
 	probe->reference_pixels = calloc(probe->views, sizeof *probe->reference_pixels);
+	probe->scores = calloc(probe->views, sizeof *probe->scores);
 	probe->lists = calloc(plant->list_count + 1, sizeof *probe->lists);
 	probe->cut = calloc(plant->image_count + 1, sizeof *probe->cut);
-	return probe->eyes && probe->reference && probe->reference_pixels && probe->lists && probe->cut;
+	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists && probe->cut;
 }
 
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
@@ -93,10 +118,12 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	probe->plant = plant;
 	probe->model = model;
 	probe->views = options->views;
-	enum eco_code code = lod_raster_init(&probe->raster,
-		&(struct lod_raster_options){ .width = options->pixels, .height = options->pixels, .silhouette = true }, error);
-	if (code)
+	probe->options = *options;
+	enum eco_code code = make_rasters(probe, error);
+	if (code) {
+		lod_probe_free(probe);
 		return code;
+	}
 	if (!allocate(probe)) {
 		lod_probe_free(probe);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels", options->views, options->pixels,
@@ -115,7 +142,10 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 
 void lod_probe_free(struct lod_probe *probe)
 {
-	lod_raster_free(&probe->raster);
+	for (uint32_t i = 0; i < probe->raster_count; i++)
+		lod_raster_free(&probe->rasters[i]);
+	free(probe->rasters);
+	free(probe->scores);
 	free(probe->eyes);
 	free(probe->reference);
 	free(probe->reference_pixels);
@@ -132,6 +162,7 @@ void lod_probe_clear(struct lod_probe *probe)
 {
 	probe->drawing_count = 0;
 	probe->float_count = 0;
+	probe->primitive_count = 0;
 }
 
 static bool reserve(struct lod_probe *probe, size_t floats)
@@ -174,12 +205,13 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 		widths ? probe->floats + drawing->width : NULL, NULL };
 	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale, &geometry);
 	probe->float_count += positions + uvs + widths;
+	probe->primitive_count += drawing->count;
 	return ECO_OK;
 }
 
 /* ---- Drawing ---- */
 
-static void draw_all(struct lod_probe *probe)
+static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 {
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
@@ -187,25 +219,25 @@ static void draw_all(struct lod_probe *probe)
 			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
 			.width = probe->floats + drawing->width, .area = drawing->area, .owner = 1 };
 		if (drawing->kind == ECO_LIST_TRIANGLES)
-			lod_raster_triangles(&probe->raster, &batch);
+			lod_raster_triangles(raster, &batch);
 		else if (drawing->kind == ECO_LIST_LINES)
-			lod_raster_lines(&probe->raster, &batch);
+			lod_raster_lines(raster, &batch);
 		else
-			lod_raster_points(&probe->raster, &batch);
+			lod_raster_points(raster, &batch);
 	}
 }
 
 #define SOUP 512u
 
-static void flush(struct lod_probe *probe, const struct eco_material *material, uint32_t count, const float *position,
-	const float *uv)
+static void flush(const struct lod_probe *probe, struct lod_raster *raster, const struct eco_material *material, uint32_t count,
+	const float *position, const float *uv)
 {
 	const struct eco_image *image = material->cutout && material->image != ECO_NONE ? &probe->model->images[material->image] : NULL;
 	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image : NULL, .owner = 1 };
-	lod_raster_triangles(&probe->raster, &batch);
+	lod_raster_triangles(raster, &batch);
 }
 
-static void draw_model(struct lod_probe *probe)
+static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
 {
 	const struct eco_model *model = probe->model;
 	float position[SOUP * 9], uv[SOUP * 6];
@@ -220,64 +252,99 @@ static void draw_model(struct lod_probe *probe)
 		count++;
 		bool last = t + 1 == model->triangle_count || model->material[t + 1] != model->material[t];
 		if (count == SOUP || last) {
-			flush(probe, &model->materials[model->material[t]], count, position, model->uv ? uv : NULL);
+			flush(probe, raster, &model->materials[model->material[t]], count, position, model->uv ? uv : NULL);
 			count = 0;
 		}
 	}
 }
 
-static void start_view(struct lod_probe *probe, uint32_t view)
+static void start_view(const struct lod_probe *probe, struct lod_raster *raster, uint32_t view)
 {
-	lod_raster_clear(&probe->raster);
-	lod_raster_camera(&probe->raster, &probe->eyes[view], probe->near_m);
-	lod_raster_object(&probe->raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &probe->eyes[view], probe->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 }
 
-static bool keep(struct lod_probe *probe, void (*draw)(struct lod_probe *probe))
+/* ---- Views, several at a time: each writes only what is its own ---- */
+
+struct drawing_views {
+	struct lod_probe *probe;
+	uint32_t stride;
+	void (*draw)(const struct lod_probe *probe, struct lod_raster *raster);
+	void (*finish)(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view);
+};
+
+static void draw_part(void *pieces, uint32_t part)
 {
-	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
-	bool any = false;
-	for (uint32_t view = 0; view < probe->views; view++) {
-		uint64_t covered = 0;
-		start_view(probe, view);
-		draw(probe);
-		memcpy(probe->reference + view * pixels, probe->raster.cover, pixels);
-		for (size_t i = 0; i < pixels; i++)
-			covered += probe->raster.cover[i] & 1;
-		probe->reference_pixels[view] = covered;
-		any |= covered != 0;
+	const struct drawing_views *d = pieces;
+	struct lod_raster *raster = &d->probe->rasters[part];
+	for (uint32_t view = part * d->stride; view < d->probe->views; view += d->probe->raster_count * d->stride) {
+		start_view(d->probe, raster, view);
+		d->draw(d->probe, raster);
+		d->finish(d->probe, raster, view);
 	}
-	return any;
+}
+
+static void draw_views(struct drawing_views *d, uint64_t primitives)
+{
+	const struct lod_probe_options *o = &d->probe->options;
+	if (o->each && primitives >= SHARED_PRIMITIVES)
+		o->each(o->ctx, d->probe->raster_count, draw_part, d);
+	else
+		for (uint32_t part = 0; part < d->probe->raster_count; part++)
+			draw_part(d, part);
+}
+
+static void keep_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)
+{
+	size_t pixels = view_pixels(probe);
+	uint64_t covered = 0;
+	memcpy(probe->reference + view * pixels, raster->cover, pixels);
+	for (size_t i = 0; i < pixels; i++)
+		covered += raster->cover[i] & 1;
+	probe->reference_pixels[view] = covered;
+}
+
+static bool any_covered(const struct lod_probe *probe)
+{
+	for (uint32_t view = 0; view < probe->views; view++)
+		if (probe->reference_pixels[view])
+			return true;
+	return false;
 }
 
 bool lod_probe_keep(struct lod_probe *probe)
 {
-	return keep(probe, draw_all);
+	draw_views(&(struct drawing_views){ probe, 1, draw_all, keep_view }, probe->primitive_count);
+	return any_covered(probe);
 }
 
 bool lod_probe_keep_model(struct lod_probe *probe)
 {
-	return keep(probe, draw_model);
+	draw_views(&(struct drawing_views){ probe, 1, draw_model, keep_view }, probe->model->triangle_count);
+	return any_covered(probe);
+}
+
+static void score_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)
+{
+	lod_score(&probe->scores[view], &(struct lod_score_input){ .width = raster->width, .height = raster->height, .cover = raster->cover,
+		.reference = probe->reference + view * view_pixels(probe) });
 }
 
 void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_probe_result *result)
 {
-	size_t pixels = (size_t)probe->raster.width * probe->raster.height;
 	uint32_t used = 0;
 	*result = (struct lod_probe_result){ 0 };
+	draw_views(&(struct drawing_views){ probe, stride, draw_all, score_view }, probe->primitive_count);
 	for (uint32_t view = 0; view < probe->views; view += stride) {
 		if (!probe->reference_pixels[view])
 			continue;
-		start_view(probe, view);
-		draw_all(probe);
-		struct lod_score score;
-		lod_score(&score, &(struct lod_score_input){ .width = probe->raster.width, .height = probe->raster.height,
-			.cover = probe->raster.cover, .reference = probe->reference + view * pixels });
-		double covered = (double)probe->reference_pixels[view], loss = 1 - score.q;
+		const struct lod_score *score = &probe->scores[view];
+		double covered = (double)probe->reference_pixels[view], loss = 1 - score->q;
 		result->loss += loss;
 		result->worst = loss > result->worst ? loss : result->worst;
-		result->fp += (double)score.fp / covered;
-		result->fn += (double)score.fn / covered;
+		result->fp += (double)score->fp / covered;
+		result->fn += (double)score->fn / covered;
 		used++;
 	}
 	if (used) {

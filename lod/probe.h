@@ -19,7 +19,10 @@
 #include "lod/plant.h"
 #include "lod/raster.h"
 
-struct lod_probe_options { uint32_t views, pixels; };    /* pictures of pixels x pixels around the plant's bounding sphere */
+struct lod_probe_options {
+	uint32_t views, pixels;      /* pictures of pixels x pixels around the plant's bounding sphere */
+	lod_each *each; void *ctx;   /* draws views at a time; may be NULL */
+};
 
 struct lod_probe {
 	const struct lod_plant *plant;
@@ -31,11 +34,14 @@ struct lod_probe {
 	double center[3], radius;
 	struct lod_eye *eyes;
 	double near_m;
-	struct lod_raster raster;
+	struct lod_probe_options options;
+	struct lod_raster *rasters;  uint32_t raster_count;      /* all of one size; view i is drawn by i modulo their number */
 	uint8_t *reference;              /* a mask per view */
 	uint64_t *reference_pixels;
 	struct lod_drawing *drawings;    uint32_t drawing_count, drawing_capacity;
 	float *floats;                   size_t float_count, float_capacity;
+	uint64_t primitive_count;        /* of the drawings */
+	struct lod_score *scores;        /* per view, of the last comparison */
 };
 
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
