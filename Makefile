@@ -8,7 +8,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
-	libseccomp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev jq curl xz-utils
+	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev jq curl xz-utils
 
 CC ?= gcc
 CXX ?= g++
@@ -54,7 +54,7 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp -lcairo -lfreetype
+LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp -lcairo -lfreetype -lexpat
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread

@@ -12,7 +12,7 @@
 #include "ecofiles/main_version.h"
 
 static const struct main_command *const commands[] = { &main_command_make, &main_command_info, &main_command_verify,
-	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map };
+	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
 
 /* ---- make ---- */
 
