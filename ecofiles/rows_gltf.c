@@ -213,6 +213,9 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 	g->open = true;
 	g->instance = 0;
 	find_box(g, json);
+	if (g->box.quantized)
+		eco_rows_note(&g->rows, "meshes are quantized: each plant stands on the middle of its mesh's lower side, and \"scale\" has no value; "
+			"\"height_m\": {\"column\": \"height_m\"} takes their heights");
 	set_text(g, NAME, *name != 0 ? name : mesh);
 	set_text(g, MESH, mesh);
 	for (uint32_t i = FIXED; i < g->rows.column_count && code == ECO_OK; i++) {

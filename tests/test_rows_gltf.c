@@ -36,6 +36,7 @@ static void expect_rows(const char *rest, const char *columns, const char *const
 		assert_int_equal(rows->row, line);
 	}
 	assert_int_equal(line, line_count);
+	assert_int_equal(rows->note_count, strstr(rest, "quantized") != NULL);
 	rows->close(rows);
 }
 
@@ -80,9 +81,9 @@ static void heights_are_those_of_meshes_however_packed(void **state)
 	gw_accessor(gw_view(f, sizeof f, ""), GLTF_FLOAT, 2, "VEC3", ",\"min\":[0,0,0],\"max\":[4,10,4]");
 	gw_accessor(gw_view(q, sizeof q, ",\"byteStride\":8"), GLTF_SHORT, 2, "VEC3", ",\"normalized\":true,\"min\":[-32767,-32767,-32767],\"max\":"
 		"[32767,32767,32767]");
-	expect_rows(",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3],\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[2,5,2],\"scale\":[2,5,2]}],\"meshes\":["
+	expect_rows(",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3],\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[2,5,2],\"scale\":[2,5,2],\"name\":\"quantized\"}],\"meshes\":["
 		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]",
-		"x,y,z,name,mesh,yaw_deg,scale,height_m", (const char *const[]){ "1,-3,2,,,0.0000,2,20", "2,-2,0,,,0.0000,,10" }, 2);
+		"x,y,z,name,mesh,yaw_deg,scale,height_m", (const char *const[]){ "1,-3,2,,,0.0000,2,20", "2,-2,0,quantized,,0.0000,,10" }, 2);
 }
 
 static void a_scene_without_plants_is_no_inventory(void **state)
