@@ -163,24 +163,24 @@ static void write_density(struct legend *l)
 static void write_left_out(struct legend *l)
 {
 	const struct map *m = l->m;
-	struct eco_chart_style file = { .size = 12, .room = LEGEND }, reason = { .size = 12, .room = LEGEND - 90 };
-	struct eco_chart_style right = { .size = 12, .align = ECO_CHART_RIGHT };
-	char text[160], count[32];
+	char text[200], count[32];
 	if (m->left_count)
 		write_heading(l, "Read, and left out");
 	for (uint32_t i = 0; i < m->left_count && i < LEFT_OUT_LINES; i++) {
 		const struct map_left *left = &m->left[i];
-		if (left->heading) {
-			write_line(l, &file, left->text);
-			continue;
-		}
-		eco_chart_text(m->chart, l->x + LEGEND - 90, l->y, &right, eco_chart_count_text(left->count, count));
-		eco_chart_text(m->chart, l->x + 14, l->y, &reason, left->text);
-		l->y += LINE;
+		double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14, number = l->x + LEGEND - (indent > 14 ? 110 : 90);
+		struct eco_chart_style style = { .size = indent > 14 ? 11 : 12, .room = (left->count && indent > 0 ? LEGEND - 160 : LEGEND) - indent,
+			.color = indent > 14 ? gray : (struct eco_color){ 0 } };
+		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT, .color = style.color };
+		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT ? "kept: " : "", left->text);
+		eco_chart_text(m->chart, l->x + indent, l->y, &style, text);
+		if (left->count && indent > 0)
+			eco_chart_text(m->chart, number, l->y, &right, eco_chart_count_text(left->count, count));
+		l->y += indent > 14 ? LINE - 3 : LINE;
 	}
 	if (m->left_count > LEFT_OUT_LINES) {
 		snprintf(text, sizeof text, "... and %u more lines", m->left_count - LEFT_OUT_LINES);
-		write_line(l, &file, text);
+		write_line(l, &(struct eco_chart_style){ .size = 12, .room = LEGEND }, text);
 	}
 }
 
@@ -316,11 +316,6 @@ static void print_map(const struct map *m, const char *path)
 	printf("%s: %" PRIu64 " plant%s\n", path, m->total, m->total == 1 ? "" : "s");
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		printf("  %-24s %10" PRIu64 "  %s\n", m->kinds[i].name, m->kinds[i].count, range_text(m->kinds[i].low_m, m->kinds[i].high_m, range));
-	for (uint32_t i = 0; i < m->left_count; i++)
-		if (m->left[i].heading)
-			printf("%s\n", m->left[i].text);
-		else
-			printf("  %-24s %10" PRIu64 "\n", m->left[i].text, m->left[i].count);
 	if (m->outside)
 		printf("%" PRIu64 " stand outside the picture, far from the rest\n", m->outside);
 	if (m->off_ground)

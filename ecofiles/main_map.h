@@ -27,7 +27,9 @@ struct map_points { struct map_point *items; uint64_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 
-struct map_left { char text[160]; uint64_t count; bool heading; };       /* what was read, and what not and why; a heading is a file */
+/* What was read, and what was not and why. A file is followed by what was left out of it, then by what was kept but should be known. */
+enum map_left_kind { MAP_FILE, MAP_LEFT_OUT, MAP_OF_THESE, MAP_KEPT };
+struct map_left { char text[160]; uint64_t count; enum map_left_kind kind; };
 
 /* A polygon to show, x and y alternating: an area of scatter, or the bounds of a nested file. */
 struct map_outline { double *points; uint32_t count; bool is_area; char name[64]; };
@@ -68,8 +70,9 @@ enum eco_code map_draw_places(struct map *m);
 
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 
-/* A line for the legend: of a file (heading), or of what it left out. */
-enum eco_code map_say(struct map *m, bool heading, uint64_t count, const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* A line for the legend. */
+enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+	__attribute__((format(printf, 4, 5)));
 /* Takes over `points`, malloc'ed. */
 enum eco_code map_add_outline(struct map *m, double *points, uint32_t count, bool is_area, const char *name);
 enum eco_code map_add_point(struct map *m, struct map_points *points, const struct map_point *point);

@@ -32,7 +32,7 @@ static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t m
 	return true;
 }
 
-enum eco_code map_say(struct map *m, bool heading, uint64_t count, const char *format, ...)
+enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
 	struct map_left *bigger = realloc(m->left, (m->left_count + 1u) * sizeof *bigger);
 	va_list args;
@@ -40,7 +40,7 @@ enum eco_code map_say(struct map *m, bool heading, uint64_t count, const char *f
 		return no_memory(m);
 	m->left = bigger;
 	struct map_left *left = &bigger[m->left_count++];
-	*left = (struct map_left){ .count = count, .heading = heading };
+	*left = (struct map_left){ .count = count, .kind = kind };
 	va_start(args, format);
 	vsnprintf(left->text, sizeof left->text, format, args);
 	va_end(args);
@@ -136,22 +136,75 @@ static const char *file_of(const char *path)
 	return slash ? slash + 1 : path;
 }
 
-static enum eco_code say_skipped(struct map *m, const struct eco_positions *reader, const char *path)
+#define DETAILS 8u               /* species, of those that were left out */
+
+static int by_most(const void *a, const void *b)
 {
-	uint64_t rows = 0;
-	char text[32];
-	const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
-	enum eco_code code = map_say(m, true, rows, "%.80s: %s row%s", file_of(path), eco_chart_count_text(rows, text), rows == 1 ? "" : "s");
-	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++)
-		if (skipped[k].count)
-			code = map_say(m, false, skipped[k].count, "%s%s", eco_skip_names[k], k == ECO_SKIP_NO_HEIGHT ? " (kept)" : "");
+	const struct eco_skipped *const *x = a, *const *y = b;
+	if ((*x)->count != (*y)->count)
+		return (*x)->count > (*y)->count ? -1 : 1;
+	return strcmp((*x)->first_text, (*y)->first_text);
+}
+
+/* Which species the map leaves out, the commonest first. */
+static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_positions_counts *counts)
+{
+	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
+	uint32_t found = 0;
+	enum eco_code code = order ? ECO_OK : no_memory(m);
+	for (uint32_t i = 0; i < spec->map_count && order; i++)
+		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
+			order[found++] = &counts->keys[i];
+	if (order)
+		qsort(order, found, sizeof *order, by_most);
+	for (uint32_t i = 0; i < found && i < DETAILS && !code; i++)
+		code = map_say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
+	if (found > DETAILS && !code)
+		code = map_say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
+	free(order);
 	return code;
+}
+
+static enum eco_code say_unknown(struct map *m, const struct eco_positions_counts *counts)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count && !code; i++)
+		code = map_say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
+	if (counts->unknown_species > ECO_UNKNOWN_MOST && !code)
+		code = map_say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
+	return code;
+}
+
+static enum eco_code say_rows(struct map *m, const struct eco_positions *reader, const struct eco_positions_spec *spec)
+{
+	struct eco_positions_counts counts;
+	char rows[32], plants[32];
+	eco_positions_counted(reader, &counts);
+	enum eco_code code = map_say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
+		eco_chart_count_text(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_chart_count_text(counts.plants, plants),
+		counts.plants == 1 ? "" : "s");
+	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
+		if (!counts.skipped[k].count)
+			continue;
+		code = map_say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s", eco_skip_names[k]);
+		if (!code && k == ECO_SKIP_LEFT_OUT)
+			code = say_left_out(m, spec, &counts);
+		else if (!code && k == ECO_SKIP_UNKNOWN_SPECIES)
+			code = say_unknown(m, &counts);
+	}
+	return code;
+}
+
+static void note(void *ctx, const char *text)
+{
+	(void)ctx;
+	main_note("%s", text);
 }
 
 static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	struct eco_frame frame = { .crs = s->crs, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	struct eco_frame frame = { .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
@@ -163,11 +216,13 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 		code = eco_positions_next(reader, &row, m->error);
 		if (code || row.plant == ECO_NONE)
 			break;
-		double own = s->plants[row.plant].height_m;
-		code = add_plant(m, source, row.plant, row.at, isnan(row.height_m) ? own > 0 ? own : NAN : row.height_m);
+		double own = s->plants[row.plant].height_m, height = isnan(row.height_m) ? own : row.height_m;
+		code = add_plant(m, source, row.plant, row.at, height > 0 ? height * row.scale : NAN);
 	}
-	if (!code)
-		code = say_skipped(m, reader, spec->path);
+	if (!code) {
+		eco_positions_report(reader, note, NULL);
+		code = say_rows(m, reader, spec);
+	}
 	eco_positions_close(reader);
 	return code;
 }

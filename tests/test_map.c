@@ -96,12 +96,14 @@ static void test_what_is_left_out_is_counted_by_reason(void **state)
 	struct map m;
 	(void)state;
 	gather(&m, ROOT "/one.json");
-	assert_int_equal(left(&m, "rows.csv: 8 rows"), 8);
+	assert_int_equal(left(&m, "rows.csv: 8 rows, 3 plants"), 8);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_NO_COORDINATES]), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_BAD_NUMBER]), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_UNKNOWN_SPECIES]), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_LEFT_OUT]), 2);
-	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_NO_HEIGHT]), 1);
+	assert_int_equal(left(&m, "stump"), 2);          /* which ones */
+	assert_int_equal(left(&m, "weed"), 1);
+	assert_int_equal(left(&m, eco_skip_names[ECO_KEPT_NO_HEIGHT]), 1);
 	map_free(&m);
 }
 
