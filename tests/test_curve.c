@@ -226,7 +226,7 @@ static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void 
 static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, double scale)
 {
 	struct lod_probe probe;
-	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ 8, 192 }, NULL), ECO_OK);
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = 8, .pixels = 192 }, NULL), ECO_OK);
 	assert_true(lod_probe_keep_model(&probe));
 	struct eco_cut cut = { .list = list, .end = end, .scale = (float)scale };
 	assert_int_equal(lod_probe_add(&probe, &cut, NULL), ECO_OK);
