@@ -231,6 +231,9 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 		uint32_t bits[3];
 		float even[3] = { p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f };       /* -0 is 0 */
 		memcpy(bits, even, sizeof bits);
+		place[i] = i;
+		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+			continue;            /* equal to nothing, it would be looked for in vain for ever */
 		uint64_t at = eco_mix(eco_mix(bits[0], bits[1]), bits[2]) & (size - 1);
 		while (table[at] != ECO_NONE && (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1] || q[2] != p[2]))
 			at = (at + 1) & (size - 1);
