@@ -45,6 +45,7 @@ struct eco_ground_options {
 	const char *scene_vertical;  /* datum of the scene's heights; NULL: not stated */
 	double origin[3];            /* of the scene, in its CRS */
 	uint32_t side_max;           /* columns and rows at most; 0: ECO_GROUND_SIDE_MAX. What is larger is averaged down */
+	bool keep_missing;           /* what is no height stays NaN, and datums do not matter: a raster of something else */
 	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call */
 	void *ctx;
 };

@@ -23,7 +23,6 @@
 #define CROWN_PLAUSIBLE_M 60.0
 #define SCALE_MIN 0.001
 #define SCALE_MAX 1000.0
-#define VALUE_BYTES 256u
 
 /* ---- What is said ---- */
 
@@ -197,44 +196,6 @@ static char decimal_of(const struct eco_positions *p)
 
 /* ---- Filters ---- */
 
-static bool fold_filters(struct eco_positions *p)
-{
-	char folded[VALUE_BYTES];
-
-	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
-		const struct eco_filter *f = &p->spec->filters[i];
-
-		p->filter_patterns[i] = calloc(f->value_count + 1u, sizeof *p->filter_patterns[i]);
-		for (uint32_t k = 0; p->filter_patterns[i] != NULL && k < f->value_count; k++) {
-			if (f->values[k].text == NULL)
-				continue;
-			eco_text_fold(f->values[k].text, folded, sizeof folded);
-			if ((p->filter_patterns[i][k] = strdup(folded)) == NULL)
-				return false;
-		}
-		if (p->filter_patterns[i] == NULL)
-			return false;
-	}
-	return true;
-}
-
-static bool has_value(const struct eco_positions *p, uint32_t filter, const char *text)
-{
-	const struct eco_filter *f = &p->spec->filters[filter];
-	char folded[VALUE_BYTES];
-	double number;
-	bool numeric = eco_text_number(text, decimal_of(p), &number);
-
-	eco_text_fold(text, folded, sizeof folded);
-	for (uint32_t k = 0; k < f->value_count; k++) {
-		const char *pattern = p->filter_patterns[filter][k];
-
-		if (pattern != NULL ? eco_text_fits(folded, pattern) : numeric && number == f->values[k].number)
-			return true;
-	}
-	return false;
-}
-
 static bool passes_filters(struct eco_positions *p)
 {
 	char text[64];
@@ -242,7 +203,7 @@ static bool passes_filters(struct eco_positions *p)
 	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
 		const char *value = field(p, p->filter_column[i]);
 
-		if (has_value(p, i, value) == p->spec->filters[i].only)
+		if (eco_filter_passes(&p->spec->filters[i], value, decimal_of(p)))
 			continue;
 		eco_positions_count(p, &p->filtered[i], shown(value, text, sizeof text));
 		count(p, ECO_SKIP_FILTERED, text);
@@ -616,8 +577,7 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	p->frame = *frame;
 	p->species = eco_species_open(spec);
 	code = start_places(p, error);
-	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX
-		|| !fold_filters(p)))
+	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (code == ECO_OK)
 		code = open_rows(p, error);
@@ -672,11 +632,6 @@ void eco_positions_close(struct eco_positions *reader)
 	eco_species_close(reader->species);
 	eco_place_set_close(reader->places);
 	eco_levels_close(reader->levels);
-	for (uint32_t i = 0; i < ECO_FILTERS_MAX; i++) {
-		for (uint32_t k = 0; reader->filter_patterns[i] != NULL && k < reader->spec->filters[i].value_count; k++)
-			free(reader->filter_patterns[i][k]);
-		free(reader->filter_patterns[i]);
-	}
 	for (uint32_t i = 0; i < reader->note_count; i++)
 		free(reader->notes[i]);
 	free(reader);

@@ -156,6 +156,33 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 	return ECO_OK;
 }
 
+static bool scatter_progress(void *ctx, double share)
+{
+	return main_progress("scattering plants", ctx, share);
+}
+
+static enum eco_code place_scatters(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct eco_frame frame = frame_of(s);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < s->scatter_count && !code; i++) {
+		struct eco_scatter *scatter = NULL;
+		struct eco_scatter_place row;
+		code = eco_scatter_open(&scatter, &s->scatters[i], &frame, scatter_progress, s->scatters[i].path, m->error);
+		while (!code && eco_scatter_next(scatter, &row)) {
+			uint32_t plant = m->plant_of[source][row.plant];
+			struct make_place place = { .at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
+				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+			code = add_place(m, &m->ecos[source], &place);
+		}
+		if (!code)
+			eco_scatter_report(scatter, note, s->scatters[i].path);
+		eco_scatter_close(scatter);
+	}
+	return code;
+}
+
 static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -232,6 +259,8 @@ enum eco_code make_places(struct make *m)
 		enum eco_code code = place_instances(m, s);
 		if (!code)
 			code = place_rows(m, s);
+		if (!code)
+			code = place_scatters(m, s);
 		if (!code)
 			code = tile_places(m, s);
 		if (code)

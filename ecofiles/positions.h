@@ -15,6 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "ecofiles/filter.h"
 #include "ecofiles/status.h"
 
 struct eco_species {             /* a species, with "*" for any text, and its plant (the first of its variants) */
@@ -38,14 +39,6 @@ struct eco_size {                /* one place where a height, or a crown's radiu
 	double factor;               /* 0.5 from a crown's diameter to its radius, 1/pi from a girth to dbh, else 1 */
 	struct eco_allometry *rules; /* ECO_SIZE_DBH, ascending by plant */
 	uint32_t rule_count;
-};
-
-struct eco_value { char *text; double number; };     /* text with "*"; text NULL: the number */
-struct eco_filter {              /* "only" and "skip" */
-	char *column;
-	bool only;                   /* rows with none of the values are left out; else rows with one of them */
-	struct eco_value *values;
-	uint32_t value_count;
 };
 
 struct eco_positions_spec {      /* texts are owned by whoever made it; NULL where not given */

@@ -55,7 +55,6 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES, ECO_COLUMN_YAW, ECO_COLUMN_SCALE, ECO_COLUMN_CROWN, ECO_COLUMN_FIXED };
 
 #define ECO_HEIGHT_SOURCES_MAX 16u
-#define ECO_FILTERS_MAX 64u
 
 struct eco_positions {
 	const struct eco_positions_spec *spec;
@@ -70,7 +69,6 @@ struct eco_positions {
 	struct eco_place_set *places;
 	struct eco_levels *levels;
 	struct eco_skipped skipped[ECO_SKIP_COUNT], filtered[ECO_FILTERS_MAX];
-	char **filter_patterns[ECO_FILTERS_MAX];     /* folded */
 	uint64_t plants, good_places;
 	double low[2], high[2];
 	char *notes[ECO_ROWS_NOTES_MAX];

@@ -19,7 +19,6 @@
 
 #define ECO_SCATTER_PLANTS_MAX 100000000u
 
-struct eco_filter;               /* positions.h */
 struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };      /* plants a hectare, or shares of what a column says */
 
 struct eco_scatter_spec {        /* texts are owned by whoever made it; NULL where not given */
@@ -27,6 +26,7 @@ struct eco_scatter_spec {        /* texts are owned by whoever made it; NULL whe
 	struct eco_scatter_plant *plants; uint32_t plant_count;
 	char *density_column;        /* plants a hectare, of all kinds; weights are shares then */
 	char *count_column;          /* plants in the area */
+	double full;                 /* of a mask: the value that means the whole density; 0: 1, or 255 where values go beyond 1 */
 	double distance_m;           /* between any two plants of this entry; 0: none */
 	char *clear_of, *clear_layer, *clear_crs;        /* what to keep away from: within it, or nearer than clear_m */
 	double clear_m;

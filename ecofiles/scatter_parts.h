@@ -25,13 +25,9 @@ struct eco_scatter_input {       /* what the files say, in metres from the origi
 	char *notes[ECO_SCATTER_NOTES_MAX]; uint32_t note_count;
 };
 
-/* Vector or raster is told by content (import_areas.c, import_mask.c). */
+/* Vector or raster is told by content (import_areas.c). */
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
 	struct eco_error *error);
 void eco_scatter_input_free(struct eco_scatter_input *input);
-
-/* False: not a raster that GDAL opens, and nothing else set. */
-enum eco_code eco_mask_read(struct eco_mask *mask, bool *is_raster, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	struct eco_error *error);
 
 #endif

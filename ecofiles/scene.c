@@ -90,24 +90,34 @@ static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 static bool parse_instances(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "instances");
-	size_t count, rows = 0;
+	size_t count, rows = 0, scatters = 0;
 
 	if (node.value == NULL)
 		return true;
 	if (!eco_json_array(&node, INSTANCES_MAX))
 		return false;
 	count = json_array_size(node.value);
-	for (size_t i = 0; i < count; i++)
-		rows += json_object_get(json_array_get(node.value, i), "from") != NULL;
-	source->instances = calloc(count - rows + 1, sizeof *source->instances);
+	for (size_t i = 0; i < count; i++) {
+		const json_t *item = json_array_get(node.value, i);
+
+		rows += json_object_get(item, "from") != NULL;
+		scatters += json_object_get(item, "scatter") != NULL;
+	}
+	source->instances = calloc(count + 1, sizeof *source->instances);
 	source->positions = calloc(rows + 1, sizeof *source->positions);
-	if (source->instances == NULL || source->positions == NULL)
+	source->scatters = calloc(scatters + 1, sizeof *source->scatters);
+	if (source->instances == NULL || source->positions == NULL || source->scatters == NULL)
 		return no_memory(&node);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
-		bool good = json_object_get(item.value, "from") == NULL ? parse_instance(source, &item)
-			: eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
+		bool good;
 
+		if (json_object_get(item.value, "from") != NULL)
+			good = eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
+		else if (json_object_get(item.value, "scatter") != NULL)
+			good = eco_scene_parse_scatter(source, &item, &source->scatters[source->scatter_count++]);
+		else
+			good = parse_instance(source, &item);
 		if (!good)
 			return false;
 	}
@@ -243,12 +253,15 @@ void eco_source_free(struct eco_source *source)
 		eco_source_plant_free(&source->plants[i]);
 	for (uint32_t i = 0; i < source->positions_count; i++)
 		eco_positions_spec_free(&source->positions[i]);
+	for (uint32_t i = 0; i < source->scatter_count; i++)
+		eco_scatter_spec_free(&source->scatters[i]);
 	for (uint32_t i = 0; i < source->child_count; i++)
 		free(source->children[i].eco);
 	free(source->plants);
 	free(source->plants_by_name);
 	free(source->instances);
 	free(source->positions);
+	free(source->scatters);
 	free(source->children);
 	free(source->path);
 	free(source->crs);

@@ -19,6 +19,7 @@
 #include "ecofiles/model.h"
 #include "ecofiles/pack.h"
 #include "ecofiles/positions.h"
+#include "ecofiles/scatter.h"
 #include "ecofiles/status.h"
 
 #define ECO_SOURCE_BYTES_MAX (64u << 20)
@@ -65,6 +66,7 @@ struct eco_source {
 	bool on_disk;                        /* files named were looked for */
 	struct eco_source_instance *instances;          uint32_t instance_count;
 	struct eco_positions_spec *positions;           uint32_t positions_count;
+	struct eco_scatter_spec *scatters;              uint32_t scatter_count;
 	struct eco_source_child *children;              uint32_t child_count;
 };
 

@@ -37,6 +37,17 @@ bool eco_source_has_file(const struct eco_source *source, const struct eco_json 
 enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
 	struct eco_error *error);
 
+#define ECO_COLUMN_BYTES 256u
+/* *out becomes a copy of the text of that key, malloc'ed, where it is there. */
+bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);
+
+/* "only" and "skip" of an entry (scene_filter.c). On failure they hold what was read so far. */
+bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
+
+/* One entry of "instances" that has "scatter" (scene_scatter.c). On failure the spec holds what was read so far. */
+bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec);
+void eco_scatter_spec_free(struct eco_scatter_spec *spec);
+
 /* One entry of "instances" that has "from". On failure the spec holds what was read so far. */
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec);
 void eco_positions_spec_free(struct eco_positions_spec *spec);

@@ -8,12 +8,9 @@
 
 #include "ecofiles/inventory_text.h"
 
-#define COLUMN_BYTES 256u
-#define VALUE_BYTES 200u
+
 #define MAP_MAX (1u << 20)
-#define VALUES_MAX 4096u
 #define SOURCES_MAX 16u              /* of heights */
-#define FILTERS_MAX 32u              /* of "only" and of "skip" */
 
 static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator", "decimal", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
@@ -22,7 +19,7 @@ static const char *const height_fields[] = { "column", "unit", "value", "from_db
 static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
 static const char *const crown_fields[] = { "column", "unit", "is", NULL };
 
-static bool copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
+bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
 {
 	const char *text = NULL;
 
@@ -67,7 +64,7 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 	bool good = folded != NULL;
 
 	for (uint32_t i = 0; good && i < spec->map_count; i++) {
-		char text[COLUMN_BYTES];
+		char text[ECO_COLUMN_BYTES];
 
 		eco_text_fold(spec->map[i].name, text, sizeof text);
 		folded[i] = (struct folded){ strdup(text), i };
@@ -147,7 +144,7 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
 
 	spec->fallback.plant = ECO_NONE;
-	if (!copy_text(at, "species", COLUMN_BYTES, &spec->species))
+	if (!eco_scene_copy_text(at, "species", ECO_COLUMN_BYTES, &spec->species))
 		return false;
 	if (plant.value != NULL) {
 		if (spec->species != NULL || map.value != NULL) {
@@ -298,7 +295,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	}
 	size->kind = from[which].kind;
 	size->factor = from[which].factor;
-	return copy_text(at, from[which].key, COLUMN_BYTES, &size->column) && parse_unit(at, from[which].unit, &size->unit_m)
+	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column) && parse_unit(at, from[which].unit, &size->unit_m)
 		&& (size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size));
 }
 
@@ -357,7 +354,7 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 	if (crown.value == NULL)
 		return true;
 	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column") || !eco_json_required(&crown, "is")
-		|| !eco_json_text(&crown, "is", 16, &is) || !copy_text(&crown, "column", COLUMN_BYTES, &spec->crown.column)
+		|| !eco_json_text(&crown, "is", 16, &is) || !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
 		|| !parse_unit(&crown, "m", &spec->crown.unit_m))
 		return false;
 	spec->crown.kind = ECO_SIZE_COLUMN;
@@ -367,75 +364,6 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 	is_node = eco_json_member(&crown, "is");
 	eco_json_fail(&is_node, ECO_BAD_INPUT, "\"is\" is \"radius\" or \"diameter\"");
 	return false;
-}
-
-/* ---- Filters ---- */
-
-static bool parse_value(const struct eco_json *at, struct eco_value *value)
-{
-	if (json_is_number(at->value)) {
-		value->number = json_number_value(at->value);
-		return true;
-	}
-	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
-		return false;
-	}
-	value->text = strdup(json_string_value(at->value));
-	if (value->text == NULL)
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return value->text != NULL;
-}
-
-static bool parse_filter(const struct eco_json *at, const char *column, struct eco_filter *filter)
-{
-	bool several = json_is_array(at->value);
-	size_t count = several ? json_array_size(at->value) : 1;
-
-	if (several && !eco_json_array(at, VALUES_MAX))
-		return false;
-	filter->column = strdup(column);
-	filter->values = calloc(count + 1, sizeof *filter->values);
-	if (filter->column == NULL || filter->values == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
-	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = several ? eco_json_item(at, i) : *at;
-
-		filter->value_count++;
-		if (!parse_value(&item, &filter->values[i]))
-			return false;
-	}
-	return true;
-}
-
-static bool parse_filters(const struct eco_json *at, const char *name, struct eco_positions_spec *spec)
-{
-	struct eco_json filters = eco_json_member(at, name), entry = { .file = at->file, .parent = &filters };
-	static const char *const any[] = { NULL };
-	const char *key;
-	json_t *value;
-
-	if (filters.value == NULL)
-		return true;
-	if (!json_is_object(filters.value))
-		return eco_json_object(&filters, any);
-	if (json_object_size(filters.value) > FILTERS_MAX) {
-		eco_json_fail(&filters, ECO_TOO_LARGE, "more than %u columns", FILTERS_MAX);
-		return false;
-	}
-	json_object_foreach((json_t *)filters.value, key, value) {
-		struct eco_filter *filter = &spec->filters[spec->filter_count++];
-
-		filter->only = strcmp(name, "only") == 0;
-		entry.key = key;
-		entry.value = value;
-		if (!parse_filter(&entry, key, filter))
-			return false;
-		entry.index++;
-	}
-	return true;
 }
 
 /* ---- The entry ---- */
@@ -483,7 +411,7 @@ static bool parse_file(const struct eco_source *source, const struct eco_json *a
 		eco_json_fail(&from, ECO_NO_MEMORY, "out of memory");
 		return false;
 	}
-	return eco_source_has_file(source, &from, spec->path) && copy_text(at, "layer", COLUMN_BYTES, &spec->layer)
+	return eco_source_has_file(source, &from, spec->path) && eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
 		&& parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal);
 }
@@ -512,23 +440,18 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 		return false;
 	if (json_object_get(at->value, "y") != NULL && !eco_json_required(at, "x"))
 		return false;
-	return copy_text(at, "x", COLUMN_BYTES, &spec->x) && copy_text(at, "y", COLUMN_BYTES, &spec->y) && copy_text(at, "z", COLUMN_BYTES, &spec->z)
-		&& copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs) && copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
+	return eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x) && eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y) && eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
+		&& eco_scene_copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs) && eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
 		&& check_crs(source, at, spec);
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
-	if (!parse_file(source, at, spec) || !copy_text(at, "yaw_deg", COLUMN_BYTES, &spec->yaw_deg)
-		|| !copy_text(at, "scale", COLUMN_BYTES, &spec->scale) || !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed)
+	if (!parse_file(source, at, spec) || !eco_scene_copy_text(at, "yaw_deg", ECO_COLUMN_BYTES, &spec->yaw_deg)
+		|| !eco_scene_copy_text(at, "scale", ECO_COLUMN_BYTES, &spec->scale) || !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed)
 		|| !parse_duplicates(at, spec) || !parse_species(source, at, spec) || !parse_height(source, at, spec) || !parse_crown(at, spec))
 		return false;
-	spec->filters = calloc(2 * FILTERS_MAX, sizeof *spec->filters);
-	if (spec->filters == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
-	return parse_filters(at, "only", spec) && parse_filters(at, "skip", spec) && parse_place(source, at, spec);
+	return eco_scene_parse_filters(at, &spec->filters, &spec->filter_count) && parse_place(source, at, spec);
 }
 
 static void free_size(struct eco_size *size)
@@ -549,14 +472,8 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 	for (uint32_t i = 0; i < spec->height_count; i++)
 		free_size(&spec->heights[i]);
 	free_size(&spec->crown);
-	for (uint32_t i = 0; i < spec->filter_count; i++) {
-		for (uint32_t k = 0; k < spec->filters[i].value_count; k++)
-			free(spec->filters[i].values[k].text);
-		free(spec->filters[i].values);
-		free(spec->filters[i].column);
-	}
 	free(spec->map);
 	free(spec->heights);
-	free(spec->filters);
+	eco_filters_free(spec->filters, spec->filter_count);
 	*spec = (struct eco_positions_spec){ .path = NULL };
 }

@@ -1,0 +1,23 @@
+/* Rows that are wanted, or not, by what stands in a column: {"only": {"status": ["alive*"]}, "skip": {"diameter": [0]}}. */
+#ifndef ECO_FILTER_H
+#define ECO_FILTER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define ECO_FILTERS_MAX 64u
+
+struct eco_value { char *text; double number; };     /* text folded (inventory_text.h), with "*" for any text; NULL: the number */
+
+struct eco_filter {
+	char *column;
+	bool only;                   /* rows with none of the values are left out; else rows with one of them */
+	struct eco_value *values;
+	uint32_t value_count;
+};
+
+/* Is a row with this text in the column wanted? `decimal` as in eco_text_number. */
+bool eco_filter_passes(const struct eco_filter *filter, const char *text, char decimal);
+void eco_filters_free(struct eco_filter *filters, uint32_t count);
+
+#endif
