@@ -1,5 +1,5 @@
-/* The canvas, a thin layer over cairo. The font is opened by its path, past the fonts and rules that a machine or user prefers, hinting
- * is off and smoothing is gray: so texts are the same everywhere. Only where that file is missing fontconfig is asked. */
+/* The canvas, a thin layer over cairo. The font is opened by its path, past the fonts and rules that a machine or user prefers,
+ * hinting is off and smoothing is gray: so texts are the same everywhere. Only where that file is missing fontconfig is asked. */
 #include "ecofiles/chart.h"
 
 #include <assert.h>

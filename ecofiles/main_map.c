@@ -118,6 +118,23 @@ static void write_others(struct legend *l)
 		write_kind(l, eco_chart_other, (others.low_m + others.high_m) / 2, name, others.count, range_text(others.low_m, others.high_m, range));
 }
 
+/* Kinds that nothing in the scene refers to, or only rows that are not there. */
+static void write_unused(struct legend *l)
+{
+	const struct map *m = l->m;
+	struct eco_chart_style style = { .size = 12, .color = red, .room = LEGEND };
+	char text[300] = "";
+	size_t used = 0;
+	uint32_t unused = 0;
+	for (uint32_t i = 0; i < m->kind_count; i++)
+		if (!m->kinds[i].count && unused++ < 5)
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%.40s", used ? ", " : "nowhere: ", m->kinds[i].name);
+	if (unused > 5)
+		snprintf(text + used, sizeof text - used, " and %u more", unused - 5);
+	if (unused)
+		l->y = eco_chart_paragraph(m->chart, l->x, l->y, 16, &style, text) + 3;
+}
+
 static void write_kinds(struct legend *l)
 {
 	const struct map *m = l->m;
@@ -130,13 +147,7 @@ static void write_kinds(struct legend *l)
 					range_text(kind->low_m, kind->high_m, range));
 		}
 	write_others(l);
-	for (uint32_t i = 0, unused = 0; i < m->kind_count && unused < 3; i++) {
-		struct eco_chart_style style = { .size = 12, .color = red, .room = LEGEND };
-		char text[120];
-		snprintf(text, sizeof text, "no %.60s anywhere", m->kinds[i].name);
-		if (!m->kinds[i].count && ++unused)
-			write_line(l, &style, text);
-	}
+	write_unused(l);
 }
 
 static void write_density(struct legend *l)
@@ -154,7 +165,7 @@ static void write_density(struct legend *l)
 	for (int i = 0; i < 24; i++)
 		eco_chart_box(m->chart, l->x + i * ramp / 24, l->y - 10, ramp / 24 + 0.5, 12,
 			(struct eco_color){ 0.07, 0.47, 0.2, 0.35 + 0.65 * (i + 0.5) / 24 });
-	snprintf(text, sizeof text, "1 to %s plants on %s × %s", eco_chart_count_text((uint64_t)m->densest, a), eco_chart_length_text(side, b), b);
+	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_chart_count_text((uint64_t)m->densest, a), eco_chart_length_text(side, b), b);
 	eco_chart_text(m->chart, l->x + ramp + 10, l->y, &style, text);
 	l->y += LINE;
 	write_line(l, &style, "Colours are the mean of what stands there.");
@@ -168,11 +179,12 @@ static void write_left_out(struct legend *l)
 		write_heading(l, "Read, and left out");
 	for (uint32_t i = 0; i < m->left_count && i < LEFT_OUT_LINES; i++) {
 		const struct map_left *left = &m->left[i];
-		double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14, number = l->x + LEGEND - (indent > 14 ? 110 : 90);
-		struct eco_chart_style style = { .size = indent > 14 ? 11 : 12, .room = (left->count && indent > 0 ? LEGEND - 160 : LEGEND) - indent,
+		double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14, number = l->x + LEGEND - (indent > 14 ? 16 : 0);
+		struct eco_chart_style style = { .size = indent > 14 ? 11 : 12, .room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent,
 			.color = indent > 14 ? gray : (struct eco_color){ 0 } };
 		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT, .color = style.color };
-		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT ? "kept: " : "", left->text);
+		bool is_said = strncmp(left->text, "kept", 4) == 0;
+		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT && !is_said ? "kept: " : "", left->text);
 		eco_chart_text(m->chart, l->x + indent, l->y, &style, text);
 		if (left->count && indent > 0)
 			eco_chart_text(m->chart, number, l->y, &right, eco_chart_count_text(left->count, count));

@@ -139,12 +139,28 @@ static enum eco_code look_at_density(struct map *m, double *density)
 
 struct tally { float count, rgb[3]; };
 
+/* What all but a two-hundredth of the pixels that have plants do not exceed: a few heaps must not make all else pale. */
+static double dense_end(const struct tally *tally, size_t pixels)
+{
+	static const uint32_t most = 4096;
+	uint64_t *counts = calloc(most + 1, sizeof *counts), occupied = 0, above = 0;
+	uint32_t end = most;
+	for (size_t i = 0; counts && i < pixels; i++)
+		if (tally[i].count > 0) {
+			counts[tally[i].count < (float)most ? (uint32_t)tally[i].count : most]++;
+			occupied++;
+		}
+	while (counts && end > 1 && (above += counts[end]) <= occupied / 200)
+		end--;
+	free(counts);
+	return end;
+}
+
 static enum eco_code draw_density(struct map *m)
 {
 	uint32_t width = (uint32_t)m->width, height = (uint32_t)m->height;
 	struct tally *tally = calloc((size_t)width * height, sizeof *tally);
 	uint8_t *rgba = calloc((size_t)width * height, 4);
-	m->densest = 1;
 	for (uint64_t i = 0; i < m->points.count && tally && rgba; i++) {
 		uint32_t x, y;
 		if (!pixel_of(m, &m->points.items[i], &x, &y))
@@ -153,14 +169,15 @@ static enum eco_code draw_density(struct map *m)
 		struct eco_color c = color_of(m, m->points.items[i].kind);
 		t->count++;
 		t->rgb[0] += (float)c.r, t->rgb[1] += (float)c.g, t->rgb[2] += (float)c.b;
-		m->densest = fmax(m->densest, (double)t->count);
 	}
+	if (tally)
+		m->densest = dense_end(tally, (size_t)width * height);
 	for (size_t i = 0; i < (size_t)width * height && tally && rgba; i++) {
 		if (!(tally[i].count > 0))
 			continue;
 		for (int k = 0; k < 3; k++)
 			rgba[4 * i + (size_t)k] = (uint8_t)(255 * tally[i].rgb[k] / tally[i].count + 0.5f);
-		rgba[4 * i + 3] = (uint8_t)(255 * (0.35 + 0.65 * log(1 + (double)tally[i].count) / log(1 + m->densest)));
+		rgba[4 * i + 3] = (uint8_t)(255 * (0.35 + 0.65 * fmin(log(1 + (double)tally[i].count) / log(1 + m->densest), 1)));
 	}
 	if (tally && rgba)
 		eco_chart_pixels(m->chart, m->x, m->y, width, height, rgba, true);

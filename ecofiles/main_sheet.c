@@ -1,6 +1,6 @@
 /* ecopack sheet: a contact sheet of a pack, for whoever wants to see whether the import was right and what detail costs. A row is a
- * plant: what is known of it, its organs in false colours (a leaf taken for wood is seen at once), full detail, then less and less of
- * it, each picture with its vertices and its Q. */
+ * plant: what is known of it, its organs in false colours (a leaf taken for wood is seen at once), full detail, then less and less
+ * of it, each picture with its vertices and its Q. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -128,12 +128,12 @@ static struct facts find_facts(const struct sheet *s, uint32_t number)
 	const struct eco_plant *plant = &scene->plants[number];
 	struct facts facts = { .meta = json_array_get(json_object_get(s->meta, "plants"), number) };
 	const char *key;
-	json_t *value;
+	json_t *value, *organs = json_object_get(facts.meta, "organs");
 	facts.triangles_in = json_integer_value(json_object_get(facts.meta, "triangles_in"));
 	json_object_foreach(json_object_get(facts.meta, "dropped"), key, value)
 		facts.dropped += json_integer_value(value);
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		facts.area[i] = json_number_value(json_object_get(json_object_get(json_object_get(facts.meta, "organs"), eco_organ_names[i]), "area_m2"));
+		facts.area[i] = json_number_value(json_object_get(json_object_get(organs, eco_organ_names[i]), "area_m2"));
 	for (uint32_t i = plant->ladder_first; !facts.meta && i < plant->ladder_first + plant->ladder_count; i++)
 		if (scene->ladders[i].anchor == plant->anchor_first && !(scene->ladders[i].flags & ECO_LADDER_FAR))
 			facts.area[scene->ladders[i].organ] += scene->ladders[i].area;

@@ -4,8 +4,8 @@
  *   sheet_plant_draw(&plant, vertices, &picture, &error);        planned, drawn with light and textures, scored
  *   sheet_plant_close(&plant);
  *
- * The plant is put into a scene of its own, of one tile with one instance, which then goes through lod_plan as any scene: so a cell of the
- * sheet shows what a viewer would get, not what some other rule would choose. */
+ * The plant is put into a scene of its own, of one tile with one instance, which then goes through lod_plan as any scene: so a cell
+ * of the sheet shows what a viewer would get, not what some other rule would choose. */
 #ifndef ECO_MAIN_SHEET_H
 #define ECO_MAIN_SHEET_H
 

@@ -1,7 +1,7 @@
-/* Drawing a plant with light and textures. The rasteriser says which primitive each sample shows (its owners are primitives here); colours
- * are found afterwards, once a sample: where the ray through it meets the triangle, which texel lies there, how the surface stands to the
- * light. Nine samples make a pixel, averaged in linear light. The score is that of the pixels' size, without oversampling, as a viewer
- * would be scored. */
+/* Drawing a plant with light and textures. The rasteriser says which primitive each sample shows (its owners are primitives here);
+ * colours are found afterwards, once a sample: where the ray through it meets the triangle, which texel lies there, how the surface
+ * stands to the light. Nine samples make a pixel, averaged in linear light. The score is that of the pixels' size, without
+ * oversampling, as a viewer would be scored. */
 #include "ecofiles/main_sheet.h"
 
 #include <math.h>
