@@ -30,7 +30,11 @@
 
 #define MODELS_MAX 64
 #define SIZE_MOST (64u << 20)
+#ifdef __SANITIZE_ADDRESS__
+#define GROWTH_MAX_KB LONG_MAX       /* what is freed stays in quarantine; leaks are found otherwise */
+#else
 #define GROWTH_MAX_KB (32 << 10)     /* caches that fill once; what leaks at each import is more */
+#endif
 #define WARM 50                      /* mutants before memory is measured first */
 #define SLACK_S 5
 
