@@ -421,7 +421,8 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 			.radius = b->radius, .length = b->length, .turn = b->turn };
 		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
 		c->closed = b->open < 0.02;
-		c->stout = c->organ == ECO_ORGAN_WOOD && (f->thing[i] || (f->verdict[i] == SOLID && b->radius > STOUT * b->diagonal) || has_walls(b));
+		bool thick = f->verdict[i] == SOLID && b->radius > STOUT * b->diagonal;
+		c->stout = c->organ == ECO_ORGAN_WOOD && (f->thing[i] || thick || has_walls(b));
 		memcpy(c->low, b->low, sizeof c->low);
 		memcpy(c->high, b->high, sizeof c->high);
 		memcpy(c->rgb, b->rgb, sizeof c->rgb);

@@ -116,7 +116,8 @@ void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t c
 	struct census c = take_census(organ, shapes, count, extent);
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_shape *b = &shapes[i];
-		if (organ[i] == ECO_ORGAN_FOLIAGE && !fixed[i] && b->diagonal <= SMALL * extent && is_flower(&c, b, hint[i]))
+		bool candidate = organ[i] == ECO_ORGAN_FOLIAGE && !fixed[i] && b->diagonal <= SMALL * extent;
+		if (candidate && is_flower(&c, b, hint[i]))
 			organ[i] = ECO_ORGAN_FLOWER;
 	}
 }

@@ -159,6 +159,37 @@ static void an_open_strip_is_as_wide_as_it_is(void **state)
 	finish(&soup);
 }
 
+/* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean. */
+static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_begin(&soup);
+	soup.image[0] = (struct eco_image){ 1, 8, calloc(8, 4) };
+	soup.model.image_count = 1;
+	for (int y = 0; y < 8; y++)
+		memcpy(soup.image[0].rgba + 4 * y, (uint8_t[4]){ y < 4 ? 40 : 200, y < 4 ? 30 : 190, 20, 255 }, 4);
+	soup_tube(&soup, soup_material(&soup, 255, 255, 255, 0, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
+	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
+		soup.model.uv[2 * v + 1] = soup.model.position[3 * v + 2] / 8;
+	make(&made, &soup);
+	uint32_t dark = 0, bright = 0;
+	for (uint32_t i = 0; i < made.bones.count; i++) {
+		const struct lod_bone *b = &made.bones.items[i];
+		double low = fmin(b->end[0].z, b->end[1].z), high = fmax(b->end[0].z, b->end[1].z);
+		if (high < 3.9) {
+			assert_in_range(b->rgb[0], 38, 42);
+			dark++;
+		} else if (low > 4.1) {
+			assert_in_range(b->rgb[0], 198, 202);
+			bright++;
+		}
+	}
+	assert_true(dark > 0 && bright > 0);
+	finish(&soup);
+}
+
 static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
 {
 	(void)state;
@@ -208,6 +239,7 @@ int main(void)
 		cmocka_unit_test(a_bent_tube_is_followed),
 		cmocka_unit_test(a_fork_has_a_line_for_each_arm),
 		cmocka_unit_test(an_open_strip_is_as_wide_as_it_is),
+		cmocka_unit_test(lines_have_the_colour_of_the_bark_that_they_replace),
 		cmocka_unit_test(all_tubes_of_a_tree_have_lines_largest_first),
 		cmocka_unit_test(any_soup_has_finite_lines),
 	};

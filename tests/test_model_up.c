@@ -30,7 +30,8 @@ static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 a
 		d = lod_v3_unit(d);
 		for (int k = 1; k <= 6; k++) {
 			double w = k / 6.0;
-			struct lod_v3 next = lod_v3_add(at, (struct lod_v3){ d.x * lean * w * length, d.y * lean * w * length, (w - sink * w * w) * length });
+			struct lod_v3 next = lod_v3_add(at, (struct lod_v3){ d.x * lean * w * length, d.y * lean * w * length,
+				(w - sink * w * w) * length });
 			soup_tube(s, material, last, next, 0.01 * length, 0.008 * length, 3, 1);
 			last = next;
 		}

@@ -203,7 +203,8 @@ static void box(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_
 	static const uint8_t face[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
 	uint32_t first = s->model.vertex_count;
 	for (int i = 0; i < 8; i++)
-		soup_vertex(s, lod_v3_add(at, (struct lod_v3){ i & 1 ? size.x / 2 : -size.x / 2, i & 2 ? size.y / 2 : -size.y / 2, i & 4 ? size.z : 0 }), 0, 0);
+		soup_vertex(s, lod_v3_add(at, (struct lod_v3){ i & 1 ? size.x / 2 : -size.x / 2, i & 2 ? size.y / 2 : -size.y / 2,
+			i & 4 ? size.z : 0 }), 0, 0);
 	for (int f = 0; f < 6; f++) {
 		soup_triangle(s, material, first + face[f][0], first + face[f][1], first + face[f][2]);
 		soup_triangle(s, material, first + face[f][0], first + face[f][2], first + face[f][3]);
@@ -217,7 +218,8 @@ static void pot(struct soup *s, uint32_t material, double radius, double height)
 	static const double ring[4][2] = { { 0.7, 0 }, { 1, 1 }, { 0.9, 1 }, { 0.6, 0.1 } };
 	for (int i = 0; i < 4; i++)
 		for (uint32_t k = 0; k < n; k++)
-			soup_vertex(s, (struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n), radius * ring[i][0] * sin(2 * LOD_PI * k / n), height * ring[i][1] }, 0, 0);
+			soup_vertex(s, (struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n), radius * ring[i][0] * sin(2 * LOD_PI * k / n),
+				height * ring[i][1] }, 0, 0);
 	uint32_t bottom = soup_vertex(s, (struct lod_v3){ 0, 0, 0 }, 0, 0), inside = soup_vertex(s, (struct lod_v3){ 0, 0, 0.1 * height }, 0, 0);
 	for (uint32_t k = 0; k < n; k++) {
 		uint32_t l = (k + 1) % n;
@@ -270,7 +272,8 @@ static void bare_tree(struct soup *s, uint32_t material)
 	for (int i = 0; i < 12; i++) {
 		struct lod_v3 d = soup_direction(s);
 		d.z = fabs(d.z) + 0.3;
-		soup_tube(s, material, (struct lod_v3){ 0, 0, 1.5 + 0.12 * i }, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(d, 2)), 0.04, 0.01, 5, 8);
+		soup_tube(s, material, (struct lod_v3){ 0, 0, 1.5 + 0.12 * i }, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(d, 2)), 0.04,
+			0.01, 5, 8);
 	}
 }
 
