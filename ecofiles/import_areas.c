@@ -219,8 +219,6 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	struct eco_mask *mask = &input->mask;
 	enum eco_code code;
 
-	if (spec->density_column != NULL || spec->count_column != NULL || spec->filter_count > 0 || spec->layer != NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: a raster has no columns and layers; with it say \"density_per_ha\"", spec->path);
 	code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
 		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note, .ctx = input }, error);
 	if (code != ECO_OK)
@@ -241,8 +239,9 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 {
 	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
 	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
+	bool columns = spec->density_column != NULL || spec->count_column != NULL || spec->filter_count > 0 || spec->layer != NULL;
 
-	if (code == ECO_BAD_INPUT && input->features == 0) {
+	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
 		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
 			code = ECO_OK;
 		else if (strstr(no_mask.text, "not a raster") == NULL)

@@ -30,6 +30,8 @@ struct ogr_rows {
 	bool areas;
 	char *path;
 	uint8_t *wkb; size_t wkb_capacity;
+	char *text; size_t text_capacity;        /* fields that are no texts, of the row */
+	bool copied[ECO_COLUMNS_MAX];
 };
 
 static void quiet(void)
@@ -274,16 +276,45 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	return ECO_OK;
 }
 
-static void take_fields(struct ogr_rows *r)
+/* OGR formats every number into one buffer of its own, which the next one overwrites: they are copied, one behind the other. */
+static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 {
+	size_t used = 0;
+
+	for (int i = 0; i < (int)r->rows.column_count; i++) {
+		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
+		const char *text = OGR_F_IsFieldSetAndNotNull(r->feature, i) ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		size_t size = strlen(text) + 1;
+
+		r->rows.fields[i] = text;
+		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
+		if (!r->copied[i])
+			continue;
+		if (size > r->text_capacity - used) {
+			char *grown = realloc(r->text, 2 * (used + size));
+
+			if (grown == NULL)
+				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+			r->text = grown;
+			r->text_capacity = 2 * (used + size);
+		}
+		memcpy(r->text + used, text, size);
+		used += size;
+	}
+	used = 0;
 	for (uint32_t i = 0; i < r->rows.column_count; i++)
-		r->rows.fields[i] = OGR_F_IsFieldSetAndNotNull(r->feature, (int)i) ? OGR_F_GetFieldAsString(r->feature, (int)i) : "";
+		if (r->copied[i]) {
+			r->rows.fields[i] = r->text + used;
+			used += strlen(r->text + used) + 1;
+		}
 	r->rows.field_count = r->rows.column_count;
+	return ECO_OK;
 }
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
 {
 	struct ogr_rows *r = (struct ogr_rows *)rows;
+	enum eco_code code;
 
 	*more = true;
 	if (r->points != NULL && ++r->point < OGR_G_GetGeometryCount(r->points)) {
@@ -302,8 +333,8 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	}
 	rows->row++;
 	rows->line++;
-	take_fields(r);
-	return take_geometry(r, error);
+	code = take_fields(r, error);
+	return code == ECO_OK ? take_geometry(r, error) : code;
 }
 
 static void close_ogr(struct eco_rows *rows)
@@ -317,6 +348,7 @@ static void close_ogr(struct eco_rows *rows)
 	CPLPopErrorHandler();
 	eco_rows_free_texts(rows);
 	free(r->wkb);
+	free(r->text);
 	free(r->path);
 	free(r);
 }
