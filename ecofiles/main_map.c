@@ -150,6 +150,21 @@ static void write_kinds(struct legend *l)
 	write_unused(l);
 }
 
+static void write_edges(struct legend *l)
+{
+	const struct { const struct map_edges *edges; struct eco_color color; const char *says; } kinds[] = {
+		{ &l->m->areas, { 0.1, 0.25, 0.5, 0.8 }, "areas of scattered plants" },
+		{ &l->m->clear_of, { 0.75, 0.2, 0.1, 0.55 }, "what they keep clear of" } };
+	struct eco_chart_style style = { .size = 12, .color = gray, .room = LEGEND };
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		if (!kinds[i].edges->count)
+			continue;
+		eco_chart_line(l->m->chart, l->x, l->y - 4, l->x + 16, l->y - 4, 1.6, kinds[i].color);
+		eco_chart_text(l->m->chart, l->x + 22, l->y, &style, kinds[i].says);
+		l->y += LINE;
+	}
+}
+
 static void write_density(struct legend *l)
 {
 	const struct map *m = l->m;
@@ -185,6 +200,10 @@ static void write_left_out(struct legend *l)
 		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT, .color = style.color };
 		bool is_said = strncmp(left->text, "kept", 4) == 0;
 		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT && !is_said ? "kept: " : "", left->text);
+		if (left->count == 0) {
+			l->y = eco_chart_paragraph(m->chart, l->x + indent, l->y, 15, &style, text) + 3;
+			continue;
+		}
 		eco_chart_text(m->chart, l->x + indent, l->y, &style, text);
 		if (left->count && indent > 0)
 			eco_chart_text(m->chart, number, l->y, &right, eco_chart_count_text(left->count, count));
@@ -268,6 +287,7 @@ static double draw_legend(struct map *m, double x, double y)
 	write_heading(&l, heading);
 	write_kinds(&l);
 	write_density(&l);
+	write_edges(&l);
 	write_notes(&l);
 	write_left_out(&l);
 	write_place(&l);

@@ -31,8 +31,8 @@ struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 enum map_left_kind { MAP_FILE, MAP_LEFT_OUT, MAP_OF_THESE, MAP_KEPT };
 struct map_left { char text[160]; uint64_t count; enum map_left_kind kind; };
 
-/* A polygon to show, x and y alternating: an area of scatter, or the bounds of a nested file. */
-struct map_outline { double *points; uint32_t count; bool is_area; char name[64]; };
+struct map_outline { double corners[8]; char name[64]; };        /* of a nested file: x and y of its bounds, turned */
+struct map_edges { double *ends; uint32_t count, capacity; };     /* x0, y0, x1, y1 each, metres */
 
 struct map {
 	struct eco_error *error;
@@ -47,6 +47,7 @@ struct map {
 	uint64_t not_expanded;       /* plants of nested files that are outlines only */
 	struct map_left *left;       uint32_t left_count;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
+	struct map_edges areas, clear_of;        /* of scattered plants: where they may stand, and what they keep away from */
 	uint64_t total, outside, off_ground, placements;
 	double typical_m;            /* median of the known heights */
 	/* the picture */
@@ -73,8 +74,6 @@ double map_radius(const struct map *m, double height_m);         /* pixels; heig
 /* A line for the legend. */
 enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 	__attribute__((format(printf, 4, 5)));
-/* Takes over `points`, malloc'ed. */
-enum eco_code map_add_outline(struct map *m, double *points, uint32_t count, bool is_area, const char *name);
 enum eco_code map_add_point(struct map *m, struct map_points *points, const struct map_point *point);
 
 static inline void map_extend(struct map_bounds *b, double x, double y)

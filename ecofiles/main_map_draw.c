@@ -62,8 +62,10 @@ static enum eco_code find_bounds(struct map *m, struct map_bounds *b)
 		map_extend(b, (double)m->points.items[i].x, (double)m->points.items[i].y);
 	enum eco_code code = m->points.count ? leave_strays(m, b) : ECO_OK;
 	for (uint32_t i = 0; i < m->outline_count; i++)
-		for (uint32_t k = 0; k < m->outlines[i].count; k++)
-			map_extend(b, m->outlines[i].points[2 * (size_t)k], m->outlines[i].points[2 * (size_t)k + 1]);
+		for (int k = 0; k < 4; k++)
+			map_extend(b, m->outlines[i].corners[2 * k], m->outlines[i].corners[2 * k + 1]);
+	for (uint32_t i = 0; i < 2 * m->areas.count; i++)
+		map_extend(b, m->areas.ends[2 * (size_t)i], m->areas.ends[2 * (size_t)i + 1]);
 	if (m->has_ground && map_is_empty(b)) {
 		const struct eco_ground *g = &m->ground;
 		map_extend(b, g->x_m, g->y_m);
@@ -265,28 +267,33 @@ static enum eco_code draw_dots(struct map *m)
 
 /* ---- All ---- */
 
-static enum eco_code draw_outlines(struct map *m, bool areas)
+static void draw_outlines(struct map *m)
 {
 	struct eco_chart_style style = { .size = 11, .align = ECO_CHART_CENTER, .halo = { 1, 1, 1, 0.8 } };
 	for (uint32_t i = 0; i < m->outline_count; i++) {
-		const struct map_outline *o = &m->outlines[i];
-		double *points = malloc(2 * (size_t)o->count * sizeof *points), x = 0, y = 0;
-		if (!points)
-			return no_memory(m);
-		for (uint32_t k = 0; k < o->count; k++) {
-			points[2 * (size_t)k] = map_x(m, o->points[2 * (size_t)k]);
-			points[2 * (size_t)k + 1] = map_y(m, o->points[2 * (size_t)k + 1]);
-			x += points[2 * (size_t)k] / o->count;
-			y += points[2 * (size_t)k + 1] / o->count;
+		double points[8], x = 0, y = 0;
+		for (int k = 0; k < 4; k++) {
+			x += points[2 * k] = map_x(m, m->outlines[i].corners[2 * k]);
+			y += points[2 * k + 1] = map_y(m, m->outlines[i].corners[2 * k + 1]);
 		}
-		if (o->is_area == areas)
-			eco_chart_path(m->chart, &(struct eco_chart_path){ .points = points, .count = o->count, .closed = true, .line = areas ? 1.2 : 1,
-				.color = areas ? ECO_COLOR(0x5a7a9a) : ECO_COLOR(0x707070),
-				.fill = areas ? (struct eco_color){ 0.4, 0.55, 0.75, 0.12 } : (struct eco_color){ 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
-		if (o->is_area == areas && !areas && m->outline_count <= NAMED_MOST)
-			eco_chart_text(m->chart, x, y, &style, o->name);
-		free(points);
+		eco_chart_path(m->chart, &(struct eco_chart_path){ .points = points, .count = 4, .closed = true, .line = 1,
+			.color = ECO_COLOR(0x707070), .fill = { 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
+		if (m->outline_count <= NAMED_MOST)
+			eco_chart_text(m->chart, x / 4, y / 4, &style, m->outlines[i].name);
 	}
+}
+
+static enum eco_code draw_edges(struct map *m, const struct map_edges *edges, double line, struct eco_color color)
+{
+	double *ends = malloc(4 * (size_t)edges->count * sizeof *ends + 1);
+	if (!ends)
+		return no_memory(m);
+	for (size_t i = 0; i < 2 * (size_t)edges->count; i++) {
+		ends[2 * i] = map_x(m, edges->ends[2 * i]);
+		ends[2 * i + 1] = map_y(m, edges->ends[2 * i + 1]);
+	}
+	eco_chart_lines(m->chart, ends, edges->count, line, color);
+	free(ends);
 	return ECO_OK;
 }
 
@@ -298,9 +305,13 @@ enum eco_code map_draw_places(struct map *m)
 	enum eco_code code = look_at_density(m, &density);
 	m->is_density = density > DENSE;
 	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
-	if (!code)
-		code = draw_outlines(m, true);
 	if (!code && m->points.count)
 		code = m->is_density ? draw_density(m) : draw_dots(m);
-	return code ? code : draw_outlines(m, false);
+	if (!code)
+		code = draw_edges(m, &m->clear_of, 2, (struct eco_color){ 0.75, 0.2, 0.1, 0.55 });
+	if (!code)
+		code = draw_edges(m, &m->areas, 1.2, (struct eco_color){ 0.1, 0.25, 0.5, 0.8 });
+	if (!code)
+		draw_outlines(m);
+	return code;
 }

@@ -9,10 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/areas.h"
 #include "ecofiles/main_progress.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files that are drawn one by one */
 #define OUTLINES_MAX 4000u
+#define EDGES_MAX 2000000u
 #define POINTS_MAX 500000000u
 #define KINDS_MAX 1000000u
 
@@ -44,19 +46,6 @@ enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, co
 	va_start(args, format);
 	vsnprintf(left->text, sizeof left->text, format, args);
 	va_end(args);
-	return ECO_OK;
-}
-
-enum eco_code map_add_outline(struct map *m, double *points, uint32_t count, bool is_area, const char *name)
-{
-	uint64_t capacity = m->outline_capacity;
-	if (!reserve((void **)&m->outlines, m->outline_count, &capacity, UINT32_MAX, sizeof *m->outlines)) {
-		free(points);
-		return no_memory(m);
-	}
-	m->outline_capacity = (uint32_t)capacity;
-	m->outlines[m->outline_count] = (struct map_outline){ .points = points, .count = count, .is_area = is_area };
-	snprintf(m->outlines[m->outline_count++].name, sizeof m->outlines->name, "%s", name);
 	return ECO_OK;
 }
 
@@ -104,7 +93,7 @@ static enum eco_code find_kinds(struct map *m)
 	return good ? ECO_OK : no_memory(m);
 }
 
-static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[3], double height_m)
+static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2], double height_m)
 {
 	struct map_point point = { (float)at[0], (float)at[1], isnan(height_m) ? 0 : (float)height_m, m->kind_of[source][plant] };
 	if (source == 0 && m->has_ground) {
@@ -227,6 +216,55 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	return code;
 }
 
+/* ---- Scattered plants ---- */
+
+static enum eco_code add_edges(struct map *m, struct map_edges *edges, const struct eco_areas *areas)
+{
+	uint64_t capacity = edges->capacity;
+	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
+		const struct eco_edge *e = &areas->edges[i];
+		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX, 4 * sizeof *edges->ends))
+			return no_memory(m);
+		memcpy(edges->ends + 4 * (size_t)edges->count++, (const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
+	}
+	edges->capacity = (uint32_t)capacity;
+	return ECO_OK;
+}
+
+static void say_scatter(void *ctx, const char *text)
+{
+	struct map *m = ctx;
+	main_note("%s", text);
+	while (*text == ' ')
+		text++;
+	map_say(m, MAP_LEFT_OUT, 0, "%s", text);
+}
+
+static bool scatter_progress(void *ctx, double share) { return main_progress("scattering plants", ctx, share); }
+
+static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct eco_frame frame = { .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	struct eco_scatter *scatter = NULL;
+	struct eco_scatter_place place;
+	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
+	while (!code && eco_scatter_next(scatter, &place)) {
+		double own = s->plants[place.plant].height_m, height = isnan(place.height_m) ? own : place.height_m;
+		code = add_plant(m, source, place.plant, place.at, height > 0 ? height : NAN);
+	}
+	if (!code)
+		code = map_say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
+	if (!code)
+		eco_scatter_report(scatter, say_scatter, m);
+	if (!code && source == 0)                /* those of nested files would have to be turned; their plants show them */
+		code = add_edges(m, &m->areas, eco_scatter_areas(scatter));
+	if (!code && source == 0)
+		code = add_edges(m, &m->clear_of, eco_scatter_clear_of(scatter));
+	eco_scatter_close(scatter);
+	return code;
+}
+
 /* ---- Nested files ---- */
 
 struct turned { double at[2], sine, cosine, scale; };
@@ -300,11 +338,16 @@ static enum eco_code count_kinds(struct map *m)
 
 static enum eco_code add_bounds(struct map *m, uint32_t source, const struct turned *t)
 {
-	double *corners = m->outline_count < OUTLINES_MAX && !map_is_empty(&m->bounds[source]) ? malloc(8 * sizeof *corners) : NULL;
-	if (!corners)
+	uint64_t capacity = m->outline_capacity;
+	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return ECO_OK;
-	corners_of(t, &m->bounds[source], corners);
-	return map_add_outline(m, corners, 4, false, m->sources.items[source].name);
+	if (!reserve((void **)&m->outlines, m->outline_count, &capacity, UINT32_MAX, sizeof *m->outlines))
+		return no_memory(m);
+	m->outline_capacity = (uint32_t)capacity;
+	struct map_outline *outline = &m->outlines[m->outline_count++];
+	corners_of(t, &m->bounds[source], outline->corners);
+	snprintf(outline->name, sizeof outline->name, "%s", m->sources.items[source].name);
+	return ECO_OK;
 }
 
 /* Draws what `source` nests; its plants too if there is room for all of them. */
@@ -410,6 +453,8 @@ static enum eco_code read_sources(struct map *m)
 		code = add_instances(m, s);
 		for (uint32_t i = 0; i < m->sources.items[s].positions_count && !code; i++)
 			code = add_rows(m, s, &m->sources.items[s].positions[i]);
+		for (uint32_t i = 0; i < m->sources.items[s].scatter_count && !code; i++)
+			code = add_scattered(m, s, &m->sources.items[s].scatters[i]);
 		if (!code)
 			sum_up(m, s);
 	}
@@ -448,8 +493,6 @@ void map_free(struct map *m)
 		if (m->own)
 			free(m->own[s].items);
 	}
-	for (uint32_t i = 0; i < m->outline_count; i++)
-		free(m->outlines[i].points);
 	free(m->kind_of);
 	free(m->own);
 	free(m->bounds);
@@ -458,6 +501,8 @@ void map_free(struct map *m)
 	free(m->points.items);
 	free(m->left);
 	free(m->outlines);
+	free(m->areas.ends);
+	free(m->clear_of.ends);
 	eco_chart_free(m->chart);
 	eco_ground_free(&m->ground);
 	eco_sources_free(&m->sources);

@@ -502,6 +502,10 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 	}
 }
 
+const struct eco_areas *eco_scatter_areas(const struct eco_scatter *s) { return &s->input.areas; }
+
+const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *s) { return &s->input.clear; }
+
 void eco_scatter_close(struct eco_scatter *s)
 {
 	if (s == NULL)

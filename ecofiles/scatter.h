@@ -52,6 +52,10 @@ bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *pla
 uint64_t eco_scatter_count(const struct eco_scatter *scatter);
 /* Areas, hectares, plants wanted and placed, what was left out and why: a line per call. */
 void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text), void *ctx);
+/* Its areas (none: a mask) and what it keeps clear of, for pictures. */
+struct eco_areas;
+const struct eco_areas *eco_scatter_areas(const struct eco_scatter *scatter);
+const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *scatter);
 void eco_scatter_close(struct eco_scatter *scatter);
 
 #endif

@@ -133,6 +133,26 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 	map_free(&m);
 }
 
+static void test_scattered_plants_are_shown_with_their_areas(void **state)
+{
+	struct map m;
+	(void)state;
+	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
+		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, 47]]]}}]}");
+	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], [9.002, 47.0003]]}");
+	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], " PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
+		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": \"roads.geojson\", \"clear_m\": 4}]}");
+	gather(&m, ROOT "/scatter.json");
+	assert_int_equal(m.areas.count, 3);
+	assert_int_equal(m.clear_of.count, 1);
+	assert_true(kind(&m, "oak")->count > 100 && m.total == kind(&m, "oak")->count + kind(&m, "ash")->count);
+	assert_int_equal(map_frame(&m, 300), ECO_OK);
+	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
+	assert_int_equal(map_draw_places(&m), ECO_OK);
+	assert_int_equal(m.outside, 0);
+	map_free(&m);
+}
+
 /* ---- The part that is shown ---- */
 
 static void write_rows(const char *path, uint32_t count, const char *more)
@@ -299,6 +319,7 @@ int main(void)
 		cmocka_unit_test(test_what_is_left_out_is_counted_by_reason),
 		cmocka_unit_test(test_nested_files_count_as_often_as_they_stand),
 		cmocka_unit_test(test_nested_plants_are_turned_moved_and_scaled),
+		cmocka_unit_test(test_scattered_plants_are_shown_with_their_areas),
 		cmocka_unit_test(test_strays_do_not_shrink_the_rest),
 		cmocka_unit_test(test_one_plant_and_rows_of_plants_have_a_map),
 		cmocka_unit_test(test_many_plants_become_density),
