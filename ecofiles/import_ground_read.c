@@ -1,10 +1,11 @@
 /* From a raster's values to metres. Values are read row by row in double, as they are in the file: GDAL's own averaging rounds to the
  * file's number type and knows nothing of absurd values, and pictures read as pictures would be stretched to 0..1.
  *
- * Holes that nothing marks. A value is taken for "no height" if the file is full of terrain and the value is not of it: either it lies
- * further from all other values than these from each other (-32768, 3.4e38, 65535), or it is one of those that programs write
- * (0, -9999, ...), and nearly everywhere where it meets another value, the step is many times what neighbours usually differ by.
- * A sea at 0 passes: its shores are gentle somewhere. */
+ * Holes that nothing marks. A value is taken for "no height" if the file is full of terrain and the value is not of it: either it
+ * lies further from all other values than these from each other, and many steps away (-32768, 3.4e38, 65535), or it is one of those
+ * that programs write (0, -9999, ...), and nearly everywhere where it meets another value, the step is many times what neighbours
+ * usually differ by. A sea at 0 passes: its shores are gentle somewhere.
+ */
 #include "ecofiles/import_ground.h"
 
 #include <cpl_error.h>
@@ -259,9 +260,11 @@ static bool stands_out(const struct census *c, size_t s)
 	return c->suspect[s].sum > STEEP * usual * (double)c->suspect[s].borders && gentle * 50 <= c->suspect[s].borders;
 }
 
-/* The most extreme value that is still taken for a height, if it lies further from the next than that from the other end. */
-static bool lies_beyond(const struct meaning *m, const double *kept, int count, double other_end, double *value)
+/* The most extreme value that is still taken for a height, if it lies further from the next than that from the other end, and many
+ * steps away. */
+static bool lies_beyond(const struct meaning *m, const struct census *c, const double *kept, int count, double other_end, double *value)
 {
+	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
 	int at = 0;
 
 	while (at < count && is_hole(m, kept[at]))
@@ -269,7 +272,7 @@ static bool lies_beyond(const struct meaning *m, const double *kept, int count, 
 	if (at + 1 >= count || is_hole(m, kept[at + 1]))
 		return false;
 	*value = kept[at];
-	return fabs(kept[at + 1] - kept[at]) > fabs(other_end - kept[at + 1]) && fabs(other_end - kept[at + 1]) > 0;
+	return fabs(kept[at + 1] - kept[at]) > fmax(fabs(other_end - kept[at + 1]), STEEP * usual) && other_end != kept[at + 1];
 }
 
 static double end_of(const struct meaning *m, const double *kept, int count)
@@ -305,9 +308,9 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
 	for (int n = 0; good && n < SPAN - 1; n++) {
-		if (lies_beyond(m, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count), &value))
+		if (lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count), &value))
 			add_hole(m, value, path, suspect_of(value) >= 0 ? c->suspect[suspect_of(value)].samples : 0, notes);
-		else if (lies_beyond(m, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count), &value))
+		else if (lies_beyond(m, c, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count), &value))
 			add_hole(m, value, path, suspect_of(value) >= 0 ? c->suspect[suspect_of(value)].samples : 0, notes);
 		else
 			break;

@@ -196,10 +196,10 @@ static void print_ground(const struct eco_scene *s, FILE *out)
 		return;
 	const struct eco_ground_tile *root = &s->ground[0];
 	const struct eco_list *list = &s->lists[root->list];
-	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m in steps of %.3g mm, %u tiles in %u levels\n",
+	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m in steps of %.4g m, %u tiles in %u levels\n",
 		s->ground_columns, s->ground_rows, list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
 		(double)root->low_m, (double)root->high_m,
-		list->grid_step[2] * 1000, s->ground_count, root->level + 1u);
+		list->grid_step[2], s->ground_count, root->level + 1u);
 }
 
 static void print_info(const struct eco_pack *pack, const struct totals *t, const json_t *meta, FILE *out)

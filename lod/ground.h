@@ -12,8 +12,9 @@
  * so that there is neither a gap nor a skirt to hide one, whatever the levels are. Next to such a border the error is up to the
  * neighbour's.
  *
- * ECO_GROUND_PX, the tolerance: plants stand on the full detail. At one pixel a stem is off the ground drawn by one pixel at most, and
- * pictures and scores are those of the full detail (Q differs by less than 0.001); at four feet are seen to float. */
+ * ECO_GROUND_PX, the tolerance: plants stand on the full detail, so that a stem is off the ground drawn by up to so much. Measured
+ * from eye level to 900 m above on fractal ground of 1025 x 1025 samples, rougher than any real one, against its full detail: at
+ * 1 pixel Q differs by less than 0.0004, at 4 by up to 0.0015, at 16 by 0.002; from 4 on hillsides lose their relief. */
 #ifndef LOD_GROUND_H
 #define LOD_GROUND_H
 

@@ -9,6 +9,7 @@
 
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack.h"
+#include "tests/ground_tiles.h"
 
 #define SAMPLE_LEAVES 30000u
 #define SAMPLE_PLANTS 100u           /* of each species in each tile */
@@ -20,6 +21,8 @@ struct sample {
 	enum eco_code code;
 	uint8_t *places;
 	uint64_t place_count;
+	struct lod_ground_tree ground;
+	uint32_t ground_columns, ground_rows;
 };
 
 static inline uint32_t sample_bits(struct sample *s)
@@ -127,27 +130,30 @@ static inline uint32_t sample_image(struct sample *s)
 	return id;
 }
 
-/* One tile of 16 x 16 samples. */
-static inline uint32_t sample_ground(struct sample *s)
+static inline double sample_height(double x, double y)
 {
-	struct eco_list list = sample_list(ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE);
-	struct eco_elements e = sample_elements(s, 256, 1, &list);
-	uint32_t id = ECO_NONE, end = 256;
-	list.columns = 16;
-	list.grid_step[0] = list.grid_step[1] = 8;
-	for (uint32_t i = 0; i < 256; i++) {
-		e.position[3 * i] = (int32_t)(i % 16);
-		e.position[3 * i + 1] = (int32_t)(i / 16);
-		e.position[3 * i + 2] %= 4000;
-	}
+	return 2 + sin(x * 0.3) + 0.01 * y;
+}
+
+/* All tiles of a ground; s->ground lists them. */
+static inline void sample_ground(struct sample *s, const struct eco_ground *ground)
+{
+	struct lod_ground_tree tree = { 0 };
 	if (!s->code)
-		s->code = eco_pack_add_list(s->writer, &list, &e, &end, 1, NULL, &id, s->error);
-	eco_elements_free(&e);
-	return id;
+		s->code = lod_ground_build(&tree, ground, GROUND_TILES_STEP_M, s->error);
+	for (uint32_t i = 0; i < tree.count && !s->code; i++) {
+		struct eco_list list = ground_list(ground, &tree.tiles[i]);
+		struct eco_elements e = ground_elements(ground, &tree.tiles[i]);
+		s->code = eco_pack_add_list(s->writer, &list, &e, &e.element_count, 1, NULL, &tree.tiles[i].list, s->error);
+		eco_elements_free(&e);
+	}
+	s->ground = tree;
+	s->ground_columns = ground->columns;
+	s->ground_rows = ground->rows;
 }
 
 static inline void sample_commit(struct sample *s, const uint32_t instances[4], uint32_t leaves, uint32_t wood, uint32_t bush,
-	uint32_t summary, uint32_t ground)
+	uint32_t summary)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
 	const struct eco_curve curves[] = { { .01f, 1, .3f, .3f }, { .1f, 1, .2f, .2f }, { 1, 1, 0, 0 } };
@@ -178,9 +184,9 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 		{ .low = { 45, -5, -5 }, .high = { 110, 60, 15 }, .area = 4000, .instance_count = 2 * SAMPLE_PLANTS, .summary = ECO_NONE,
 			.group_first = 2, .group_count = 2 },
 	};
-	const struct eco_ground_tile tile = { .list = ground, .high_m = 4 };
 	const struct eco_child children[] = { { .tile = 1, .scale = 1 }, { .tile = 2, .scale = 1 } };
-	const struct eco_scene scene = { .name = "sample", .root = 0, .ground = &tile, .ground_count = 1, .ground_columns = 16, .ground_rows = 16, .near_m = 0.05,
+	const struct eco_scene scene = { .name = "sample", .root = 0, .ground = s->ground.tiles, .ground_count = s->ground.count,
+		.ground_columns = s->ground_columns, .ground_rows = s->ground_rows, .near_m = 0.05,
 		.needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES,
 		.plants = plants, .plant_count = 2, .anchors = anchors, .anchor_count = 2, .ladders = ladders, .ladder_count = 3,
 		.curves = curves, .curve_count = 3, .tiles = tiles, .tile_count = 3, .groups = groups, .group_count = 4,
@@ -192,7 +198,8 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 		s->code = eco_pack_commit(s->writer, &scene, "{\"name\":\"sample\"}", s->error);
 }
 
-static inline enum eco_code sample_pack_write(const char *path, struct eco_error *error)
+/* `plain`: bushes have no texture (the one they have is no picture). */
+static inline enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain, struct eco_error *error)
 {
 	struct sample s = { .error = error, .state = 7 };
 	uint32_t instances[4];
@@ -203,15 +210,26 @@ static inline enum eco_code sample_pack_write(const char *path, struct eco_error
 	uint32_t leaves = sample_leaves(&s);
 	uint32_t wood = sample_simple(&s, sample_list(ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 0), 300, 2);
 	struct eco_list bush = sample_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 1);
-	bush.image = sample_image(&s);
+	if (!plain)
+		bush.image = sample_image(&s);
 	uint32_t bush_id = sample_simple(&s, bush, 400, 4);
 	for (uint32_t i = 0; i < 4; i++)
 		instances[i] = sample_instances(&s, 1 + i / 2, i % 2, i / 2 * 50.0);
 	uint32_t summary = sample_simple(&s, sample_list(ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 0), 2000, 1);
-	uint32_t ground = sample_ground(&s);
-	sample_commit(&s, instances, leaves, wood, bush_id, summary, ground);
+	sample_ground(&s, ground);
+	sample_commit(&s, instances, leaves, wood, bush_id, summary);
 	free(s.places);
+	free(s.ground.tiles);
 	return s.code;
+}
+
+/* On 16 x 16 samples: one tile. */
+static inline enum eco_code sample_pack_write(const char *path, struct eco_error *error)
+{
+	struct eco_ground ground = ground_make(16, 16, -8, -8, 8, sample_height);
+	enum eco_code code = sample_pack_write_on(path, &ground, false, error);
+	eco_ground_free(&ground);
+	return code;
 }
 
 #endif

@@ -323,7 +323,7 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 	return count;
 }
 
-#define BORDER_PX 4
+#define BORDER_PX 40
 
 static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 {
@@ -334,10 +334,11 @@ static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 		noise_state = 200 + k;
 		world_make(&w, &terrains[k], 0);
 		double width = (w.ground.columns - 1) * terrains[k].step, depth = (w.ground.rows - 1) * terrains[k].step;
-		struct eco_view view = { { width * 0.47, depth * 0.53, 3 * fmax(width, depth) + 300 }, { width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 25,
-			701, 533 };
+		/* not so high that gaps are seen edge on */
+		struct eco_view view = { { width * 0.47, depth * 0.53, 0.5 * fmax(width, depth) + 130 }, { width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 95,
+			901, 733 };
 		struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
-		struct lod_raster_options options = { view.width, view.height, false, false };
+		struct lod_raster_options options = { .width = view.width, .height = view.height };
 		struct lod_raster whole, parts;
 		struct lod_eye eye;
 		lod_eye_make(&eye, &view);
@@ -388,7 +389,7 @@ static void the_picture_is_that_of_the_full_detail(void **state)
 	noise_state = 300;
 	world_make(&w, &terrains[0], 0);
 	struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
-	struct lod_raster_options options = { 320, 240, false, false };
+	struct lod_raster_options options = { .width = 320, .height = 240 };
 	struct lod_raster whole, parts;
 	assert_int_equal(lod_raster_init(&whole, &options, NULL), ECO_OK);
 	assert_int_equal(lod_raster_init(&parts, &options, NULL), ECO_OK);

@@ -18,6 +18,7 @@
 #include "ecofiles/main_make.h"
 #include "ecofiles/main_progress.h"
 #include "lod/view.h"
+#include "tests/pack_resign.h"
 
 static char root[256];
 
@@ -357,6 +358,70 @@ static void test_damage_is_found_and_named(void **state)
 	free(bytes);
 }
 
+/* A hilly ground of several tiles under one plant. */
+static void write_hills(void)
+{
+	FILE *file = fopen(in_root("hills.asc"), "wb");
+	assert_non_null(file);
+	fputs("ncols 150\nnrows 140\nxllcorner 0\nyllcorner 0\ncellsize 2\n", file);
+	for (int r = 0; r < 140; r++)
+		for (int c = 0; c < 150; c++)
+			fprintf(file, "%.2f%c", 50 + 9 * sin(c * 0.37) * cos(r * 0.29) + 0.1 * c, c == 149 ? '\n' : ' ');
+	assert_int_equal(fclose(file), 0);
+	write_text("hills.json", "{\"name\": \"hills\", \"ground\": {\"heights\": \"hills.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [50, 50]}]}");
+}
+
+static void test_ground_is_tiles_that_hold_what_they_say(void **state)
+{
+	struct inspect_counts counts;
+	struct eco_error error = { 0 };
+	size_t size;
+	(void)state;
+	write_hills();
+	struct eco_pack *pack = made("hills.json", "hills.eco");
+	const struct eco_scene *s = &pack->scene;
+	assert_true(s->ground_columns == 150 && s->ground_rows == 140 && s->ground_count == 1 + 4 + 9 && s->ground[0].level == 2);
+	assert_true(s->ground[0].error_m > 3 && s->ground[5].error_m == 0);
+	uint32_t count = s->ground_count;
+	eco_pack_close(pack);
+	/* an error that is too small, under a hash that is right */
+	uint8_t *bytes = (uint8_t *)read_all("hills.eco", &size);
+	for (uint32_t i = 0; i < bytes[12]; i++) {
+		uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
+		if (section[0] == ECO_SECTION_GROUND)
+			for (uint32_t t = 0; t < count; t++)
+				memset(bytes + resign_u64(section + 8) + 32 * t + 20, 0, 4);
+	}
+	pack_resign(bytes, size);
+	FILE *file = fopen(in_root("lies.eco"), "wb"), *out = tmpfile();
+	fwrite(bytes, 1, size, file);
+	fclose(file);
+	assert_int_equal(inspect_verify(in_root("lies.eco"), out, &counts, &error), ECO_DAMAGED);
+	assert_int_equal(counts.damaged, 5);
+	char line[256] = { 0 };
+	rewind(out);
+	assert_non_null(fgets(line, sizeof line, out));
+	assert_non_null(strstr(line, "ground tile 0 "));
+	assert_non_null(strstr(line, "further from its children than its error says"));
+	fclose(out);
+	free(bytes);
+}
+
+/* Whole metres are kept as such. */
+static void test_whole_heights_are_kept_exactly(void **state)
+{
+	(void)state;
+	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 110 99\n");
+	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
+	struct eco_pack *pack = made("whole.json", "whole.eco");
+	const struct eco_list *list = &pack->scene.lists[pack->scene.ground[0].list];
+	assert_true(list->grid_step[2] == 1 && list->grid_origin[2] == 99);
+	assert_true(pack->scene.ground[0].low_m == 99 && pack->scene.ground[0].high_m == 110);
+	eco_pack_close(pack);
+}
+
 static void test_info_speaks_json(void **state)
 {
 	(void)state;
@@ -407,6 +472,8 @@ int main(void)
 		cmocka_unit_test(test_plant_at_the_origin_is_exact),
 		cmocka_unit_test(test_plants_stand_where_the_scene_says),
 		cmocka_unit_test(test_what_stands_beyond_the_ground_is_counted),
+		cmocka_unit_test(test_ground_is_tiles_that_hold_what_they_say),
+		cmocka_unit_test(test_whole_heights_are_kept_exactly),
 		cmocka_unit_test(test_tiles_are_small_and_summed_up),
 		cmocka_unit_test(test_nested_files_are_built_once),
 		cmocka_unit_test(test_threads_change_nothing),

@@ -66,6 +66,27 @@ static void everything_that_may_be_said_is_read(void **state)
 	eco_source_free(&s);
 }
 
+static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
+{
+	struct eco_source s;
+
+	(void)state;
+	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", \"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
+		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
+	assert_string_equal(s.vertical, "EPSG:5703");
+	assert_int_equal(s.ground.height_count, 2);
+	assert_string_equal(s.ground.heights[0], "dir/a.tif");
+	assert_string_equal(s.ground.heights[1], "/b.tif");
+	assert_string_equal(s.ground.vertical, "NAVD88 height");
+	assert_true(s.ground.band == 2 && s.ground.scale == 0.001 && s.ground.offset == 273.5 && s.ground.has_offset && s.ground.unit_m == 0.3048);
+	assert_true(s.ground.nodata == -1 && s.ground.has_nodata && !s.ground.no_holes && !s.ground.has_place);
+	eco_source_free(&s);
+	parse_good(&s, "{\"ground\": {\"heights\": \"map.png\", \"nodata\": null, \"north_west\": [10, 20], \"pixel\": 2}}");
+	assert_true(s.ground.no_holes && !s.ground.has_nodata && !s.ground.has_offset && s.ground.scale == 0 && s.ground.unit_m == 0);
+	assert_true(s.ground.has_place && s.ground.corner[1] == 20 && s.ground.pixel[0] == 2 && s.ground.pixel[1] == 2);
+	eco_source_free(&s);
+}
+
 static void defaults_fill_what_is_not_said(void **state)
 {
 	struct eco_source s;
@@ -107,6 +128,12 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"tile\": {\"instances\": 1.5}}", ":1:24:", "whole number" },
 	{ "{\"ground\": {\"crs\": \"EPSG:1\"}}", ":1:12:", "\"heights\" is missing" },
 	{ "{\"ground\": {\"heights\": \"a\", \"crs\": \"EPSG:1\"}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
+	{ "{\"ground\": {\"heights\": []}}", ":1:24:", "names no raster" },
+	{ "{\"ground\": {\"heights\": [\"a\", 3]}}", ":1:30:", "must be a text" },
+	{ "{\"ground\": {\"heights\": \"a\", \"scale\": 0}}", ":1:38:", "would make all heights one" },
+	{ "{\"ground\": {\"heights\": \"a\", \"unit\": \"yd\"}}", ":1:37:", "is not one of m, cm" },
+	{ "{\"ground\": {\"heights\": \"a\", \"pixel\": 3}}", ":1:12:", "go together" },
+	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:64:", "a world file" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, variants, height_m, unit, up, parts, importance" },
 	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
@@ -241,6 +268,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(everything_that_may_be_said_is_read),
+		cmocka_unit_test(ground_may_be_several_rasters_and_say_what_they_do_not),
 		cmocka_unit_test(defaults_fill_what_is_not_said),
 		cmocka_unit_test(what_may_not_be_said_has_a_line_and_a_column),
 		cmocka_unit_test(every_truncation_is_an_error),
