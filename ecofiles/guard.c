@@ -191,6 +191,12 @@ static void default_signals(void)
 	sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
+/* Out of the way of standard input, output and error, which the parent may have closed. */
+static int lift(int descriptor)
+{
+	return descriptor > STDERR_FILENO ? descriptor : fcntl(descriptor, F_DUPFD, STDERR_FILENO + 1);
+}
+
 /* Of the parent's descriptors only these two: not the pack that is being written, not what a library keeps open. */
 static void close_others(int a, int b)
 {
@@ -267,6 +273,8 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	if (getppid() != parent)
 		_exit(1);                    /* it died before that */
 	default_signals();
+	to = lift(to);
+	life = lift(life);
 	close_others(to, life);
 	silence();
 	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);

@@ -174,6 +174,28 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 	}
 }
 
+/* A parent whose standard descriptors are closed: the pipes take their numbers. */
+static void a_parent_without_standard_descriptors_reads_too(void **state)
+{
+	pid_t parent = fork();
+	int status = 0;
+
+	(void)state;
+	if (parent == 0) {
+		enum deed deed = ANSWER;
+		char text[16] = "";
+		FILE *result = NULL;
+
+		for (int i = 0; i < 3; i++)
+			close(i);
+		if (eco_guard_run(misbehave, &deed, "tree.obj", NULL, &result, NULL) != ECO_OK)
+			_exit(2);
+		_exit(fread(text, 1, sizeof text - 1, result) == 6 && strcmp(text, "result") == 0 ? 0 : 3);
+	}
+	assert_int_equal(waitpid(parent, &status, 0), parent);
+	assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
 /* ---- Streams ---- */
 
 struct writing { uint32_t count; enum eco_code code; bool crash; };
@@ -580,6 +602,7 @@ int main(void)
 		cmocka_unit_test(the_environment_has_the_last_word_on_limits),
 		cmocka_unit_test(larger_files_may_take_more),
 		cmocka_unit_test(each_way_to_die_is_told_in_its_own_words),
+		cmocka_unit_test(a_parent_without_standard_descriptors_reads_too),
 		cmocka_unit_test(a_stream_arrives_whole_and_so_does_its_end),
 		cmocka_unit_test(who_stops_reading_ends_the_child_without_an_error),
 		cmocka_unit_test(a_stream_that_stays_silent_ends_by_the_clock),
