@@ -123,8 +123,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in Excel)", source->path);
 	else if (sign == '{' && holds(head, "\"CityJSON"))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to CityGML, or its trees to GeoJSON or CSV", source->path);
-	else if (sign == '<' && (holds(head, "citygml") || holds(head, "CityModel")))
-		code = eco_rows_open_ogr(rows, source, error);
+	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
+		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
 		code = eco_rows_open_ogr(rows, source, error);
 	else if (has_extension(source->path, csv_names) || (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
