@@ -80,6 +80,7 @@ static void say_repairs(const struct eco_track_report *r)
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
 		{ r->heights_missing, "fixes have no height: interpolated" },
 		{ r->jumped, "positions are jumps, farther than the track can have moved: left out" },
+		{ r->glides, "leaps, short ones, are glided over at the track's own speed, which takes longer than recorded" },
 		{ r->pauses, "stands are shortened (--pause S)" },
 	};
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
@@ -87,9 +88,9 @@ static void say_repairs(const struct eco_track_report *r)
 			main_note("%" PRIu64 " %s", lines[i].count, lines[i].says);
 	if (r->reversed)
 		main_note("the file runs backward in time: it was turned");
-	if (r->jumped || r->parts > 1)
+	if (r->jumped || r->parts > 1 || r->glides)
 		main_note("the farthest jump is %.0f m; steps of more than %.3g m/s were looked at", r->jump_m, r->jump_m_s);
-	if (r->repeated && r->update_s > 0)
+	if (r->repeated > r->fixes / 5 && r->update_s > 0)
 		main_note("positions are repeated: they change every %.3g s; motion is even between them", r->update_s);
 }
 
@@ -111,8 +112,8 @@ static void say_flight(const struct camera_options *o, const struct eco_flight *
 	if (o->look_at_given)
 		return;
 	if (!f->yaw_recorded)
-		main_note("no directions were recorded: the camera looks where it goes, %g degrees %s (--pitch DEG, or --look-at X,Y,Z)",
-			fabs(f->pitch_deg), f->pitch_deg > 0 ? "up" : f->pitch_deg < 0 ? "down" : "from level");
+		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level (--pitch DEG, or --look-at X,Y,Z)",
+			f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(o->pitch_deg))
 		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
 	if (r->untimed && track->count > 1)
@@ -334,7 +335,7 @@ static enum eco_code convert(const struct camera_options *o, struct eco_track *t
 	struct eco_track_report report;
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
-	struct eco_fitting fitting = { .fps = o->fps, .keys_max = (uint32_t)o->keys };
+	struct eco_fitting fitting = { .fps = o->fps, .keys_max = (uint32_t)o->keys, .still_m = track->still_m };
 	bool degrees = track->degrees;
 	enum eco_code code = make_flight(&flight, track, o, place, &report, error);
 	if (!code) {
@@ -483,4 +484,4 @@ const struct main_command main_command_camera = { "camera", "TRACK -o CAMERA.jso
 	"      --fov DEG         height of the view; what was recorded, else 60\n"
 	"      --fps N           frames a second; 30, or fewer if the track is long\n"
 	"      --speed X         times as fast\n"
-	"      --max-keyframes N at most; 2000 if not given\n", run_camera };
+	"      --max-keyframes N at most; 8000 if not given\n", run_camera };

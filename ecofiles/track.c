@@ -154,7 +154,7 @@ static const char *no_track(const struct track_input *in)
 	return NULL;
 }
 
-/* Numbers in the first line that is no comment, if it holds nothing else. */
+/* Numbers in the first line that is no comment, if it holds nothing else; a comment with commas before it names columns. */
 static int count_numbers(const struct track_input *in)
 {
 	struct track_line line = { 0 };
@@ -162,6 +162,8 @@ static int count_numbers(const struct track_input *in)
 		const char *at = line.text;
 		double value;
 		int count = 0;
+		if (*line.text == '#' && memchr(line.text, ',', (size_t)(line.end - line.text)))
+			return 0;
 		if (line.text == line.end || *line.text == '#')
 			continue;
 		while (count < 100 && track_number(&at, line.end, &value)) {

@@ -130,7 +130,7 @@ struct eco_track_report {
 	uint64_t fixes;              /* before cleaning; kept + everything below */
 	uint64_t kept, repeated, jumped, other_parts, not_there;
 	/* repairs of what was kept */
-	uint64_t stamps_missing, stamps_bogus, stamps_equal, stamps_backward, sorted, clock_resets, heights_missing, pauses;
+	uint64_t stamps_missing, stamps_bogus, stamps_equal, stamps_backward, sorted, clock_resets, heights_missing, pauses, glides;
 	bool reversed, untimed;
 	double paused_s, update_s;   /* seconds left out; median time between different positions */
 	double jump_m, jump_m_s;     /* the farthest that was taken for a jump */
@@ -142,7 +142,7 @@ struct eco_track_report {
 /* In this order: stamps that cannot be (years from the others) are forgotten; a file written backwards is turned; stamps that run back
  * are forgotten if few, sorted if the file is unsorted, else the clock was set back and goes on; equal stamps are spread; unknown ones
  * are interpolated. A step much faster than the track's own speeds (and its recordings' rounding) is a jump: the fixes beyond are
- * dropped if the track comes back within a few, else it is split there into parts. Repeated positions become one, two where
+ * dropped if the track comes back within a few; a short one gets time to be glided over; else the track is split into parts. Repeated positions become one, two where
  * the camera stands. at[2] becomes the height asked for, missing ones interpolated. Times then count from 0 and ascend. Errors: no such
  * part; nothing left. track->home goes along. */
 enum eco_code eco_track_clean(struct eco_track *track, const struct eco_cleaning *cleaning, struct eco_track_report *report,
@@ -206,8 +206,9 @@ struct eco_script {
 
 struct eco_fitting {
 	double fps;                  /* 0: 30, or less if that were more than ECO_SCRIPT_FRAMES frames */
-	uint32_t keys_max;           /* 0: 2000 */
-	double error_m, error_deg;   /* wanted; 0: 0.05 m (or a thousandth of a small scene), 0.5 degrees */
+	uint32_t keys_max;           /* 0: 8000 */
+	double still_m;              /* of the track: nothing finer is worth a keyframe */
+	double error_m, error_deg;   /* wanted; 0: 0.05 m, more if still_m is, less if the scene is small; 0.5 degrees, 1 if looks are made up */
 };
 #define ECO_SCRIPT_FRAMES 20000u
 

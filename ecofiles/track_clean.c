@@ -10,9 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define WINDOW_S 1.0                     /* speeds are measured over */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
 #define AHEAD 10u                        /* fixes within which a track comes back from a jump */
+#define GLIDE_S 20.0                     /* a leap that takes longer at the track's own speed ends a part */
 #define PACE_M_S 10.0
 #define PAUSE_S 60.0
 
@@ -76,6 +78,30 @@ double track_quantile(double *values, uint32_t count, double share)
 	return values[(uint32_t)(share * (count - 1))];
 }
 
+void track_speeds(const struct eco_track *track, double *speeds, uint32_t *count)
+{
+	const struct eco_fix *f = track->fixes;
+	uint32_t last = track->count, still = 0;
+	double window_s = track->count ? fmin(WINDOW_S, (f[track->count - 1].time_s - f[0].time_s) / 8) : 0;
+	*count = 0;
+	for (uint32_t i = 0; i < track->count; i++) {
+		if (isnan(f[i].at[0]) || (last < track->count && !(f[i].time_s - f[last].time_s >= window_s)))
+			continue;
+		if (last < track->count) {
+			double d = hypot(f[i].at[0] - f[last].at[0], f[i].at[1] - f[last].at[1]);
+			if (d > 0)
+				speeds[(*count)++] = d / (f[i].time_s - f[last].time_s);
+		}
+		last = i;
+	}
+	/* a slow drift is no motion either */
+	double high = track_quantile(speeds, *count, 0.9);
+	while (still < *count && speeds[still] < 0.1 * high)
+		still++;
+	memmove(speeds, speeds + still, (*count - still) * sizeof *speeds);
+	*count -= still;
+}
+
 static bool same_place(const struct eco_fix *a, const struct eco_fix *b)
 {
 	return a->at[0] == b->at[0] && a->at[1] == b->at[1];
@@ -105,13 +131,20 @@ static double median_update(const struct eco_track *track, double *scratch, bool
 	return track_quantile(scratch, count, 0.5);
 }
 
+/* After a stand motion begins slowly; where it begins with a leap, the receiver had only lost its satellites. */
+static bool leaps(const struct eco_track *track, uint32_t end, double fast_m_s)
+{
+	const struct eco_fix *f = track->fixes;
+	return end < track->count && track_distance(&f[end - 1], &f[end]) > fast_m_s * fmax(f[end].time_s - f[end - 1].time_s, 0.5);
+}
+
 /* Which fixes of a run keep what they say: first (or the middle), and last where the camera stands. */
-static void merge_runs(struct eco_track *track, double update_s, bool rough, bool heights, uint8_t *keep)
+static void merge_runs(struct eco_track *track, double update_s, bool rough, bool heights, double fast_m_s, uint8_t *keep)
 {
 	for (uint32_t i = 0, end; i < track->count; i = end) {
 		end = run_end(track, i, heights);
 		double lasts_s = track->fixes[end - 1].time_s - track->fixes[i].time_s;
-		bool stands = lasts_s > fmax(STAND_S, 4 * update_s);
+		bool stands = lasts_s > fmax(STAND_S, 4 * update_s) && !(!heights && leaps(track, end, fast_m_s));
 		memset(keep + i, 0, end - i);
 		if (stands || i == 0 || end == track->count) {
 			keep[i] = 1;
@@ -131,8 +164,12 @@ static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_rep
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	}
 	report->update_s = median_update(track, scratch, false);
-	merge_runs(track, report->update_s, track->still_m > ROUNDED_M, false, keep);
-	merge_runs(track, median_update(track, scratch, true), track->still_z_m > ROUNDED_M, true, keep_height);
+	double update_z_s = median_update(track, scratch, true), fast_m_s;
+	uint32_t speeds;
+	track_speeds(track, scratch, &speeds);
+	fast_m_s = fmax(2 * track_quantile(scratch, speeds, 0.9), 2 * track->still_m / fmax(report->update_s, 0.5));
+	merge_runs(track, report->update_s, track->still_m > ROUNDED_M, false, fast_m_s, keep);
+	merge_runs(track, update_z_s, track->still_z_m > ROUNDED_M, true, fast_m_s, keep_height);
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < track->count; i++) {
 		struct eco_fix fix = track->fixes[i];
@@ -152,7 +189,14 @@ static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_rep
 
 /* ---- Jumps and parts, among the fixes that have a position ---- */
 
-struct places { uint32_t *index, *part; uint32_t count; double limit_m_s, limit_m, most_m; bool untimed; const struct eco_track *track; };
+struct places {
+	const struct eco_track *track;
+	uint32_t *index, *part, count;
+	double *glide_s;                     /* to be added before a place */
+	double middle_m_s, high_m_s;         /* speeds: median, and what nine tenths are below */
+	double limit_m_s, limit_m, most_m;   /* a jump is faster and farther */
+	bool untimed;
+};
 
 static const struct eco_fix *place_at(const struct places *p, uint32_t i) { return &p->track->fixes[p->index[i]]; }
 
@@ -177,13 +221,18 @@ static bool is_far(const struct places *p, uint32_t i, uint32_t k)
 static void find_limits(struct places *p, double *scratch)
 {
 	uint32_t moving = 0, steps = 0;
-	for (uint32_t i = 1; i < p->count; i++) {
-		double v = speed(p, i - 1, i);
-		if (v > 0)
-			scratch[moving++] = v;
-	}
+	if (p->untimed)
+		for (uint32_t i = 1; i < p->count; i++) {
+			double v = speed(p, i - 1, i);
+			if (v > 0)
+				scratch[moving++] = v;
+		}
+	else
+		track_speeds(p->track, scratch, &moving);
 	double middle = track_quantile(scratch, moving, 0.5), high = track_quantile(scratch, moving, 0.9);
-	p->limit_m_s = p->untimed ? fmax(50 * middle, 10 * high) : fmax(10 * middle, 4 * high);
+	p->middle_m_s = middle;
+	p->high_m_s = high;
+	p->limit_m_s = p->untimed ? fmax(50 * middle, 10 * high) : fmax(4 * middle, 3 * high);
 	for (uint32_t i = 1; i < p->count; i++)
 		if (!same_place(place_at(p, i - 1), place_at(p, i)))
 			scratch[steps++] = flat_distance(place_at(p, i - 1), place_at(p, i));
@@ -192,36 +241,50 @@ static void find_limits(struct places *p, double *scratch)
 		p->limit_m = fmax(p->limit_m, 8);
 }
 
-/* The break before place i: the step to it is impossible, or begins another recording too far away. */
-static bool breaks(const struct places *p, uint32_t last, uint32_t i)
+/* Where, within a few places from i on, the track is again where it can have come to from `last`; p->count: nowhere. */
+static uint32_t comes_back(const struct places *p, uint32_t last, uint32_t i)
 {
-	bool other = place_at(p, last)->segment != place_at(p, i)->segment;
-	if (is_far(p, last, i))
-		/* a fast stretch goes on being fast */
-		return other || !(i + 1 < p->count && speed(p, i, i + 1) > speed(p, last, i) / 3);
-	return other && p->untimed && track_distance(place_at(p, last), place_at(p, i)) > fmax(3 * p->limit_m, p->track->posed ? 0 : 100);
+	for (uint32_t k = i + 1; k < p->count && k <= i + AHEAD; k++) {
+		double seconds = p->untimed ? k - last : place_at(p, k)->time_s - place_at(p, last)->time_s;
+		if (track_distance(place_at(p, last), place_at(p, k)) < fmax(1.5 * p->high_m_s * seconds, p->limit_m))
+			return k;
+	}
+	return p->count;
 }
 
-/* Marks each place with its part from 1, or 0 where it is a jump. Returns the number of parts. */
-static uint32_t find_parts(struct places *p)
+/* Whether the step to i is no jump for all its speed: a ride goes on being fast, or was fast before. */
+static bool rides(const struct places *p, uint32_t before, uint32_t last, uint32_t i)
 {
-	uint32_t parts = 1, last = 0;
+	double v = speed(p, last, i) / 3;
+	return (i + 1 < p->count && speed(p, i, i + 1) > v) || (before < last && speed(p, before, last) > v);
+}
+
+/* Marks each place with its part from 1, or 0 where it is a jump. A leap that is short for the track's speed, as when a receiver corrects
+ * itself, is no end: the camera glides over it at the track's own speed. Returns the number of parts. */
+static uint32_t find_parts(struct places *p, struct eco_track_report *report)
+{
+	uint32_t parts = 1, last = 0, before = 0;
 	if (!p->count)
 		return 0;
 	p->part[0] = 1;
+	memset(p->glide_s, 0, p->count * sizeof *p->glide_s);
 	for (uint32_t i = 1; i < p->count; i++) {
-		uint32_t back = i;
-		if (breaks(p, last, i)) {
-			p->most_m = fmax(p->most_m, track_distance(place_at(p, last), place_at(p, i)));
-			while (back < p->count && back <= i + AHEAD && (back == i || is_far(p, last, back)))
-				back++;
-			if (back < p->count && back <= i + AHEAD) {
-				for (; i < back; i++)
-					p->part[i] = 0;
-			} else
-				parts++;
-		}
+		bool other = place_at(p, last)->segment != place_at(p, i)->segment, far = is_far(p, last, i);
+		double leap_m = track_distance(place_at(p, last), place_at(p, i));
+		uint32_t back = far ? comes_back(p, last, i) : p->count;
+		p->most_m = far ? fmax(p->most_m, leap_m) : p->most_m;
+		for (; back < p->count && i < back; i++)
+			p->part[i] = 0;
+		if (far && back == p->count && (other || !rides(p, before, last, i))) {
+			bool glides = !p->untimed && leap_m < fmax(GLIDE_S * p->middle_m_s, 3 * p->limit_m);
+			if (glides)
+				p->glide_s[i] = fmax(0, leap_m / p->high_m_s - (place_at(p, i)->time_s - place_at(p, last)->time_s));
+			report->glides += glides;
+			parts += !glides;
+		} else if (other && p->untimed && leap_m > fmax(3 * p->limit_m, p->track->posed ? 0 : 100))
+			parts++;
 		p->part[i] = parts;
+		before = last;
 		last = i;
 	}
 	return parts;
@@ -278,6 +341,7 @@ static enum eco_code choose_part(struct eco_track *track, const struct part *par
 static void keep_part(struct eco_track *track, const struct places *p, uint32_t chosen, struct eco_track_report *report)
 {
 	uint32_t first = ECO_TRACK_FIXES_MAX, end = 0, kept = 0, at = 0;
+	double shift_s = 0;
 	for (uint32_t i = 0; i < p->count; i++) {
 		report->jumped += p->part[i] == 0;
 		report->other_parts += p->part[i] != 0 && p->part[i] != chosen;
@@ -296,6 +360,9 @@ static void keep_part(struct eco_track *track, const struct places *p, uint32_t 
 			at++;
 		if (at < p->count && p->index[at] == i && p->part[at] != chosen)
 			fix.at[0] = fix.at[1] = fix.at[2] = NAN;
+		if (at < p->count && p->index[at] == i && at > 0 && i > first)
+			shift_s += p->glide_s[at];
+		fix.time_s += shift_s;
 		track->fixes[kept++] = fix;
 	}
 	track->count = kept;
@@ -306,7 +373,7 @@ static void keep_part(struct eco_track *track, const struct places *p, uint32_t 
 static enum eco_code split_parts(struct eco_track *track, struct places *p, uint32_t wanted, struct eco_track_report *report,
 	struct eco_error *error)
 {
-	uint32_t count = find_parts(p);
+	uint32_t count = find_parts(p, report);
 	struct part *parts = calloc(count, sizeof *parts);
 	uint32_t *number = calloc(count, sizeof *number);
 	enum eco_code code = parts && number ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u parts", count);
@@ -334,6 +401,7 @@ static enum eco_code drop_jumps(struct eco_track *track, const struct eco_cleani
 			p.index[p.count++] = i;
 	if (!code) {
 		find_limits(&p, scratch);
+		p.glide_s = scratch;
 		code = split_parts(track, &p, cleaning->part, report, error);
 	}
 	free(scratch);
@@ -343,28 +411,14 @@ static enum eco_code drop_jumps(struct eco_track *track, const struct eco_cleani
 
 /* ---- Long stands ---- */
 
-static double median_speed(const struct eco_track *track, double *scratch)
-{
-	const struct eco_fix *last = NULL;
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < track->count; i++) {
-		const struct eco_fix *fix = &track->fixes[i];
-		if (isnan(fix->at[0]))
-			continue;
-		if (last && !same_place(last, fix))
-			scratch[count++] = flat_distance(last, fix) / fmax(fix->time_s - last->time_s, 1e-3);
-		last = fix;
-	}
-	return track_quantile(scratch, count, 0.5);
-}
-
 static enum eco_code shorten_pauses(struct eco_track *track, double pause_s, struct eco_track_report *report, struct eco_error *error)
 {
 	double *scratch = malloc((track->count + 1) * sizeof *scratch), shift_s = 0;
-	uint32_t last = 0;
+	uint32_t last = 0, speeds;
 	if (!scratch)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	double slow_m_s = 0.05 * median_speed(track, scratch);
+	track_speeds(track, scratch, &speeds);
+	double slow_m_s = 0.05 * track_quantile(scratch, speeds, 0.5);
 	struct eco_fix *f = track->fixes;
 	for (uint32_t i = 1; i < track->count; i++) {
 		if (isnan(f[i].at[0]))

@@ -162,11 +162,22 @@ static struct field last_part(struct field f)
 	return f;
 }
 
-static int find_column(const struct field *fields, uint32_t count, enum role role, double *unit, bool parts)
+/* A column means one thing; only a height serves degrees and metres alike. */
+static bool is_taken(const struct csv *csv, uint32_t column, enum role by)
+{
+	for (int role = 0; role < ROLES; role++)
+		if (csv->column[role] == (int)column && !((by == Z && role == ALT) || (by == ALT && role == Z)))
+			return true;
+	return false;
+}
+
+static int find_column(const struct csv *csv, const struct field *fields, uint32_t count, enum role role, double *unit, bool parts)
 {
 	char name[NAME_MAX];
 	for (int i = 0; names[role][i]; i++)
 		for (uint32_t c = 0; c < count; c++) {
+			if (is_taken(csv, c, role))
+				continue;
 			plain_name(parts ? last_part(fields[c]) : fields[c], name, unit);
 			if (strcmp(name, names[role][i]) == 0)
 				return (int)c;
@@ -192,7 +203,7 @@ static bool read_header(struct csv *csv, const struct field *fields, uint32_t co
 	for (int parts = 0; parts < 2; parts++)
 		for (int role = 0; role < ROLES; role++) {
 			double unit;
-			int column = csv->column[role] >= 0 ? -1 : find_column(fields, count, (enum role)role, &unit, parts != 0);
+			int column = csv->column[role] >= 0 ? -1 : find_column(csv, fields, count, (enum role)role, &unit, parts != 0);
 			if (column >= 0)
 				take_column(csv, fields, (enum role)role, column, unit);
 		}
@@ -275,7 +286,6 @@ static enum eco_code find_header(struct csv *csv, struct track_line *line, struc
 		if (text.text == text.end || count < 2)
 			continue;
 		bool numbers = track_is_number(fields[0].text, fields[0].end, &number) && track_is_number(fields[1].text, fields[1].end, &number);
-		cause = (struct eco_error){ 0 };
 		if (csv->in->options->columns && option_columns(csv, fields, count, &cause))
 			continue;
 		if (csv->in->options->columns ? has_place(csv) || read_header(csv, fields, count) : read_header(csv, fields, count)) {

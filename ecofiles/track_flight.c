@@ -6,7 +6,7 @@
  * reflection, so that the first and last positions stay.
  *
  * How much: positions are rounded (4 decimals of a degree are 11 m) and drawn out of noise; the filter must span a few steps of
- * rounding at the track's speed, and half the time between fixes, so that no corner is left at one. */
+ * rounding at the track's speed, and much of the time between fixes, so that no corner is left at one. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ struct work {
 	const struct eco_smoothing *smoothing;
 	struct series place, height, attitude, fov;          /* attitude: look, up */
 	double *x[3], *yaw, *scratch;        /* per sample */
-	double speed_m_s;                    /* median while it moves */
+	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
 /* ---- Series ---- */
@@ -130,28 +130,17 @@ static double median_step(const struct series *s, double *scratch)
 	return track_quantile(scratch, s->count ? s->count - 1 : 0, 0.5);
 }
 
-static double median_speed(const struct series *s, double *scratch)
-{
-	uint32_t moving = 0;
-	for (uint32_t i = 1; i < s->count; i++) {
-		const double *a = s->value + 2 * (size_t)(i - 1), *b = a + 2;
-		double d = hypot(b[0] - a[0], b[1] - a[1]);
-		if (d > 0)
-			scratch[moving++] = d / (s->time_s[i] - s->time_s[i - 1]);
-	}
-	return track_quantile(scratch, moving, 0.5);
-}
-
 static double default_smoothing(const struct work *w, double step_s)
 {
-	double v = w->speed_m_s, rounding_s, noise_s;
-	if (w->track->posed)
+	double v = w->slow_m_s, rounding_s, noise_s;
+	if (w->track->posed || !(v > 0))
 		return 0;
-	if (!(v > 0))
-		return step_s;
 	rounding_s = 1.5 * w->track->still_m / v;
+	/* where each fix is off by a part of the way to the next, several are needed to know better */
+	if (w->track->still_m > 0.1 * w->speed_m_s * step_s)
+		rounding_s = fmax(rounding_s, fmin(4 * step_s, 1));
 	noise_s = fmin(GPS_NOISE_M / v, 2);
-	return fmin(fmax(0.6 * step_s, fmax(rounding_s, noise_s)), SMOOTH_MOST_S);
+	return fmin(fmax(0.4 * step_s, fmax(rounding_s, noise_s)), SMOOTH_MOST_S);
 }
 
 static double length_s(const struct eco_track *track)
@@ -378,6 +367,7 @@ static enum eco_code make_samples(struct work *w, struct eco_error *error)
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing, struct eco_error *error)
 {
 	struct work w = { .flight = flight, .track = track, .smoothing = smoothing };
+	uint32_t speeds;
 	*flight = (struct eco_flight){ 0 };
 	enum eco_code code = collect(&w, error);
 	double *scratch = code ? NULL : malloc((track->count + 1) * sizeof *scratch), attitude_s = INFINITY, last_s = NAN;
@@ -385,7 +375,9 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	if (!code) {
 		double step_s = median_step(&w.place, scratch);
-		w.speed_m_s = median_speed(&w.place, scratch);
+		track_speeds(track, scratch, &speeds);
+		w.speed_m_s = track_quantile(scratch, speeds, 0.5);
+		w.slow_m_s = track_quantile(scratch, speeds, 0.25);
 		flight->smooth_s = isnan(smoothing->smooth_s) ? default_smoothing(&w, step_s) : smoothing->smooth_s;
 		flight->pitch_deg = !isnan(smoothing->pitch_deg) ? smoothing->pitch_deg : smoothing->flies ? FLIGHT_PITCH_DEG : 0;
 		for (uint32_t i = 0; i < track->count; i++)

@@ -195,8 +195,8 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_fr
 		code = convert_all(&p, track, error);
 	for (uint32_t i = 0; !code && i < track->count; i++)
 		track->fixes[i].at[2] -= p.shift[2];
-	track->home[2] -= p.shift[2];
-	track->degrees = false;
+	track->home[2] -= code ? 0 : p.shift[2];
+	track->degrees &= code != ECO_OK;
 	proj_destroy(p.conversion);
 	proj_context_destroy(p.context);
 	return code;

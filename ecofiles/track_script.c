@@ -10,8 +10,9 @@
 #include "ecofiles/track.h"
 
 #define DEG 57.29577951308232
-#define KEYS 2000u
+#define KEYS 8000u
 #define ERROR_M 0.05
+#define ERROR_MOST_M 1.0
 #define ERROR_DEG 0.5
 #define AHEAD_M 10.0                     /* of the target; any number does, as splines are linear */
 #define FPS 30.0
@@ -144,8 +145,10 @@ static void choose_errors(struct fit *f, const struct eco_fitting *fitting)
 		}
 	for (int k = 0; k < 3; k++)
 		size = fmax(size, high[k] - low[k]);
-	f->error_m = fitting->error_m > 0 ? fitting->error_m : size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
-	f->error_deg = fitting->error_deg > 0 ? fitting->error_deg : ERROR_DEG;
+	/* no finer than the recording, nor than a small scene can show */
+	double fine_m = fmin(fmax(ERROR_M, fitting->still_m / 4), ERROR_MOST_M);
+	f->error_m = fitting->error_m > 0 ? fitting->error_m : size > 0 ? fmin(fine_m, size / 1000) : fine_m;
+	f->error_deg = fitting->error_deg > 0 ? fitting->error_deg : f->flight->yaw_recorded ? ERROR_DEG : 2 * ERROR_DEG;
 }
 
 /* ---- Script ---- */

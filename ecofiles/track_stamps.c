@@ -201,9 +201,29 @@ static void spread_equal(struct stamps *s, double step_s)
 	}
 }
 
+/* Seconds from fix a to fix b, neither with a good stamp, at the track's own speed. */
+struct speed { double m_s, step_s; };
+
+static double guess_s(const struct eco_fix *a, const struct eco_fix *b, struct speed speed)
+{
+	return speed.m_s > 0 ? fmin(track_distance(a, b) / speed.m_s, 20 * speed.step_s) : speed.step_s;
+}
+
+static struct speed own_speed(struct stamps *s, double step_s)
+{
+	const struct eco_fix *f = s->fixes;
+	uint32_t count = 0;
+	for (uint32_t i = 1; i < s->count; i++)
+		if (f[i].time_s > f[i - 1].time_s && track_distance(&f[i - 1], &f[i]) > 0)
+			s->scratch[count++] = track_distance(&f[i - 1], &f[i]) / (f[i].time_s - f[i - 1].time_s);
+	return (struct speed){ track_quantile(s->scratch, count, 0.5), step_s };
+}
+
+/* Before the first stamp and behind the last by the track's own speed, between two by distance. */
 static void fill_missing(struct stamps *s, double step_s)
 {
 	struct eco_fix *f = s->fixes;
+	struct speed speed = own_speed(s, step_s);
 	uint32_t last = s->count;
 	for (uint32_t i = 0; i < s->count; i++) {
 		if (isnan(f[i].time_s))
@@ -216,11 +236,11 @@ static void fill_missing(struct stamps *s, double step_s)
 			f[k].time_s = f[from].time_s + share * (f[i].time_s - f[from].time_s);
 		}
 		for (uint32_t k = i; last == s->count && k-- > 0; )
-			f[k].time_s = f[k + 1].time_s - step_s;
+			f[k].time_s = f[k + 1].time_s - guess_s(&f[k], &f[k + 1], speed);
 		last = i;
 	}
 	for (uint32_t i = last + 1; i < s->count; i++)
-		f[i].time_s = f[i - 1].time_s + step_s;
+		f[i].time_s = f[i - 1].time_s + guess_s(&f[i - 1], &f[i], speed);
 }
 
 static void set_pace(struct stamps *s, double pace_m_s)
