@@ -203,16 +203,20 @@ bool eco_text_number(const char *text, char decimal, double *number)
 struct word { const char *text; double metres; };
 
 static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 }, { "metres", 1 }, { "meter", 1 }, { "metre", 1 },
-	{ "mètres", 1 }, { "mètre", 1 }, { "m", 1 }, { "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 },
+	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m", 1 }, { "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 }, { "pies", 0.3048 },
 	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 }, { "\"", 0.0254 }, { "\u2033", 0.0254 },
 	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
 
-static const char *const to_words[] = { "bis", "to", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
+static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.", "environ", "etwa", "c.", "~", "\u2248", "between", "zwischen",
+	"entre", "from", "von", "de", "(", "[" };
+static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
 static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least", "plus de", "mehr als", "über", "ab", ">=", ">",
 	"\u2265" };
 static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als", "unter", "bis", "<=", "<",
 	"\u2264" };
 static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus", "und mehr" };
+
+static const char *const closing_words[] = { ")", "]" };
 
 /* Takes one of the words off *text, letters only where the word ends. */
 static bool take(const char **text, const char *const *words, size_t count)
@@ -289,6 +293,7 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 	*unit_m = 0;
 	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
 		return ECO_FORM_NONE;
+	TAKE(&at, about_words);
 	if (TAKE(&at, above_words))
 		form = ECO_FORM_OPEN;
 	else if (TAKE(&at, below_words))
@@ -305,5 +310,6 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 		*number = (*number + high) / 2;
 		form = ECO_FORM_RANGE;
 	}
+	TAKE(&at, closing_words);
 	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
