@@ -290,6 +290,28 @@ static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 	return ECO_OK;
 }
 
+/* A density counts where plants may stand: of an area that is kept clear in part, only the rest. A number counts for the whole. */
+static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
+{
+	const struct eco_area *area = &s->input.areas.items[f->area];
+	const struct candidates *c = &s->candidates;
+	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2), .wants = area_wants, .area = f->area,
+		.rank_end = ECO_BLUE_NOISE_POINTS };
+	size_t clear = 0;
+
+	if (s->input.clear.count == 0 || s->spec->count_column != NULL)
+		return ECO_OK;
+	memcpy(w.low, area->low, sizeof w.low);
+	memcpy(w.high, area->high, sizeof w.high);
+	if (!sweep_box(&w))
+		return no_memory(s);
+	for (size_t i = 0; i < c->count; i++)
+		clear += is_clear(s, c->items[i].at);
+	if (c->count > 0)
+		f->wanted = (uint64_t)((double)f->wanted * (double)clear / (double)c->count + 0.5);
+	return ECO_OK;
+}
+
 /* In the set's order, from sets ever denser where one does not suffice. */
 static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 {
@@ -367,8 +389,10 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given, .total = total_weight(s->spec) };
 
 		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
+		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
+			code = clear_share(s, &f);
 		s->wanted += f.wanted;
-		if (f.wanted == 0)
+		if (f.wanted == 0 || code != ECO_OK)
 			continue;
 		memset(given, 0, s->spec->plant_count * sizeof *given);
 		if (areas->items[order[i]].size_m2 > 0)
