@@ -179,10 +179,8 @@ static const struct other others[] = {
 	{ ".json", "not a model; glTF files end in .gltf or .glb" },
 };
 
-static enum eco_code check_head(const char *path, const char *head, size_t size, struct eco_error *error)
+enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error)
 {
-	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf");
-
 	if (size == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", path);
 	for (size_t i = 0; i < sizeof packed / sizeof *packed; i++)
@@ -196,13 +194,14 @@ static enum eco_code check_head(const char *path, const char *head, size_t size,
 		size--;
 	}
 	if (strncasecmp(head, "<!doctype html", 14) == 0 || strncasecmp(head, "<html", 5) == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a web page, not a model: the download went wrong", path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a web page, not %s: the download went wrong", path, wanted);
 	return ECO_OK;
 }
 
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 {
 	struct stat status;
+	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf");
 	char *head;
 	size_t size;
 	enum eco_code code;
@@ -216,7 +215,8 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	if (access(path, R_OK) != 0)
 		return eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
 	head = eco_file_read_head(path, &size);
-	code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path) : check_head(path, head, size, error);
+	code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
+		: eco_file_check_head(path, head, size, holds_zip, "a model", error);
 	free(head);
 	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)
 		if (eco_path_ends_with(path, others[i].extension))

@@ -58,6 +58,10 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 /* Its first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. A file that cannot be read has 0 bytes. */
 char *eco_file_read_head(const char *path, size_t *size);
 
+/* Refuses what no reader can read, from a file's first bytes (followed by a 0): empty, packed (zip unless the format is one itself),
+ * placeholders, web pages. `wanted`: "a model". */
+enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error);
+
 /* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */
 bool eco_file_head_has(const char *path, size_t bytes, const char *word);
 

@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "ecofiles/import_model.h"
 #include "ecofiles/rows_formats.h"
 
 #define HEAD_BYTES 65536u
@@ -53,6 +54,7 @@ static bool has_extension(const char *path, const char *const *extensions)
 
 static enum eco_code read_head(const char *path, struct head *head, struct eco_error *error)
 {
+	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL };
 	struct stat file;
 	FILE *in;
 
@@ -71,7 +73,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
 	head->bytes[head->size] = 0;
 	fclose(in);
-	return head->size > 0 ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file", path);
+	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips), "a table", error);
 }
 
 static bool holds(const struct head *head, const char *text)
@@ -121,8 +123,10 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		code = eco_rows_open_gltf(rows, source->path, error);
 	else if (is_utf16(head))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in Excel)", source->path);
-	else if (sign == '{' && holds(head, "\"CityJSON"))
+	else if (sign == '{' && (holds(head, "\"CityJSON\"") || holds(head, "\"CityJSONFeature\"")))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to CityGML, or its trees to GeoJSON or CSV", source->path);
+	else if ((sign == '{' || sign == '[') && !holds(head, "\"type\"") && !holds(head, "\"esri"))
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say \"type\": \"Feature\"; export GeoJSON or CSV", source->path);
 	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
 		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))

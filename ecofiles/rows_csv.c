@@ -17,6 +17,7 @@ struct csv {
 	struct eco_rows rows;
 	FILE *file;
 	char *path, separator;
+	char line_end;               /* '\n', with or without a '\r' before it; or '\r', where there is no other */
 	char *text;
 	size_t used, capacity;
 	size_t *start;               /* of each field in text */
@@ -48,6 +49,8 @@ static int get(struct csv *csv)
 {
 	int c = getc_unlocked(csv->file);
 
+	if (c == csv->line_end)
+		c = '\n';
 	csv->line += c == '\n';
 	return c;
 }
@@ -261,7 +264,7 @@ static char count_separators(const char *text)
 	size_t best = 0;
 	bool quoted = false;
 
-	for (; *text != 0 && (quoted || *text != '\n'); text++) {
+	for (; *text != 0 && (quoted || (*text != '\n' && *text != '\r')); text++) {
 		quoted ^= *text == '"';
 		for (size_t i = 0; !quoted && i < sizeof signs; i++)
 			counts[i] += *text == signs[i];
@@ -287,7 +290,8 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 	if (size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0)
 		text += 3;
 	if (excel_separator(text, &csv->separator)) {
-		text += strcspn(text, "\n");
+		text += strcspn(text, "\r\n");
+		text += *text == '\r';
 		text += *text == '\n';
 		csv->line = 2;
 	}
@@ -297,6 +301,8 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs" : "its columns are separated by \"%c\"",
 				csv->separator);
 	}
+	if (memchr(head, '\n', size) == NULL && memchr(head, '\r', size) != NULL)
+		csv->line_end = '\r';
 	good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
 	free(head);
 	return good ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
@@ -335,6 +341,7 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	csv->rows.where = "line";
 	csv->rows.place.yaw_deg = csv->rows.place.scale = NAN;
 	csv->line = 1;
+	csv->line_end = '\n';
 	csv->path = strdup(path);
 	csv->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
 	csv->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.fields);
