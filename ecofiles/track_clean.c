@@ -78,7 +78,7 @@ double track_quantile(double *values, uint32_t count, double share)
 	return values[(uint32_t)(share * (count - 1))];
 }
 
-void track_speeds(const struct eco_track *track, double *speeds, uint32_t *count)
+void track_speeds(const struct eco_track *track, bool flat, double *speeds, uint32_t *count)
 {
 	const struct eco_fix *f = track->fixes;
 	uint32_t last = track->count, still = 0;
@@ -88,7 +88,7 @@ void track_speeds(const struct eco_track *track, double *speeds, uint32_t *count
 		if (isnan(f[i].at[0]) || (last < track->count && !(f[i].time_s - f[last].time_s >= window_s)))
 			continue;
 		if (last < track->count) {
-			double d = hypot(f[i].at[0] - f[last].at[0], f[i].at[1] - f[last].at[1]);
+			double d = flat ? hypot(f[i].at[0] - f[last].at[0], f[i].at[1] - f[last].at[1]) : track_distance(&f[last], &f[i]);
 			if (d > 0)
 				speeds[(*count)++] = d / (f[i].time_s - f[last].time_s);
 		}
@@ -166,7 +166,7 @@ static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_rep
 	report->update_s = median_update(track, scratch, false);
 	double update_z_s = median_update(track, scratch, true), fast_m_s;
 	uint32_t speeds;
-	track_speeds(track, scratch, &speeds);
+	track_speeds(track, false, scratch, &speeds);
 	fast_m_s = fmax(2 * track_quantile(scratch, speeds, 0.9), 2 * track->still_m / fmax(report->update_s, 0.5));
 	merge_runs(track, report->update_s, track->still_m > ROUNDED_M, false, fast_m_s, keep);
 	merge_runs(track, update_z_s, track->still_z_m > ROUNDED_M, true, fast_m_s, keep_height);
@@ -228,11 +228,12 @@ static void find_limits(struct places *p, double *scratch)
 				scratch[moving++] = v;
 		}
 	else
-		track_speeds(p->track, scratch, &moving);
+		track_speeds(p->track, false, scratch, &moving);
 	double middle = track_quantile(scratch, moving, 0.5), high = track_quantile(scratch, moving, 0.9);
 	p->middle_m_s = middle;
 	p->high_m_s = high;
-	p->limit_m_s = p->untimed ? fmax(50 * middle, 10 * high) : fmax(4 * middle, 3 * high);
+	/* what never moved gives no measure */
+	p->limit_m_s = !(high > 0) ? INFINITY : p->untimed ? fmax(50 * middle, 10 * high) : fmax(4 * middle, 3 * high);
 	for (uint32_t i = 1; i < p->count; i++)
 		if (!same_place(place_at(p, i - 1), place_at(p, i)))
 			scratch[steps++] = flat_distance(place_at(p, i - 1), place_at(p, i));
@@ -417,7 +418,7 @@ static enum eco_code shorten_pauses(struct eco_track *track, double pause_s, str
 	uint32_t last = 0, speeds;
 	if (!scratch)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	track_speeds(track, scratch, &speeds);
+	track_speeds(track, false, scratch, &speeds);
 	double slow_m_s = 0.05 * track_quantile(scratch, speeds, 0.5);
 	struct eco_fix *f = track->fixes;
 	for (uint32_t i = 1; i < track->count; i++) {

@@ -15,6 +15,7 @@
 
 #define DEG 57.29577951308232
 #define SAMPLES_MAX 200000u
+#define STEP_LEAST_S 0.004
 #define SPAN 4.0                         /* of the filter, in standard deviations */
 #define GPS_NOISE_M 2.0                  /* of fixes against each other */
 #define SMOOTH_MOST_S 15.0
@@ -31,6 +32,7 @@ struct work {
 	const struct eco_smoothing *smoothing;
 	struct series place, height, attitude, fov;          /* attitude: look, up */
 	double *x[3], *yaw, *scratch;        /* per sample */
+	bool follows;                        /* the path says where it looks, somewhere */
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
@@ -152,9 +154,9 @@ static double length_s(const struct eco_track *track)
 static void choose_samples(struct work *w, double place_s, double attitude_s)
 {
 	double length = length_s(w->track), step = place_s > 0 ? place_s / 4 : length;
-	if (w->attitude.count > 1 && attitude_s > 0)
+	if (attitude_s > 0)
 		step = fmin(step, attitude_s);
-	step = fmax(step, w->flight->smooth_s / 20);
+	step = fmax(step, fmax(w->flight->smooth_s / 20, w->follows ? LOOK_S / 50 : STEP_LEAST_S));
 	step = fmax(step, length / (SAMPLES_MAX - 1));
 	if (!(length > 0) || !(step > 0)) {
 		w->flight->step_s = 1;
@@ -351,7 +353,8 @@ static enum eco_code make_samples(struct work *w, struct eco_error *error)
 		w->x[axis] = rows + n * (size_t)axis;
 	w->yaw = rows + 3 * n;
 	sample_places(w);
-	follow_path(w);
+	if (w->follows)
+		follow_path(w);
 	add_attitudes(w);
 	if (w->attitude.count) {
 		double attitude_s = median_step(&w->attitude, w->scratch);
@@ -375,7 +378,7 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	if (!code) {
 		double step_s = median_step(&w.place, scratch);
-		track_speeds(track, scratch, &speeds);
+		track_speeds(track, true, scratch, &speeds);
 		w.speed_m_s = track_quantile(scratch, speeds, 0.5);
 		w.slow_m_s = track_quantile(scratch, speeds, 0.25);
 		flight->smooth_s = isnan(smoothing->smooth_s) ? default_smoothing(&w, step_s) : smoothing->smooth_s;
@@ -384,7 +387,9 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 			if (!isnan(track->fixes[i].yaw_deg) || !isnan(track->fixes[i].pitch_deg)) {
 				attitude_s = track->fixes[i].time_s - last_s < attitude_s ? track->fixes[i].time_s - last_s : attitude_s;
 				last_s = track->fixes[i].time_s;
+				w.follows |= isnan(track->fixes[i].yaw_deg);
 			}
+		w.follows |= isnan(last_s);
 		choose_samples(&w, step_s, isfinite(attitude_s) ? attitude_s : 0);
 		code = make_samples(&w, error);
 	}

@@ -1,0 +1,78 @@
+/* Recorded tracks: whatever the bytes, an error or a track; and whatever the track, a flight and a script that plays. */
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "ecofiles/track.h"
+#include "ecofiles/view.h"
+
+#define FIXES_MAX 3000u                  /* longer tracks only make it slower */
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+/* In place of PROJ, which takes longer than all else together. */
+static void to_metres(struct eco_track *track)
+{
+	for (uint32_t i = 0; track->degrees && i < track->count; i++)
+		for (int axis = 0; axis < 2; axis++)
+			track->fixes[i].at[axis] *= 111195;
+	track->degrees = false;
+	track->still_m = 0.1;
+}
+
+static void play(const struct eco_script *script)
+{
+	size_t size;
+	struct eco_camera *camera;
+	struct eco_view view = { .width = 4, .height = 3 };
+	struct eco_error error = { 0 };
+	char *text = eco_script_text(script, &size);
+	assert(text != NULL);
+	/* what lasts for years has too many frames, or times too large; nothing else may be wrong */
+	if (script->frames <= ECO_SCRIPT_FRAMES && script->keys[script->count - 1].time_s < 1e8) {
+		enum eco_code code = eco_camera_parse(&camera, text, size, "made.json", &error);
+		assert(code == ECO_OK);
+		eco_camera_frame(camera, eco_camera_frame_count(camera) - 1, &view);
+		assert(eco_view_check(&view, NULL) == ECO_OK);
+		eco_camera_free(camera);
+	}
+	free(text);
+}
+
+static void fly(struct eco_track *track)
+{
+	struct eco_track_report report;
+	struct eco_flight flight;
+	struct eco_script script;
+	const struct eco_smoothing smoothing = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN };
+	to_metres(track);
+	if (eco_track_clean(track, &(struct eco_cleaning){ 0 }, &report, NULL))
+		return;
+	assert(report.fixes == report.kept + report.repeated + report.jumped + report.other_parts && report.kept > 0);
+	for (uint32_t i = 1; i < track->count; i++)
+		assert(track->fixes[i].time_s > track->fixes[i - 1].time_s);
+	if (eco_flight_make(&flight, track, &smoothing, NULL))
+		return;
+	for (uint32_t i = 0; i < flight.count; i++)
+		for (int k = 0; k < 3; k++)
+			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k]) && isfinite(flight.samples[i].up[k]));
+	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &(struct eco_fitting){ .keys_max = 100 }, NULL) == ECO_OK) {
+		play(&script);
+		eco_script_free(&script);
+	}
+	eco_flight_free(&flight);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+	struct eco_track track;
+	struct eco_error error = { 0 };
+	enum eco_code code = eco_track_parse(&track, bytes, size, "nowhere/track", NULL, &error);
+	assert(code == error.code && (code == ECO_OK || track.fixes == NULL));
+	for (uint32_t i = 0; i < track.count; i++)
+		assert(isfinite(track.fixes[i].at[0]) && isfinite(track.fixes[i].at[1]));
+	if (code == ECO_OK && track.count > 0 && track.count <= FIXES_MAX)
+		fly(&track);
+	eco_track_free(&track);
+	return 0;
+}
