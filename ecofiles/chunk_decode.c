@@ -42,7 +42,7 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		bool allowed = paired ? s->corners >= 3 : side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
 
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
-		    || (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV))))
+		    || (s->uv_shift != 0 && (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
 			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i, s->corners);
 		if (side)
 			continue;

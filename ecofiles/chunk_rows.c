@@ -86,6 +86,7 @@ enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		per_row += rows->columns[i].components;
+	per_row += shape->ground_columns > 0;
 	rows->storage = calloc((size_t)per_row * shape->rows, sizeof *rows->storage);
 	if (rows->storage == NULL)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", shape->rows);
@@ -94,6 +95,10 @@ enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *
 		rows->columns[i].values = at;
 		at += (size_t)rows->columns[i].components * shape->rows;
 	}
+	/* the low bits of ground; an encoder takes them up if there are any */
+	rows->columns[rows->column_count] = (struct eco_draco_column){ .components = 1, .values = at };
+	if (shape->ground_columns > 0 && shape->uv_shift > 0)
+		rows->column_count++;
 	return ECO_OK;
 }
 
@@ -271,8 +276,43 @@ static int32_t ground_place(const struct eco_rows *rows, uint32_t row, unsigned 
 	return row % columns > 0 ? values[row - 1] : 0;
 }
 
+/* Coarse ground is rounded but at its border: where the low bits are nearly always 0, they are a column of their own. */
+static void take_low_bits(struct eco_rows *rows)
+{
+	struct eco_draco_column *low = &rows->columns[rows->column_count];
+	int32_t *z = rows->columns[2].values;
+	uint32_t zeros[16] = { 0 };
+
+	if (rows->shape.ground_columns == 0)
+		return;
+	for (uint32_t row = 0; row < rows->shape.rows; row++)
+		for (unsigned k = 1; k < 16 && !((uint32_t)z[row] & ((1u << k) - 1)); k++)
+			zeros[k]++;
+	while (rows->shape.uv_shift < 15 && zeros[rows->shape.uv_shift + 1] > rows->shape.rows / 4 * 3)
+		rows->shape.uv_shift++;
+	if (rows->shape.uv_shift == 0)
+		return;
+	rows->column_count++;
+	for (uint32_t row = 0; row < rows->shape.rows; row++) {
+		low->values[row] = (int32_t)((uint32_t)z[row] & ((1u << rows->shape.uv_shift) - 1));
+		z[row] = (z[row] - low->values[row]) / (1 << rows->shape.uv_shift);
+	}
+}
+
+static void give_low_bits(struct eco_rows *rows)
+{
+	const struct eco_draco_column *low = &rows->columns[rows->column_count - 1];
+	int32_t *z = rows->columns[2].values;
+
+	if (rows->shape.ground_columns == 0 || rows->shape.uv_shift == 0)
+		return;
+	for (uint32_t row = 0; row < rows->shape.rows; row++)
+		z[row] = plus((int32_t)((uint32_t)z[row] << rows->shape.uv_shift), low->values[row]);
+}
+
 static void take_ground(struct eco_rows *rows)
 {
+	take_low_bits(rows);
 	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
 		rows->columns[2].values[row] = minus(rows->columns[2].values[row], ground_height(rows, row));
 	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
@@ -287,6 +327,7 @@ static void give_ground(struct eco_rows *rows)
 			rows->columns[axis].values[row] = plus(rows->columns[axis].values[row], ground_place(rows, row, axis));
 	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
 		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
+	give_low_bits(rows);
 }
 
 /* What Draco can code without allocating too much: the values of a column, the differences between them. */

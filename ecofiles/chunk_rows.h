@@ -18,7 +18,8 @@
  *
  * Split positions suit rows whose order is given. Of ground samples x is stored as the difference to the sample south of it and y as
  * that to the sample west of it, which are nearly always 0, and z as what is left of it after the prediction left + up - upper left
- * (left in the first row, up at the start of a row, where x does not advance).
+ * (left in the first row, up at the start of a row, where x does not advance). With a `uv_shift` that is of z without its low
+ * `uv_shift` bits, which are one more column, the last: of coarse ground only the border has any.
  *
  * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and value & 65535. */
 #ifndef ECO_CHUNK_ROWS_H
@@ -29,7 +30,7 @@
 
 #define ECO_ROWS_CORNERS_MAX 8          /* 2 points for each of a fan's 4 triangles */
 #define ECO_ROWS_EXTRA_MAX 6
-#define ECO_ROWS_COLUMNS_MAX (2 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
+#define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 
 struct eco_rows_shape {
@@ -40,7 +41,7 @@ struct eco_rows_shape {
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
-	uint8_t uv_shift;            /* 0..15 */
+	uint8_t uv_shift;            /* 0..15; ground: of heights */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */

@@ -25,6 +25,7 @@ struct job {
 	struct ground_notes notes;
 	struct ground_raster *rasters; uint32_t count;
 	OGRSpatialReferenceH scene_crs;
+	char scene_vertical[64];     /* of a compound scene CRS; else empty */
 };
 
 static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
@@ -60,7 +61,6 @@ static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *
 static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 {
 	const char *text = job->options->scene_crs;
-	char ignored[64];
 	double unit;
 	enum eco_code code;
 
@@ -69,7 +69,7 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 	code = make_crs(&job->scene_crs, text, "the scene", error);
 	if (code != ECO_OK)
 		return code;
-	split_vertical(job->scene_crs, ignored, &unit);
+	split_vertical(job->scene_crs, job->scene_vertical, &unit);
 	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
 			"\"EPSG:32617\"", text);
@@ -127,7 +127,11 @@ static bool same_datum(const char *a, const char *b)
 static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_source *source = job->options->source;
-	const char *scene = job->options->scene_vertical, *own = source->vertical != NULL ? source->vertical : r->vertical;
+	const char *own = source->vertical != NULL ? source->vertical : r->vertical;
+	const char *scene = job->options->scene_vertical;
+
+	if (scene == NULL && job->scene_vertical[0] != 0)
+		scene = job->scene_vertical;
 
 	if (source->vertical != NULL && scene == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "

@@ -67,6 +67,7 @@ struct make {
 	struct eco_ground ground;    bool has_ground;
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
+	uint8_t *ground_shifts;                  /* see lod/ground.h */
 	uint64_t off_ground;         /* plants and nested eco files beyond its border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;

@@ -91,7 +91,7 @@ static enum eco_code encode_tile(void *ctx, uint64_t i, void *result, struct eco
 	made->list = (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .level = tile->level, .owner = ECO_NONE,
 		.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, m->ground_low_m },
 		.grid_step = { g->step_x_m, g->step_y_m, m->ground_step_m }, .columns = x.count };
-	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_low_m, m->ground_step_m, error);
+	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m, m->ground_step_m, error);
 	if (!code)
 		code = eco_pack_encode(&made->encoded, &made->list, &e, (const uint32_t[]){ e.element_count }, 1, error);
 	eco_elements_free(&e);
@@ -120,10 +120,11 @@ enum eco_code make_ground_pack(struct make *m)
 		return ECO_OK;
 	if (!main_progress("measuring ground", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	enum eco_code code = lod_ground_build(&tree, &m->ground, fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
+	enum eco_code code = lod_ground_build(&tree, &m->ground, m->ground_step_m, fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
 	if (code)
 		return code;
 	m->scene.ground = m->ground_tiles = tree.tiles;
+	m->ground_shifts = tree.shifts;
 	m->scene.ground_count = tree.count;
 	m->scene.ground_columns = m->ground.columns;
 	m->scene.ground_rows = m->ground.rows;
@@ -135,4 +136,5 @@ void make_ground_free(struct make *m)
 {
 	eco_ground_free(&m->ground);
 	free(m->ground_tiles);
+	free(m->ground_shifts);
 }

@@ -41,7 +41,7 @@ static double height_m(const struct decoded *d, uint32_t column, uint32_t row)
 static const char *check_samples(const struct decoded *d, const struct eco_scene *s)
 {
 	struct eco_ground_tile found;
-	double slack = d->list->grid_step[2];
+	double slack = (double)d->tile->error_m + d->list->grid_step[2];
 
 	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows, NULL) != ECO_OK || found.column != d->tile->column
 		|| found.row != d->tile->row)
@@ -73,7 +73,8 @@ static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 
 static const char *check_child(const struct decoded *d, const struct decoded *child)
 {
-	double slack = (double)d->tile->error_m + 1e-6 * (1 + fabs((double)d->tile->high_m));
+	/* what the child is rounded by itself (lod/ground.h) */
+	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16 + 1e-6 * (1 + fabs((double)d->tile->high_m));
 
 	for (uint32_t r = 0; r < child->y.inner; r++)
 		for (uint32_t c = 0; c < child->x.inner; c++) {

@@ -7,7 +7,7 @@
  *   lod_ground_corner(&c, &r, seam, &x, &y);                          which sample a corner of a cell is drawn at
  *
  * A tile's error is the largest vertical distance between its triangles and those of the full detail, measured at every sample, not
- * estimated. A tile is replaced by its children while its error may show as more than the tolerance. Seams: a tile that touches a
+ * estimated. Inside its border it is stored as exactly as that deserves; at the border exactly, as others share that. A tile is replaced by its children while its error may show as more than the tolerance. Seams: a tile that touches a
  * coarser one draws the samples of that border at the nearest sample that the other has too. Both then draw the very same vertices there,
  * so that there is neither a gap nor a skirt to hide one, whatever the levels are. Next to such a border the error is up to the
  * neighbour's.
@@ -24,14 +24,18 @@
 
 /* ---- Making ---- */
 
-struct lod_ground_tree { struct eco_ground_tile *tiles; uint32_t count; };       /* `list` is left 0; free tiles */
+/* `list` is left 0. Per tile, how many low bits of its heights inside its border are rounded away: a sixteenth of its error at most. */
+struct lod_ground_tree { struct eco_ground_tile *tiles; uint8_t *shifts; uint32_t count; };
+void lod_ground_tree_free(struct lod_ground_tree *tree);
 
-/* Tiles whose error is at most `least_m` get no children. At most ECO_GROUND_SIDE_MAX samples a side. */
-enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double least_m, struct eco_error *error);
+/* Heights are whole steps of step_m. Tiles whose error is at most `least_m` get no children. At most ECO_GROUND_SIDE_MAX samples a
+ * side. */
+enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m, double least_m,
+	struct eco_error *error);
 
-/* The tile's samples with heights as whole steps above low_m. */
+/* The tile's samples with heights as whole steps above low_m; at its border exactly, elsewhere without the low `shift` bits. */
 enum eco_code lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground, const struct eco_ground_tile *tile,
-	double low_m, double step_m, struct eco_error *error);
+	uint8_t shift, double low_m, double step_m, struct eco_error *error);
 
 /* ---- Choosing ---- */
 

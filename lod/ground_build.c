@@ -7,9 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ROUNDING 16.0                /* a tile's error is so many times what its heights are rounded to */
+#define SHIFT_MAX 12
+
 struct level {
 	uint32_t columns, rows;      /* tiles */
 	float *error, *low, *high;
+	uint8_t *shift;
 };
 
 struct cell {                    /* between four samples of a coarse level */
@@ -113,11 +117,22 @@ static void measure_finest(const struct eco_ground *g, struct level *l, uint32_t
 		}
 }
 
-static void measure_coarse(const struct eco_ground *g, struct level *l, const struct level *finer, uint8_t level, uint32_t i)
+static uint8_t shift_for(double error, double step_m)
+{
+	uint8_t shift = 0;
+
+	while (shift < SHIFT_MAX && ldexp(step_m, shift + 1) * ROUNDING <= error)
+		shift++;
+	return shift;
+}
+
+static void measure_coarse(const struct eco_ground *g, double step_m, struct level *l, const struct level *finer, uint8_t level, uint32_t i)
 {
 	uint32_t column = i % l->columns, row = i / l->columns;
+	double error = tile_error(g, level, column, row);
 
-	l->error[i] = rounded_up(tile_error(g, level, column, row));
+	l->shift[i] = shift_for(error, step_m);
+	l->error[i] = rounded_up(l->shift[i] > 0 ? error + ldexp(step_m, l->shift[i] - 1) : error);
 	l->low[i] = INFINITY;
 	l->high[i] = -INFINITY;
 	for (uint32_t r = 2 * row; r < 2 * row + 2 && r < finer->rows; r++)
@@ -130,7 +145,7 @@ static void measure_coarse(const struct eco_ground *g, struct level *l, const st
 		}
 }
 
-static bool measure(struct level *levels, uint8_t count, const struct eco_ground *g)
+static bool measure(struct level *levels, uint8_t count, const struct eco_ground *g, double step_m)
 {
 	for (uint8_t n = 0; n < count; n++) {
 		struct level *l = &levels[n];
@@ -140,7 +155,8 @@ static bool measure(struct level *levels, uint8_t count, const struct eco_ground
 		l->rows = (g->rows - 2) / side + 1;
 		tiles = l->columns * l->rows;
 		l->error = calloc(3 * (size_t)tiles, sizeof *l->error);
-		if (l->error == NULL)
+		l->shift = calloc(tiles, 1);
+		if (l->error == NULL || l->shift == NULL)
 			return false;
 		l->low = l->error + tiles;
 		l->high = l->low + tiles;
@@ -148,7 +164,7 @@ static bool measure(struct level *levels, uint8_t count, const struct eco_ground
 			if (n == 0)
 				measure_finest(g, l, i);
 			else
-				measure_coarse(g, l, &levels[n - 1], n, i);
+				measure_coarse(g, step_m, l, &levels[n - 1], n, i);
 		}
 	}
 	return true;
@@ -162,7 +178,8 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 	for (uint8_t n = 0; n <= root; n++)
 		most += (size_t)levels[n].columns * levels[n].rows;
 	tree->tiles = calloc(most, sizeof *tree->tiles);
-	if (tree->tiles == NULL)
+	tree->shifts = calloc(most, 1);
+	if (tree->tiles == NULL || tree->shifts == NULL)
 		return false;
 	tree->tiles[0].level = root;
 	tree->count = 1;
@@ -174,6 +191,7 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 		t->error_m = l->error[at];
 		t->low_m = l->low[at];
 		t->high_m = l->high[at];
+		tree->shifts[i] = l->shift[at];
 		if (t->level == 0 || (double)t->error_m <= least_m)
 			continue;
 		t->child_first = tree->count;
@@ -189,7 +207,15 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 	return true;
 }
 
-enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double least_m, struct eco_error *error)
+void lod_ground_tree_free(struct lod_ground_tree *tree)
+{
+	free(tree->tiles);
+	free(tree->shifts);
+	*tree = (struct lod_ground_tree){ .tiles = NULL };
+}
+
+enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m, double least_m,
+	struct eco_error *error)
 {
 	struct level levels[ECO_GROUND_LEVELS] = { { .columns = 0 } };
 	uint8_t root = eco_ground_root_level(ground->columns, ground->rows);
@@ -200,14 +226,32 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 	if (ground->columns > ECO_GROUND_SIDE_MAX || ground->rows > ECO_GROUND_SIDE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "ground of %u x %u samples, at most %u a side are kept", ground->columns, ground->rows,
 			ECO_GROUND_SIDE_MAX);
-	good = measure(levels, (uint8_t)(root + 1), ground) && gather(tree, levels, root, least_m);
-	for (uint8_t n = 0; n <= root; n++)
+	good = measure(levels, (uint8_t)(root + 1), ground, step_m) && gather(tree, levels, root, least_m);
+	for (uint8_t n = 0; n <= root; n++) {
 		free(levels[n].error);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for tiles of ground");
+		free(levels[n].shift);
+	}
+	if (good)
+		return ECO_OK;
+	lod_ground_tree_free(tree);
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for tiles of ground");
+}
+
+/* First or last of the samples covered: those that other tiles share. */
+static bool on_border(const struct eco_ground_span *s, uint32_t i)
+{
+	return i == s->before || i == s->before + s->inner - 1;
+}
+
+static int32_t rounded(int32_t z, uint8_t shift)
+{
+	int32_t unit = 1 << shift;
+
+	return (z + unit / 2) / unit * unit;     /* heights are counted from the lowest: z >= 0 */
 }
 
 enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_ground *ground, const struct eco_ground_tile *tile,
-	double low_m, double step_m, struct eco_error *error)
+	uint8_t shift, double low_m, double step_m, struct eco_error *error)
 {
 	struct eco_ground_span x, y;
 	uint32_t count;
@@ -226,10 +270,11 @@ enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_groun
 	for (uint32_t r = 0; r < y.count; r++)
 		for (uint32_t c = 0; c < x.count; c++) {
 			uint32_t column = eco_ground_span_at(&x, c), row = eco_ground_span_at(&y, r);
+			int32_t z = (int32_t)floor((height(ground, column, row) - low_m) / step_m + 0.5);
 
 			*out++ = (int32_t)column;
 			*out++ = (int32_t)row;
-			*out++ = (int32_t)floor((height(ground, column, row) - low_m) / step_m + 0.5);
+			*out++ = on_border(&x, c) || on_border(&y, r) ? z : rounded(z, shift);
 		}
 	return ECO_OK;
 }

@@ -8,6 +8,7 @@
 #include "lod/ground.h"
 
 #define GROUND_TILES_STEP_M 0.0078125
+#define GROUND_TILES_LOW_M (-4096.0)     /* below all heights */
 
 static inline struct eco_ground ground_make(uint32_t columns, uint32_t rows, double x_m, double y_m, double step_m,
 	double (*height)(double x, double y))
@@ -26,15 +27,15 @@ static inline struct eco_list ground_list(const struct eco_ground *g, const stru
 	struct eco_ground_span x, y;
 	eco_ground_spans(&x, &y, tile, g->columns, g->rows);
 	return (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .level = tile->level, .owner = ECO_NONE, .plant = ECO_NONE,
-		.image = ECO_NONE, .partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, 0 },
+		.image = ECO_NONE, .partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, GROUND_TILES_LOW_M },
 		.grid_step = { g->step_x_m, g->step_y_m, GROUND_TILES_STEP_M }, .columns = x.count, .primitive_count = x.count * y.count,
 		.element_count = x.count * y.count, .chunk_count = 1 };
 }
 
-static inline struct eco_elements ground_elements(const struct eco_ground *g, const struct eco_ground_tile *tile)
+static inline struct eco_elements ground_elements(const struct eco_ground *g, const struct eco_ground_tile *tile, uint8_t shift)
 {
 	struct eco_elements e;
-	if (lod_ground_elements(&e, g, tile, 0, GROUND_TILES_STEP_M, NULL))
+	if (lod_ground_elements(&e, g, tile, shift, GROUND_TILES_LOW_M, GROUND_TILES_STEP_M, NULL))
 		abort();
 	return e;
 }

@@ -140,10 +140,10 @@ static inline void sample_ground(struct sample *s, const struct eco_ground *grou
 {
 	struct lod_ground_tree tree = { 0 };
 	if (!s->code)
-		s->code = lod_ground_build(&tree, ground, GROUND_TILES_STEP_M, s->error);
+		s->code = lod_ground_build(&tree, ground, GROUND_TILES_STEP_M, GROUND_TILES_STEP_M, s->error);
 	for (uint32_t i = 0; i < tree.count && !s->code; i++) {
 		struct eco_list list = ground_list(ground, &tree.tiles[i]);
-		struct eco_elements e = ground_elements(ground, &tree.tiles[i]);
+		struct eco_elements e = ground_elements(ground, &tree.tiles[i], tree.shifts[i]);
 		s->code = eco_pack_add_list(s->writer, &list, &e, &e.element_count, 1, NULL, &tree.tiles[i].list, s->error);
 		eco_elements_free(&e);
 	}
@@ -219,7 +219,7 @@ static inline enum eco_code sample_pack_write_on(const char *path, const struct 
 	sample_ground(&s, ground);
 	sample_commit(&s, instances, leaves, wood, bush_id, summary);
 	free(s.places);
-	free(s.ground.tiles);
+	lod_ground_tree_free(&s.ground);
 	return s.code;
 }
 

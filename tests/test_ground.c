@@ -505,6 +505,11 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 	import_fails(&g, "no conversion is at hand");
 	g.vertical = NULL;
 	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the ground");
+	g = (struct given){ .path = g.path, .crs = "EPSG:32632", .scene_crs = "EPSG:32632+5773" };       /* a compound CRS states one too */
+	import_fails(&g, "add \"vertical\": \"EGM96 height\" to the ground");
+	g.crs = "EPSG:32632+5773";
+	import_good(&ground, &g);
+	eco_ground_free(&ground);
 }
 
 /* ---- Heights ---- */

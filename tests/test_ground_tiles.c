@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#include "ecofiles/chunk.h"
 #include "lod/raster.h"
 #include "tests/ground_tiles.h"
 
@@ -65,7 +66,7 @@ static void world_make(struct world *w, const struct terrain *t, double least_m)
 	struct eco_error error = { 0 };
 	memset(w, 0, sizeof *w);
 	w->ground = ground_make(t->columns, t->rows, 0, 0, t->step, t->height);
-	if (lod_ground_build(&w->tree, &w->ground, least_m, &error))
+	if (lod_ground_build(&w->tree, &w->ground, GROUND_TILES_STEP_M, least_m, &error))
 		fail_msg("%s: %s", t->name, error.text);
 	w->lists = calloc(w->tree.count, sizeof *w->lists);
 	w->chunks = calloc(w->tree.count, sizeof *w->chunks);
@@ -83,7 +84,7 @@ static void world_make(struct world *w, const struct terrain *t, double least_m)
 
 static void world_free(struct world *w)
 {
-	free(w->tree.tiles);
+	lod_ground_tree_free(&w->tree);
 	free(w->lists);
 	free(w->chunks);
 	eco_ground_free(&w->ground);
@@ -438,7 +439,7 @@ static void a_tile_is_found_by_its_samples(void **state)
 		struct world w;
 		world_make(&w, &terrains[k], 0);
 		for (uint32_t i = 0; i < w.tree.count; i++) {
-			struct eco_elements e = ground_elements(&w.ground, &w.tree.tiles[i]);
+			struct eco_elements e = ground_elements(&w.ground, &w.tree.tiles[i], w.tree.shifts[i]);
 			struct eco_ground_tile found;
 			uint32_t victim = (uint32_t)bits() % e.element_count;
 			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns, w.ground.rows, NULL), ECO_OK);
@@ -449,6 +450,48 @@ static void a_tile_is_found_by_its_samples(void **state)
 		}
 		world_free(&w);
 	}
+}
+
+/* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in fewer bytes. */
+static void coarse_heights_are_rounded_inside_only(void **state)
+{
+	size_t exact_bytes = 0, rounded_bytes = 0;
+	uint32_t rounded = 0;
+	struct world w;
+	(void)state;
+	world_make(&w, &terrains[0], 0);
+	for (uint32_t i = 0; i < w.tree.count; i++) {
+		const struct eco_ground_tile *t = &w.tree.tiles[i];
+		struct eco_elements exact = ground_elements(&w.ground, t, 0), e = ground_elements(&w.ground, t, w.tree.shifts[i]), back;
+		struct eco_ground_span x, y;
+		eco_ground_spans(&x, &y, t, w.ground.columns, w.ground.rows);
+		int32_t most = 1 << w.tree.shifts[i] >> 1;
+		assert_true(t->level > 0 || w.tree.shifts[i] == 0);
+		assert_true(most * GROUND_TILES_STEP_M <= (double)t->error_m / 16);
+		rounded += most > 0;
+		for (uint32_t k = 0; k < e.element_count; k++) {
+			uint32_t c = k % x.count - x.before, r = k / x.count - y.before;
+			int32_t off = abs(e.position[3 * k + 2] - exact.position[3 * k + 2]);
+			assert_true(off <= most && (off == 0 || (c != 0 && r != 0 && c != x.inner - 1 && r != y.inner - 1)));
+		}
+		for (int pass = 0; pass < 2; pass++) {
+			const struct eco_chunk_input input = { &w.lists[i], pass ? &e : &exact, 0, e.element_count, 0 };
+			struct eco_chunk chunk = { .primitive_count = e.element_count, .element_count = e.element_count };
+			uint8_t *bytes;
+			size_t size;
+			assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+			*(pass ? &rounded_bytes : &exact_bytes) += t->level > 0 ? size : 0;
+			chunk.size_bytes = (uint32_t)size;
+			assert_int_equal(eco_chunk_decode(&w.lists[i], &chunk, 0, bytes, size, &back, NULL), ECO_OK);
+			assert_memory_equal(back.position, input.elements->position, 12 * (size_t)e.element_count);
+			eco_elements_free(&back);
+			free(bytes);
+		}
+		eco_elements_free(&e);
+		eco_elements_free(&exact);
+	}
+	assert_true(rounded > 5 && rounded_bytes < exact_bytes * 4 / 5);
+	world_free(&w);
 }
 
 int main(void)
@@ -462,6 +505,7 @@ int main(void)
 		cmocka_unit_test(from_above_there_is_no_gap_and_no_larger_error),
 		cmocka_unit_test(the_picture_is_that_of_the_full_detail),
 		cmocka_unit_test(a_tile_is_found_by_its_samples),
+		cmocka_unit_test(coarse_heights_are_rounded_inside_only),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

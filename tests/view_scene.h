@@ -159,7 +159,7 @@ static inline void scene_ground(struct view_scene *s)
 	struct eco_ground ground = ground_make(17, 15, -40, -35, 5, scene_height);
 	struct eco_ground_tile tile = { .level = 0 };
 	s->lists[L_GROUND] = ground_list(&ground, &tile);
-	s->elements[L_GROUND] = ground_elements(&ground, &tile);
+	s->elements[L_GROUND] = ground_elements(&ground, &tile, 0);
 	eco_ground_free(&ground);
 }
 
