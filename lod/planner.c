@@ -181,12 +181,14 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 				continue;
 			struct lod_entry entry = { .slot = s, .ladder = p->ladder_order[i], .count = slot->count,
 				.full = lod_ladder_full(p->scene, ladder), .pixels = organ_pixels(p, ladder, r) };
-			bool alone = !slot->cell && slot->band >= p->gates[slot->plant] && p->scene->plants[slot->plant].anchor_count > 1;
-			if (alone)
-				entry.full = lod_ladder_stage_end(p->scene, ladder);
 			entry.vertices = ladder_wants(p->scene, ladder, r, d, &entry.wanted);
+			/* a whole-plant list alone, or beside cells that do not show all their points yet, stands for more than itself */
+			bool coarse = !slot->cell && p->scene->plants[slot->plant].anchor_count > 1
+				&& (slot->band >= p->gates[slot->plant] || entry.wanted < ladder->total);
+			if (coarse)
+				entry.full = lod_ladder_stage_end(p->scene, ladder);
 			entry.vertices = lod_ladder_floor(p->scene, ladder, entry.vertices < entry.full ? entry.vertices : entry.full);
-			p->ended = p->ended && entry.vertices == entry.full && !alone;
+			p->ended = p->ended && entry.vertices == entry.full && !coarse;
 			if (add_entry(p, &entry, error))
 				return ECO_NO_MEMORY;
 			add_vertices(p, slot->count, entry.vertices);
