@@ -22,7 +22,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	for (uint32_t i = 0; i < source.instance_count; i++)
 		assert(source.instances[i].plant < source.plant_count && source.instances[i].scale > 0);
 	for (uint32_t i = 0; i < source.positions_count; i++)
-		assert(source.positions[i].x != NULL && source.positions[i].path != NULL);
+		assert((source.positions[i].x == NULL) == (source.positions[i].y == NULL) && source.positions[i].path != NULL);
 	eco_source_free(&source);
 	return 0;
 }
