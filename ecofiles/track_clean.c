@@ -154,6 +154,30 @@ static void merge_runs(struct eco_track *track, double update_s, bool rough, boo
 	}
 }
 
+/* A recording begins and ends between two positions of its receiver: its first is older than its first record, and its last holds until
+ * the last record. Both ends are brought to their times along the neighbouring step. */
+static void align_ends(struct eco_track *track, double update_s)
+{
+	struct eco_fix *f = track->fixes;
+	uint32_t first = run_end(track, 0, false), last = track->count - 1, before;
+	while (last > 0 && same_place(&f[last - 1], &f[track->count - 1]))
+		last--;
+	for (before = last; before > 1 && same_place(&f[before - 2], &f[last - 1]); before--)
+		;
+	double head_s = first < track->count ? f[first].time_s - f[0].time_s : 0, tail_s = f[track->count - 1].time_s - f[last].time_s;
+	if (!(update_s > 0) || first >= last)
+		return;
+	/* a run of its own length is whole: only repeats are cut short */
+	for (int axis = 0; axis < 2; axis++) {
+		double step = f[last].at[axis] - f[last - 1].at[axis];
+		if (first > 1 && head_s < 0.9 * update_s)
+			for (uint32_t i = 0; i < first; i++)
+				f[i].at[axis] = f[first].at[axis] - (f[first].at[axis] - f[i].at[axis]) * (head_s / update_s);
+		if (before < last && tail_s > 0 && tail_s < 1.2 * update_s)
+			f[track->count - 1].at[axis] += step * tail_s / update_s;
+	}
+}
+
 static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_report *report, struct eco_error *error)
 {
 	double *scratch = malloc((track->count + 1) * sizeof *scratch);
@@ -166,6 +190,8 @@ static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_rep
 	report->update_s = median_update(track, scratch, false);
 	double update_z_s = median_update(track, scratch, true), fast_m_s;
 	uint32_t speeds;
+	if (track->still_m <= ROUNDED_M)
+		align_ends(track, report->update_s);
 	track_speeds(track, false, scratch, &speeds);
 	fast_m_s = fmax(2 * track_quantile(scratch, speeds, 0.9), 2 * track->still_m / fmax(report->update_s, 0.5));
 	merge_runs(track, report->update_s, track->still_m > ROUNDED_M, false, fast_m_s, keep);

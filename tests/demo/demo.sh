@@ -17,6 +17,12 @@ URL=$BASE/v1/scenes/park
 "$BUILD/ecoview" "$URL" --camera "$OUT/park/camera.json" --size 800x600 --vertices 300000 --reference -o "$OUT/frames-300k"
 "$BUILD/ecoview" "$URL" --camera "$OUT/park/camera.json" --size 800x600 --vertices 30000 --reference -o "$OUT/frames-30k"
 "$BUILD/ecoload" "$URL" --camera "$OUT/park/camera.json" --clients 4 --seconds 5 --vertices 100000 --json >"$OUT/load.json"
+
+# a recorded flight about the park's middle: its SRT becomes a camera script, which both clients fly
+sh "$(dirname "$0")/record_flight.sh" 11.567053 48.130570 42 12 >"$OUT/flight.srt"
+"$BUILD/ecopack" camera "$OUT/flight.srt" --scene "$OUT/park/scene.json" --height rel --fps 0.25 -o "$OUT/flight.json"
+"$BUILD/ecoview" "$URL" --camera "$OUT/flight.json" --size 480x320 --vertices 100000 -o "$OUT/frames-flight"
+"$BUILD/ecoload" "$URL" --camera "$OUT/flight.json" --clients 2 --seconds 1 --vertices 100000 --json >"$OUT/load-flight.json"
 stop_serving
 
 # one oak from close by, coloured by representation: polygons green, lines red, points blue, blends yellow and orange
@@ -47,7 +53,7 @@ jq -n --slurpfile a "$OUT/frames-300k/report.json" --slurpfile b "$OUT/frames-30
 		blends: map(select(.kind == "points" and .first > 0)) | length})}),
 	 single_plants: {q_min: ($plants[0] | map(.q_min) | min), all_add_up: ($plants[0] | all(.adds_up)), plants: $plants[0]}}' >"$OUT/summary.json"
 page "$OUT/index.html" "ecostream: a park, streamed" \
-	"About sixty plants of six kinds, streamed at 300,000 and at 30,000 vertices a picture." "$OUT/summary.json" "$OUT/frames-300k" "$OUT/frames-30k" "$OUT/near-oak"
+	"About sixty plants of six kinds, streamed at 300,000 and at 30,000 vertices a picture." "$OUT/summary.json" "$OUT/frames-300k" "$OUT/frames-30k" "$OUT/near-oak" "$OUT/frames-flight"
 sed -i 's|<h2>Figures|<h2>One oak from close by</h2><p>40,000 vertices: polygons green, lines red, points blue, blends of points and polygons yellow and orange.</p><img style="max-width:800px" src="near-kinds.png" alt="kinds"><h2>Figures|' "$OUT/index.html"
 echo
 frame_lines "$OUT/frames-300k"
