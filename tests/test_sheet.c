@@ -6,12 +6,14 @@
 #include <cmocka.h>
 
 #include <cairo/cairo.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/generate.h"
 #include "ecofiles/image.h"
 #include "ecofiles/main_command.h"
 #include "ecofiles/main_make.h"
@@ -143,6 +145,39 @@ static void test_budgets_are_kept_and_more_is_better(void **state)
 	}
 	assert_true(last == 1 && first < 0.95);
 	assert_true(draw(&plant, 0, SHEET_NATURAL, rgb).q == 0);
+	sheet_plant_close(&plant);
+	eco_pack_close(pack);
+}
+
+/* Budgets that grow by a tenth from a few hundred vertices to everything, of a tree that is large enough to be cut into cells. */
+static void test_pictures_get_no_worse_as_budgets_grow(void **state)
+{
+	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20, .seed = 1 };
+	struct sheet_plant plant;
+	struct eco_pack *pack;
+	struct eco_error error = { 0 };
+	uint8_t *rgb = malloc(3 * 192 * 192);
+	double best = 0, fall = 0;
+	(void)state;
+	assert_non_null(rgb);
+	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
+	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", \"height_m\": 15}},"
+		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
+	if (make_pack(&(struct make_options){ .scene = ROOT "/beech.json", .pack = ROOT "/beech.eco", .jobs = 1 }, &error))
+		fail_msg("%s", error.text);
+	assert_int_equal(eco_pack_open(&pack, ROOT "/beech.eco", &error), ECO_OK);
+	assert_true(pack->scene.plants[0].anchor_count > 1);
+	assert_int_equal(sheet_plant_open(&plant, pack, 0, 192, &error), ECO_OK);
+	for (uint64_t vertices = 500; vertices < plant.full; vertices += vertices / 10) {
+		double q = draw(&plant, vertices, SHEET_NATURAL, rgb).q;
+		best = fmax(best, q);
+		fall = fmax(fall, best - q);
+	}
+	/* of one view; the mean of many falls less */
+	if (fall > 0.01)
+		fail_msg("Q falls by %g", fall);
+	assert_true(best > 0.9);
+	free(rgb);
 	sheet_plant_close(&plant);
 	eco_pack_close(pack);
 }
@@ -313,6 +348,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_full_detail_is_everything_and_perfect),
 		cmocka_unit_test(test_budgets_are_kept_and_more_is_better),
+		cmocka_unit_test(test_pictures_get_no_worse_as_budgets_grow),
 		cmocka_unit_test(test_organs_have_their_colours),
 		cmocka_unit_test(test_textures_lie_the_right_way_round_and_holes_are_holes),
 		cmocka_unit_test(test_scale_bar_measures_the_plant),
