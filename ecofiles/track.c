@@ -259,7 +259,7 @@ static enum eco_code find_format(const struct track_input *in, enum eco_track_fo
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is %s", in->path, no_track(in));
 	if (strspn(in->text, " \t\r\n") >= in->size)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", in->path);
-	if (memchr(in->text, 0, in->size < 4096 ? in->size : 4096) && memcmp(in->text, "glTF", 4) != 0)
+	if (memchr(in->text, 0, in->size < 4096 ? in->size : 4096) && strncmp(in->text, "glTF", 4) != 0)
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary and of no kind that is known; save the track as CSV or GPX", in->path);
 	/* columns can be told from anything; a format cannot be told from CSV by more than its content */
 	if (in->options->columns)
