@@ -21,6 +21,7 @@
 #define FLAT 0.002                   /* of the extent: what is thinner is a card, and tells nothing */
 #define CLEAR 1.3                    /* sum of contrasts that leaves no doubt; the largest wrong one of 672 turned models is 0.43 */
 #define AT_ZERO 0.03                 /* of the extent */
+#define TRIANGLES 24                 /* fewer, such as one blade of grass or two crossed cards, tell less */
 #define PLACED 0.25                  /* what it counts that the file's zero is at the lower end of one axis only */
 
 struct slice { double area, sum[2], square; };
@@ -343,6 +344,6 @@ enum eco_up eco_model_find_up(const struct eco_model *soup, double *certainty)
 		return ECO_UP_Y;
 	ask_large_parts(soup, &box, &sum);
 	sum += PLACED * placed(&box);
-	*certainty = fmin(fabs(sum) / CLEAR, 1);
+	*certainty = fmin(fabs(sum) / CLEAR, 1) * fmin((double)soup->triangle_count / TRIANGLES, 1);
 	return sum > 0 ? ECO_UP_Z : ECO_UP_Y;
 }
