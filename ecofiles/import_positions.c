@@ -23,6 +23,7 @@
 #define CROWN_PLAUSIBLE_M 60.0
 #define SCALE_MIN 0.001
 #define SCALE_MAX 1000.0
+#define FAR_M 100000.0
 
 /* ---- What is said ---- */
 
@@ -238,7 +239,24 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 
 enum verdict { GOOD, SKIPPED, FAILED };
 
-/* Before any good row a number with the other decimal sign tells what the whole file is like. */
+/* Before any good row a text tells what the whole file is like: with the other decimal sign, or in minutes and seconds. */
+static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
+{
+	double number;
+
+	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
+		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry", p->spec->path,
+			(unsigned long long)p->rows->line, text);
+		return FAILED;
+	}
+	if (strstr(text, "\u00b0") != NULL && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
+		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
+			p->spec->path, (unsigned long long)p->rows->line, text);
+		return FAILED;
+	}
+	return GOOD;
+}
+
 static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number, struct eco_error *error)
 {
 	const char *text = field(p, column);
@@ -251,11 +269,8 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 		count(p, ECO_SKIP_NO_COORDINATES, buffer);
 		return SKIPPED;
 	}
-	if (p->good_places == 0 && p->spec->decimal == 0 && eco_text_number(text, ',', number)) {
-		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry", p->spec->path,
-			(unsigned long long)p->rows->line, buffer);
+	if (p->good_places == 0 && refuse_notation(p, buffer, error) == FAILED)
 		return FAILED;
-	}
 	count(p, ECO_SKIP_BAD_NUMBER, buffer);
 	return SKIPPED;
 }
@@ -321,7 +336,7 @@ static enum verdict refuse_degrees(const struct eco_positions *p, const double x
 
 static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_error *error)
 {
-	const double was[2] = { xyz[0], xyz[1] };
+	const double was[3] = { xyz[0], xyz[1], xyz[2] };
 	const char *why;
 	bool converted;
 	char text[80];
@@ -344,7 +359,28 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 			count(p, ECO_SKIP_OUTSIDE, text);
 			return SKIPPED;
 		}
+	p->nearest_m = fmin(p->nearest_m, hypot(xyz[0], xyz[1]));
+	if (p->good_places == 0)
+		memcpy(p->first, was, sizeof was);
 	return GOOD;
+}
+
+/* Swapped columns, degrees taken for metres and the wrong zone give coordinates that are valid, and far from everything. */
+static void note_far(struct eco_positions *p)
+{
+	double swapped[3] = { p->first[1], p->first[0], p->first[2] };
+	struct eco_error error = { .code = ECO_OK };
+	const char *why;
+	bool converted;
+
+	if (p->good_places == 0 || p->nearest_m <= FAR_M)
+		return;
+	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
+		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their coordinates swapped: x is easting or "
+			"longitude, y is northing or latitude", p->nearest_m / 1000);
+	else
+		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
+			p->nearest_m / 1000);
 }
 
 /* At the place of an earlier plant? */
@@ -404,6 +440,30 @@ static void remark(struct eco_positions *p, const struct eco_size_remarks *remar
 		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
 }
 
+/* A size with a decimal comma, before there was any size: all of them would get lost. */
+static bool refuse_size(const struct eco_positions *p, const char *text, struct eco_error *error)
+{
+	double number, unit_m;
+	char buffer[48];
+
+	if (p->sized || p->spec->decimal != 0 || strchr(text, ',') == NULL || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
+		|| eco_text_size(text, ',', &number, &unit_m) == ECO_FORM_NONE)
+		return false;
+	eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
+		p->spec->path, (unsigned long long)p->rows->line, shown(text, buffer, sizeof buffer));
+	return true;
+}
+
+static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error)
+{
+	if (p->column[ECO_COLUMN_CROWN] != ECO_NONE && refuse_size(p, field(p, p->column[ECO_COLUMN_CROWN]), error))
+		return FAILED;
+	for (uint32_t i = 0; i < p->spec->height_count; i++)
+		if (p->height_column[i] != ECO_NONE && refuse_size(p, field(p, p->height_column[i]), error))
+			return FAILED;
+	return GOOD;
+}
+
 static double read_crown(struct eco_positions *p)
 {
 	struct eco_size_remarks remarks = { .range = false };
@@ -413,6 +473,7 @@ static double read_crown(struct eco_positions *p)
 
 	remarks.implausible |= radius > CROWN_PLAUSIBLE_M;
 	remark(p, &remarks, text);
+	p->sized |= !isnan(radius);
 	return radius;
 }
 
@@ -426,10 +487,11 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
 		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M, HEIGHT_MAX_M, &remarks);
 
-		if (isnan(height))
-			continue;
 		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
 		remark(p, &remarks, text);
+		if (isnan(height))
+			continue;
+		p->sized = true;
 		return height;
 	}
 	if (s->height_count > 0)
@@ -471,6 +533,8 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	if (!passes_filters(p) || !read_plant(p, record))
 		return SKIPPED;
 	verdict = read_place(p, record, error);
+	if (verdict == GOOD)
+		verdict = check_sizes(p, error);
 	if (verdict != GOOD)
 		return verdict;
 	record->crown_radius_m = read_crown(p);
@@ -496,6 +560,7 @@ static enum eco_code read_record(struct eco_positions *p, struct eco_position *r
 			return code;
 		if (!more) {
 			p->ended = true;
+			note_far(p);
 			break;
 		}
 		verdict = read_row(p, record, error);
@@ -515,6 +580,7 @@ static enum eco_code start_places(struct eco_positions *p, struct eco_error *err
 	p->low[0] = p->low[1] = INFINITY;
 	p->high[0] = p->high[1] = -INFINITY;
 	p->plants = p->good_places = 0;
+	p->nearest_m = INFINITY;
 	p->ended = false;
 	return p->places != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }

@@ -11,7 +11,6 @@
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
 #define PLACES_MAX 500000000u
-#define FAR_M 100000.0
 
 static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
 {
@@ -63,14 +62,6 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 
 static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
 
-/* Degrees taken for metres, swapped columns and the wrong zone give coordinates that are valid, and far from everything. */
-static void note_far(const char *path, double nearest_m)
-{
-	if (nearest_m > FAR_M && nearest_m < INFINITY)
-		main_note("%s: its plants stand %.0f km and more from the scene's origin; are x, y and crs what the file has?", path,
-			nearest_m / 1000);
-}
-
 /* Height and crown together speak for one variant: that whose proportions come nearest to theirs. */
 static uint32_t fitting_variant(const struct make *m, uint32_t source, const struct eco_position *row)
 {
@@ -101,14 +92,12 @@ static double row_scale(const struct make *m, uint32_t plant, const struct eco_p
 static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
 {
 	struct eco_position row;
-	double nearest_m = INFINITY;
 	for (uint64_t i = 0;; i++) {
 		enum eco_code code = eco_positions_next(reader, &row, m->error);
 		if (code)
 			return code;
 		if (row.plant == ECO_NONE)
-			return note_far(path, nearest_m), ECO_OK;
-		nearest_m = fmin(nearest_m, sqrt(row.at[0] * row.at[0] + row.at[1] * row.at[1]));
+			return ECO_OK;
 		uint32_t plant = fitting_variant(m, source, &row);
 		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
 			.scale = row_scale(m, plant, &row), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };

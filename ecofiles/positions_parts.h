@@ -46,7 +46,7 @@ void eco_levels_close(struct eco_levels *levels);
 
 struct eco_size_remarks { bool range, open, other_unit, implausible; };
 
-/* Metres, to the millimetre, or NaN where this source gives none: the text of its column, for a plant. */
+/* Metres, to the millimetre, or NaN where this source gives none (implausible also above high_m): the text of its column, for a plant. */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant, double low_m, double high_m,
 	struct eco_size_remarks *remarks);
 
@@ -70,7 +70,9 @@ struct eco_positions {
 	struct eco_levels *levels;
 	struct eco_skipped skipped[ECO_SKIP_COUNT], filtered[ECO_FILTERS_MAX];
 	uint64_t plants, good_places;
-	double low[2], high[2];
+	double low[2], high[2], nearest_m;   /* nearest to the origin */
+	double first[3];             /* the first place, as the file has it */
+	bool sized;                  /* a size was understood */
 	char *notes[ECO_ROWS_NOTES_MAX];
 	uint32_t note_count;
 	bool ended;

@@ -48,7 +48,7 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
-	[ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m, a trunk > 12 m or a crown > 60 m; is \"unit\" another?",
+	[ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" another?",
 	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
 };
 

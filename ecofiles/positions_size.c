@@ -57,6 +57,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	if (rule != NULL)
 		metres = by_allometry(rule, metres);
 	metres = to_millimetres(metres);
+	remarks->implausible |= metres > high_m;
 	if (!(metres >= low_m && metres <= high_m))
 		return NAN;
 	remarks->range |= form == ECO_FORM_RANGE;

@@ -52,9 +52,14 @@ static bool has_extension(const char *path, const char *const *extensions)
 	return false;
 }
 
+static bool holds(const struct head *head, const char *text)
+{
+	return memmem(head->bytes, head->size, text, strlen(text)) != NULL;
+}
+
 static enum eco_code read_head(const char *path, struct head *head, struct eco_error *error)
 {
-	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL };
+	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL }, *const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
 	struct stat file;
 	FILE *in;
 
@@ -73,12 +78,13 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
 	head->bytes[head->size] = 0;
 	fclose(in);
+	if (head->size > 8 && memcmp(head->bytes, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", 8) == 0)
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: a workbook of an old Excel (.xls); save it as \"CSV UTF-8\" or .xlsx", path);
+	if (!has_extension(path, zips) && head->size > 4 && memcmp(head->bytes, "PK\3\4", 4) == 0 && holds(head, "[Content_Types].xml"))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: an Excel workbook; give it its name .xlsx, or save it as \"CSV UTF-8\"", path);
+	if (has_extension(path, shapes))
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a part of a Shapefile; name the one that ends in .shp", path);
 	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips), "a table", error);
-}
-
-static bool holds(const struct head *head, const char *text)
-{
-	return memmem(head->bytes, head->size, text, strlen(text)) != NULL;
 }
 
 /* The first byte that is no space and no byte order mark. */

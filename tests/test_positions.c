@@ -136,6 +136,8 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 
 	(void)state;
 	expect_error("", csv, "\"plant\":\"oak\"," XY, ":2: \"1,5\" has a decimal comma; add \"decimal\": \",\"");
+	expect_error("", "x;y;h\n1;2;\n1;2;12,5 m\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY, ":3: \"12,5 m\" has a comma; add \"decimal\": \",\"");
+	expect("", "x;y;h\n1;2;3\n1;3;12,5\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1 2 h3 / oak 1 3", "(first in line 3: \"12,5\")");
 	expect("", csv, "\"plant\":\"oak\",\"decimal\":\",\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1.5 2.25 h12.5 / oak 1234.5 3 h4", "separated by \";\"");
 }
 
@@ -224,6 +226,10 @@ static void doubtful_places_are_said(void **state)
 	expect("", "x,y\n5,6\n5,6\n", "\"plant\":\"oak\"," XY, "oak 5 6 / oak 5 6", "all of them stand at one point; are x, y the right columns?");
 	expect("", "x,y\n.1,0\n.2,0\n.3,0\n.4,0\n.5,0\n.6,0\n.7,0\n.8,0\n.9,0\n.95,0\n", "\"plant\":\"oak\"," XY, "oak 0.1 0 / oak 0.2 0 / oak 0.3 0 / oak 0.4 0 / "
 		"oak 0.5 0 / oak 0.6 0 / oak 0.7 0 / oak 0.8 0 / oak 0.9 0 / oak 0.95 0", "stand within a metre; are x, y in degrees?");
+	expect(UTM32, "lat,lon\n48.1,11.5\n", "\"plant\":\"oak\",\"crs\":\"EPSG:4326\",\"x\":\"lat\",\"y\":\"lon\"", "oak 4415127.69 -3707671.88",
+		"and would be near it with their coordinates swapped: x is easting or longitude");
+	expect(UTM32, "x,y\n690000,5335000\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25829\"," XY, "oak -1337412.34 113372.818", "and more from the scene's origin; are x, y, crs");
+	expect_error(UTM32, "x,y\n11°30'00E,48°06'N\n", "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY, "minutes and seconds are not read; export decimal");
 }
 
 /* ---- Sizes ---- */
@@ -269,7 +275,7 @@ static void implausible_sizes_are_said(void **state)
 {
 	(void)state;
 	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,\"rate\":0.004}]," XY,
-		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "2  kept: a height > 150 m, a trunk > 12 m or a crown > 60 m; is \"unit\" another? (first in line 2: \"200\")|"
+		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" another? (first in line 2: \"200\")|"
 		"1  kept at their plant's own height: no usable one (first in line 4: \"900\")");
 }
 

@@ -168,6 +168,9 @@ static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
 	expect_error(input_text("rows", "page.csv", "<!DOCTYPE html><html><body>404</body></html>"), NULL, "web page");
 	expect_error(input_text("rows", "pointer.csv", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"), NULL, "git lfs pull");
 	expect_error(input_bytes("rows", "trees.csv.gz", "\x1f\x8b\x08\0\0\0\0\0\0\3", 10), NULL, "packed");
+	expect_error(input_bytes("rows", "book.csv", "PK\3\4\x14\0\0\0\0\0[Content_Types].xml", 29), NULL, "an Excel workbook; give it its name .xlsx");
+	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL, "an old Excel");
+	expect_error(input_text("rows", "a.shx", "x"), NULL, "name the one that ends in .shp");
 	expect_error(input_bytes("rows", "trees.zip", "PK\3\4\x14\0\0\0\0\0trees.shp", 19), NULL, "packed");
 	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL, "topo.json");
 	expect_error(input_text("rows", "cut.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\","), NULL, "cut.geojson");
