@@ -56,7 +56,8 @@ static void everything_that_may_be_said_is_read(void **state)
 	assert_int_equal(p->map[0].variant_count, 2);
 	assert_int_equal(p->map[1].plant, ECO_NONE);
 	assert_int_equal(p->fallback.plant, 2);
-	assert_int_equal(p->height, ECO_HEIGHT_DBH);
+	assert_int_equal(p->height_count, 1);
+	assert_int_equal(p->heights[0].kind, ECO_SIZE_DBH);
 	assert_int_equal(p->levels, 8);
 	assert_int_equal(p->separator, ';');
 	assert_int_equal(p->line, 5);
@@ -104,8 +105,8 @@ static void defaults_fill_what_is_not_said(void **state)
 	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"from\": \"t.csv\", \"x\": \"x\","
 		" \"y\": \"y\", \"species\": \"s\"}]}");
 	assert_int_equal(s.positions[0].map_count, 2);       /* species are plants' names */
-	assert_string_equal(s.positions[0].map[0].name, "a");
-	assert_int_equal(s.positions[0].map[0].plant, 1);
+	assert_string_equal(s.positions[0].map[1].name, "a");
+	assert_int_equal(s.positions[0].map[1].plant, 1);
 	eco_source_free(&s);
 }
 
@@ -133,7 +134,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"ground\": {\"heights\": \"a\", \"scale\": 0}}", ":1:38:", "would make all heights one" },
 	{ "{\"ground\": {\"heights\": \"a\", \"unit\": \"yd\"}}", ":1:37:", "is not one of m, cm" },
 	{ "{\"ground\": {\"heights\": \"a\", \"pixel\": 3}}", ":1:12:", "go together" },
-	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:64:", "a world file" },
+	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:62:", "a world file" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, variants, height_m, unit, up, parts, importance" },
 	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
