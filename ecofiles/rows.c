@@ -143,7 +143,7 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else
 		code = eco_rows_open_ogr(rows, source, error);
 	free(head);
-	if (code == ECO_OK && source->areas && !(*rows)->has_geometry) {
+	if (code == ECO_OK && source->areas && (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
 		eco_rows_close(*rows);
 		*rows = NULL;
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no polygons in it; take GeoJSON, a GeoPackage or a Shapefile", source->path);

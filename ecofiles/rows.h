@@ -73,7 +73,7 @@ void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__
 
 /* CSV (RFC 4180): first row names the columns; fields may be quoted and then hold separators, line breaks and doubled quotes; lines
  * end in LF or CRLF; a byte order mark is passed over, and so are empty lines; what is not UTF-8 is taken for Windows-1252. Memory:
- * one row. separator 0: found in the header. */
+ * one row. separator 0: found in the header. A column whose first value is a point as well-known text is the geometry. */
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error);
 /* What OGR opens. */
 enum eco_code eco_rows_open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);

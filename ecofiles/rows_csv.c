@@ -8,7 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "ecofiles/inventory_text.h"
 #include "ecofiles/rows_formats.h"
 
 #define SNIFF_BYTES 65536u
@@ -24,6 +26,7 @@ struct csv {
 	char *converted;             /* the row in UTF-8, where it was not */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
+	uint32_t wkt;                /* column with points as text, if rows.has_geometry */
 };
 
 static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
@@ -211,12 +214,75 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 	return *more ? set_fields(csv, error) : ECO_OK;
 }
 
+/* ---- Points as text ---- */
+
+/* "POINT (11.5 48.1)", "SRID=4326;POINT Z (11.5 48.1 520)". False if it is another geometry. */
+static bool read_wkt_point(const char *text, double at[3])
+{
+	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
+	char number[3][40];
+	int count;
+
+	text = semicolon != NULL ? semicolon + 1 : text;
+	text += strspn(text, " ");
+	if (strncasecmp(text, "POINT", 5) != 0)
+		return false;
+	text += 5 + strspn(text + 5, " ZzMm");
+	count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1], number[2]);
+	for (int k = 0; k < 3; k++)
+		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
+			at[k] = NAN;
+	return count >= 2 && !isnan(at[0]) && !isnan(at[1]);
+}
+
+static void take_wkt(struct csv *csv)
+{
+	struct eco_rows_place *place = &csv->rows.place;
+	const char *text = csv->wkt < csv->rows.field_count ? csv->rows.fields[csv->wkt] : "";
+
+	text += strspn(text, " ");
+	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY") != NULL) {
+		place->kind = ECO_PLACE_EMPTY;
+	} else if (read_wkt_point(text, place->at)) {
+		place->kind = ECO_PLACE_POINT;
+		csv->rows.has_z |= !isnan(place->at[2]);
+	} else {
+		place->kind = ECO_PLACE_OTHER;
+		snprintf(place->what, sizeof place->what, "%.*s", (int)strcspn(text, " ("), text);
+	}
+}
+
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
 {
-	enum eco_code code = read_row((struct csv *)rows, more, error);
+	struct csv *csv = (struct csv *)rows;
+	enum eco_code code = read_row(csv, more, error);
 
 	rows->row += code == ECO_OK && *more;
+	if (code == ECO_OK && *more && rows->has_geometry)
+		take_wkt(csv);
 	return code;
+}
+
+/* Looks into the first row for a column with points, and goes back. What is wrong with the row is said when it is its turn. */
+static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	long from = ftell(csv->file);
+	uint64_t line = csv->line;
+	double at[3];
+	bool more;
+
+	if (from >= 0 && read_row(csv, &more, &own) == ECO_OK && more)
+		for (uint32_t i = csv->rows.field_count; i-- > 0;)
+			if (i < csv->rows.column_count && read_wkt_point(csv->rows.fields[i], at)) {
+				csv->wkt = i;
+				csv->rows.has_geometry = true;
+				csv->rows.has_z = !isnan(at[2]);
+			}
+	csv->line = line;
+	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
+		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+	return ECO_OK;
 }
 
 static void close_csv(struct eco_rows *rows)
@@ -323,7 +389,7 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->rows.column_count++;
 	}
-	return code;
+	return code == ECO_OK ? find_wkt(csv, error) : code;
 }
 
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error)

@@ -257,7 +257,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
 	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
 
-	*place = (struct eco_rows_place){ .kind = ECO_PLACE_EMPTY, .yaw_deg = NAN, .scale = NAN };
+	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE, .yaw_deg = NAN, .scale = NAN };
 	r->points = NULL;
 	if (geometry == NULL || OGR_G_IsEmpty(geometry))
 		return ECO_OK;

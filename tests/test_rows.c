@@ -103,7 +103,7 @@ static void separators_are_found_in_the_header(void **state)
 static void text_of_western_pages_becomes_utf8(void **state)
 {
 	(void)state;
-	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", NULL, NULL);
+	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
 	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
 }
 
@@ -149,6 +149,16 @@ static void a_row_without_end_is_bounded(void **state)
 	error.code = ECO_OK;
 	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
 	free(bytes);
+}
+
+static void points_as_text_are_the_geometry(void **state)
+{
+	(void)state;
+	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
+		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT POINT (x y),bad",
+		NULL, NULL);
+	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n", "id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
+	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n", "id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
 }
 
 /* ---- Which reader ---- */
@@ -281,6 +291,7 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" };
 	static const struct made degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" };
 	static const struct made nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" };
+	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
 	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" };
 
 	(void)state;
@@ -291,6 +302,8 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	expect_made("ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
 	unlink("build/tmp/rows/c.prj");
 	expect_made("ESRI Shapefile", "c.shp", &nowhere, 1, NULL, "species / (3 4) oak", NULL, NULL);
+	expect_made("XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL);
+	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
 	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data name=\"dbh\"><value>30</value></Data>"
 		"</ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
@@ -362,6 +375,7 @@ int main(void)
 		cmocka_unit_test(separators_are_found_in_the_header),
 		cmocka_unit_test(text_of_western_pages_becomes_utf8),
 		cmocka_unit_test(rows_may_be_short_or_long),
+		cmocka_unit_test(points_as_text_are_the_geometry),
 		cmocka_unit_test(files_that_are_no_csv_are_refused_with_a_line),
 		cmocka_unit_test(a_row_without_end_is_bounded),
 		cmocka_unit_test(a_file_that_is_no_table_is_refused_with_what_to_do),
