@@ -21,13 +21,9 @@
 #define CHUNK_BYTES (1 << 16)
 #define DEPTH_MAX 256
 #define TEXT_MAX (1u << 24)              /* of one element: the corners of a large surface */
-#define POINTS_MAX (1u << 22)            /* of one plant's geometry */
 #define NAME_BYTES 256
-#define FOOT_SHARE 0.05                  /* of a geometry's height that counts as its foot */
 
-struct points { double (*at)[3]; uint32_t count, capacity; };
 struct field { char *text; bool generic; };
-struct implicit { double at[3], matrix[16]; bool placed, has_matrix; };
 
 struct citygml {
 	struct eco_rows rows;
@@ -43,8 +39,7 @@ struct citygml {
 	int depth, object, reference, relative, apart, generic;
 	int dimension, dimension_depth;      /* srsDimension of the innermost element that says */
 	char generic_name[NAME_BYTES], uom[16];
-	struct points points;
-	struct implicit implicit;
+	struct eco_citygml_shape shape;
 	struct field *values;                /* ECO_COLUMNS_MAX */
 	size_t row_bytes;
 	uint64_t objects, covers;
@@ -154,114 +149,10 @@ static void take_uom(struct citygml *c, const char *uom)
 
 /* ---- Geometry ---- */
 
-static void add_point(struct citygml *c, const double at[3])
-{
-	struct points *p = &c->points;
-
-	if (p->count == p->capacity) {
-		uint32_t capacity = p->capacity > 0 ? 2 * p->capacity : 64;
-		double (*grown)[3] = capacity <= POINTS_MAX ? realloc(p->at, capacity * sizeof *grown) : NULL;
-
-		if (grown == NULL) {
-			stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a plant with more than %u corners", c->path, line_of(c), POINTS_MAX / 2));
-			return;
-		}
-		p->at = grown;
-		p->capacity = capacity;
-	}
-	memcpy(p->at[p->count++], at, sizeof *p->at);
-}
-
-/* The next number of a list; separators are spaces and commas. */
-static bool next_number(const char **at, double *number)
-{
-	char *end;
-
-	*at += strspn(*at, " \t\r\n,");
-	if (**at == 0)
-		return false;
-	*number = strtod(*at, &end);
-	if (end == *at || !isfinite(*number))
-		return false;
-	*at = end;
-	return true;
-}
-
-static uint32_t count_numbers(const char *text)
-{
-	uint32_t count = 0;
-	double number;
-
-	while (next_number(&text, &number))
-		count++;
-	return count;
-}
-
-/* CityGML's coordinates are three-dimensional unless it is said or seen that they are not. */
 static void read_coordinates(struct citygml *c)
 {
-	uint32_t count = count_numbers(c->text);
-	uint32_t dimension = c->dimension == 2 || c->dimension == 3 ? (uint32_t)c->dimension : count % 3 == 0 ? 3 : 2;
-	const char *at = c->text;
-
-	for (uint32_t i = 0; c->code == ECO_OK && i + dimension <= count; i += dimension) {
-		double point[3] = { 0, 0, NAN };
-
-		for (uint32_t k = 0; k < dimension; k++)
-			next_number(&at, &point[k]);
-		if (c->reference != 0 && !c->implicit.placed) {
-			memcpy(c->implicit.at, point, sizeof point);
-			c->implicit.placed = true;
-		} else if (c->reference == 0) {
-			add_point(c, point);
-		}
-	}
-}
-
-static void read_matrix(struct citygml *c)
-{
-	const char *at = c->text;
-	int count = 0;
-
-	while (count < 16 && next_number(&at, &c->implicit.matrix[count]))
-		count++;
-	c->implicit.has_matrix = count == 16;
-}
-
-/* The middle of what is lowest: of a trunk's foot, of the lower edges of crossed pictures. */
-static void find_foot(const struct points *p, double foot[3])
-{
-	double least = INFINITY, most = -INFINITY, low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-
-	for (uint32_t i = 0; i < p->count; i++) {
-		least = fmin(least, p->at[i][2]);
-		most = fmax(most, p->at[i][2]);
-	}
-	for (uint32_t i = 0; i < p->count; i++) {
-		if (p->at[i][2] > least + fmax(FOOT_SHARE * (most - least), 0.01))
-			continue;
-		for (int k = 0; k < 2; k++) {
-			low[k] = fmin(low[k], p->at[i][k]);
-			high[k] = fmax(high[k], p->at[i][k]);
-		}
-	}
-	for (int k = 0; k < 2; k++)
-		foot[k] = low[k] + (high[k] - low[k]) / 2;
-	foot[2] = isfinite(least) ? least : NAN;
-}
-
-/* Local axes turned and moved by the matrix, then by the reference point. A matrix that does not turn says nothing of the yaw. */
-static void place_implicit(const struct implicit *implicit, struct eco_rows_place *place)
-{
-	const double *m = implicit->matrix;
-
-	memcpy(place->at, implicit->at, sizeof place->at);
-	if (!implicit->has_matrix)
-		return;
-	for (int k = 0; k < 3; k++)
-		place->at[k] += m[4 * k + 3];
-	if (fabs(m[4]) > 1e-9 || m[0] < 0)
-		place->yaw_deg = atan2(m[4], m[0]) * (180 / 3.14159265358979323846);
+	if (!eco_citygml_shape_read(&c->shape, c->text, c->dimension, c->reference != 0))
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a plant with more than %u corners", c->path, line_of(c), ECO_CITYGML_POINTS_MAX));
 }
 
 static void place_object(struct citygml *c)
@@ -269,11 +160,7 @@ static void place_object(struct citygml *c)
 	struct eco_rows_place *place = &c->rows.place;
 
 	*place = (struct eco_rows_place){ .kind = ECO_PLACE_EMPTY, .yaw_deg = NAN, .scale = NAN };
-	if (c->implicit.placed)
-		place_implicit(&c->implicit, place);
-	else if (c->points.count > 0)
-		find_foot(&c->points, place->at);
-	else
+	if (!eco_citygml_shape_place(&c->shape, place->at, &place->yaw_deg))
 		return;
 	place->kind = ECO_PLACE_POINT;
 	if (c->surveys) {
@@ -294,8 +181,7 @@ static void begin_object(struct citygml *c, const XML_Char **attributes)
 	const char *id = attribute(attributes, "id");
 
 	c->object = c->depth;
-	c->points.count = 0;
-	c->implicit = (struct implicit){ .placed = false };
+	eco_citygml_shape_begin(&c->shape);
 	c->row_bytes = 0;
 	c->objects++;
 	clear_fields(c);
@@ -407,7 +293,7 @@ static void end_leaf(struct citygml *c, const char *name)
 		if (c->relative == 0 && c->apart == 0)
 			read_coordinates(c);
 	} else if (is(name, "transformationMatrix")) {
-		read_matrix(c);
+		eco_citygml_shape_matrix(&c->shape, c->text);
 	} else if (c->generic != 0 && is(name, "name")) {
 		snprintf(c->generic_name, sizeof c->generic_name, "%.255s", c->text);
 	} else if (c->generic != 0 && is(name, "value")) {
@@ -567,7 +453,7 @@ static void close_citygml(struct eco_rows *rows)
 	if (c->file != NULL)
 		fclose(c->file);
 	free(c->values);
-	free(c->points.at);
+	free(c->shape.points);
 	free(c->text);
 	free(c->path);
 	free(c);
