@@ -504,6 +504,7 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 		for (unsigned k = 0; k < scene->mNumMeshes; k++)
 			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0] != NULL;
 		memset(m->rgb, colored ? 255 : 153, 3);
+		m->colourless = !colored;
 	}
 }
 

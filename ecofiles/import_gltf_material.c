@@ -232,6 +232,8 @@ enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
 		model->materials[i].image = ECO_NONE;
 	for (uint32_t i = 0; i < all; i++)
 		read_material(&images, doc, i, &looks[i], notes);
+	if (all > count)                     /* of primitives without a material */
+		model->materials[count].colourless = true;
 	eco_images_end(&images);
 	return ECO_OK;
 }

@@ -224,6 +224,17 @@ static void drop_unused_uv(struct eco_model *m)
 	m->uv = NULL;
 }
 
+static void note_colourless(const struct eco_model *model, struct eco_notes *notes)
+{
+	uint64_t count = 0;
+
+	for (uint32_t t = 0; t < model->triangle_count; t++)
+		count += model->materials[model->material[t]].colourless;
+	if (count > 0)
+		eco_note(notes, "%s no colour in its files: wood is drawn brown, all else green",
+			count == model->triangle_count ? "it has" : "a part of it has");
+}
+
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)
 {
 	char *rest = notes->text, *line;
@@ -300,6 +311,8 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	}
 	if (code == ECO_OK)          /* of what is left only */
 		code = eco_model_bake_tints(model, options->paths[0], notes, error);
+	if (code == ECO_OK)
+		note_colourless(model, notes);
 	if (notes != NULL)
 		tell(options, notes);
 	for (uint32_t i = 0; pieces != NULL && i < options->path_count && i < FILES_MAX; i++)

@@ -131,6 +131,7 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	snprintf(to->name, sizeof to->name, "%.63s", m->obj->materials.items[i]);
 	to->image = ECO_NONE;
 	memset(to->rgb, m->obj->color.count > 0 && (from == NULL || !from->has_color) ? 255 : (int)(GREY * 255), 3);
+	to->colourless = m->obj->color.count == 0 && (from == NULL || (!from->has_color && from->texture == NULL));
 	for (int k = 0; k < 3 && from != NULL && from->has_color; k++)
 		to->rgb[k] = byte_of(m, from->rgb[k]);
 	if (from == NULL || m->invisible[i] || from->texture == NULL)

@@ -48,6 +48,7 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	t->table[slot] = t->count;
 	to = &m->materials[m->material_count];
 	*to = m->materials[material];
+	to->colourless = false;
 	for (int k = 0; k < 3; k++)
 		to->rgb[k] = eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
 	return m->material_count++;

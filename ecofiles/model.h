@@ -36,6 +36,7 @@ struct eco_material {
 	char name[64];
 	uint8_t rgb[3];          /* sRGB base colour; multiplies the image where there is one: white after an import */
 	bool cutout;             /* alpha of the image matters: a sample is opaque where alpha >= 0.5 */
+	bool colourless;         /* the file says no colour: wood is drawn brown, all else green (lod/organ.h) */
 	uint32_t image;          /* index into images or ECO_NONE */
 };
 

@@ -429,6 +429,19 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 	}
 }
 
+/* What a file gives no colour has that of its organ, as most plants have it. */
+static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model)
+{
+	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 }, [ECO_ORGAN_FOLIAGE] = { 86, 116, 58 },
+		[ECO_ORGAN_FLOWER] = { 205, 190, 196 } };
+	for (uint32_t i = 0; i < mesh->component_count; i++)
+		if (lod_mesh_material(model, organs->components[i].material)->colourless)
+			memcpy(organs->components[i].rgb, usual[organs->components[i].organ], 3);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		if (lod_mesh_material(model, mesh->material[t])->colourless)
+			memcpy(organs->rgb[t], usual[organs->components[mesh->component[t]].organ], 3);
+}
+
 void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
 {
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
@@ -449,6 +462,7 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 	apply_rules(&f);
 	lod_flowers_find(f.organ, f.shape, f.count, f.fixed, f.hint, f.extent);
 	describe_components(organs, &f);
+	colour_colourless(organs, mesh, model);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &organs->components[mesh->component[t]];
 		if (c->organ == ECO_ORGAN_WOOD || c->closed)

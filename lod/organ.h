@@ -42,7 +42,7 @@ struct lod_component {
 struct lod_organs {
 	struct lod_component *components;    /* per component of the mesh */
 	double *area;                /* per triangle, m^2 that it counts for: half where its component is closed, times its opaque share */
-	uint8_t (*rgb)[3];           /* per triangle, mean colour of what is opaque */
+	uint8_t (*rgb)[3];           /* per triangle, mean colour of what is opaque; brown wood, green leaves where the file says none */
 };
 
 /* Arrays come from `arena`. The mesh's components are regrouped (organ_split.h). */

@@ -549,6 +549,25 @@ static void vertex_colours_do_not_shatter_a_trunk(void **state)
 	finish(&soup);
 }
 
+static void what_has_no_colour_has_that_of_its_organ(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 400, 0, false);
+	for (uint32_t i = 0; i < soup.model.material_count; i++) {
+		memset(soup.model.materials[i].rgb, 153, 3);
+		soup.model.materials[i].colourless = true;
+	}
+	find(&found, &soup);
+	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
+		const uint8_t *rgb = found.organs.rgb[t];
+		bool wood = found.organs.components[found.mesh.component[t]].organ == ECO_ORGAN_WOOD;
+		assert_true(wood ? rgb[0] > rgb[1] && rgb[1] > rgb[2] : rgb[1] > rgb[0] && rgb[1] > rgb[2]);
+	}
+	finish(&soup);
+}
+
 static void rules_win_over_everything(void **state)
 {
 	(void)state;
@@ -610,6 +629,7 @@ int main(void)
 		cmocka_unit_test(leaves_welded_to_twigs_are_foliage),
 		cmocka_unit_test(a_palette_texture_parts_trunk_and_crown),
 		cmocka_unit_test(vertex_colours_do_not_shatter_a_trunk),
+		cmocka_unit_test(what_has_no_colour_has_that_of_its_organ),
 		cmocka_unit_test(rules_win_over_everything),
 		cmocka_unit_test(names_hint_in_many_languages),
 	};
