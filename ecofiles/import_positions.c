@@ -59,114 +59,6 @@ static void count(struct eco_positions *p, enum eco_skip why, const char *text)
 	eco_positions_count(p, &p->skipped[why], text);
 }
 
-/* ---- Columns ---- */
-
-static void list_columns(const struct eco_rows *rows, char *there, size_t size)
-{
-	size_t used = 0;
-
-	*there = 0;
-	for (uint32_t i = 0; i < rows->column_count && used < size; i++)
-		used += (size_t)snprintf(there + used, size - used, "%s%s", i > 0 ? ", " : "", rows->columns[i]);
-}
-
-static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name, struct eco_error *error)
-{
-	char there[300];
-
-	*column = ECO_NONE;
-	if (name == NULL)
-		return ECO_OK;
-	for (uint32_t i = 0; i < p->rows->column_count; i++) {
-		if (strcmp(p->rows->columns[i], name) != 0)
-			continue;
-		if (*column != ECO_NONE)
-			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", p->spec->path, name);
-		*column = i;
-	}
-	if (*column == ECO_NONE) {
-		list_columns(p->rows, there, sizeof there);
-		return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", p->spec->path, name, there,
-			p->rows->column_count == 1 ? " (is \"separator\" another?)" : "");
-	}
-	if (*column >= p->fields_needed)
-		p->fields_needed = *column + 1;
-	return ECO_OK;
-}
-
-/* A guess at the columns that hold coordinates, for a message only. */
-static const char *likely_column(const struct eco_rows *rows, const char *const *names)
-{
-	char folded[64];
-
-	for (; *names != NULL; names++)
-		for (uint32_t i = 0; i < rows->column_count; i++)
-			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0 && strcmp(folded, *names) == 0)
-				return rows->columns[i];
-	return NULL;
-}
-
-static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_error *error)
-{
-	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x", "easting", "rechtswert", "ostwert", "utm_e", "xcoord",
-		"point_x", "x_coord", "coord_x", NULL };
-	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing", "hochwert", "nordwert", "utm_n", "ycoord", "point_y",
-		"y_coord", "coord_y", NULL };
-	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
-	char there[200];
-
-	list_columns(p->rows, there, sizeof there);
-	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the columns with easting or longitude and northing "
-		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y != NULL ? x : "...",
-		x != NULL && y != NULL ? y : "...", there);
-}
-
-static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
-{
-	const struct eco_positions_spec *s = p->spec;
-	bool geometry_z = s->z != NULL && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
-	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
-	enum eco_code code = ECO_OK;
-
-	p->from_geometry = p->rows->has_geometry && s->x == NULL;
-	if (s->x == NULL && !p->rows->has_geometry)
-		return no_coordinates(p, error);
-	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, and the plants stand on the ground",
-			p->spec->path, p->from_geometry ? "its points have no heights" : "its coordinates come from columns");
-	p->use_z = s->z != NULL;
-	p->fields_needed = 0;
-	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_FIXED; i++)
-		code = find_column(p, &p->column[i], names[i], error);
-	for (uint32_t i = 0; code == ECO_OK && i < s->height_count; i++)
-		code = find_column(p, &p->height_column[i], s->heights[i].column, error);
-	for (uint32_t i = 0; code == ECO_OK && i < s->filter_count; i++)
-		code = find_column(p, &p->filter_column[i], s->filters[i].column, error);
-	return code;
-}
-
-static enum eco_code open_rows(struct eco_positions *p, struct eco_error *error)
-{
-	const struct eco_positions_spec *s = p->spec;
-	const char *wanted[ECO_COLUMN_FIXED + ECO_HEIGHT_SOURCES_MAX + ECO_FILTERS_MAX];
-	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
-	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator, .wanted = wanted };
-	enum eco_code code;
-
-	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
-		if (fixed[i] != NULL)
-			wanted[source.wanted_count++] = fixed[i];
-	for (uint32_t i = 0; i < s->height_count; i++)
-		if (s->heights[i].column != NULL)
-			wanted[source.wanted_count++] = s->heights[i].column;
-	for (uint32_t i = 0; i < s->filter_count; i++)
-		wanted[source.wanted_count++] = s->filters[i].column;
-	eco_rows_close(p->rows);
-	p->rows = NULL;
-	code = eco_rows_open(&p->rows, &source, error);
-	return code == ECO_OK ? find_columns(p, error) : code;
-}
-
 /* ---- Fields ---- */
 
 /* Without the spaces in front of it. */
@@ -612,7 +504,7 @@ static enum eco_code find_levels(struct eco_positions *p, struct eco_error *erro
 	memset(p->filtered, 0, sizeof p->filtered);
 	eco_species_reset(p->species);
 	code = start_places(p, error);
-	return code == ECO_OK ? open_rows(p, error) : code;
+	return code == ECO_OK ? eco_positions_open_rows(p, error) : code;
 }
 
 /* ---- The reader ---- */
@@ -646,7 +538,7 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (code == ECO_OK)
-		code = open_rows(p, error);
+		code = eco_positions_open_rows(p, error);
 	if (code == ECO_OK)
 		code = open_crs(p, error);
 	if (code == ECO_OK)

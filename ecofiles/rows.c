@@ -132,7 +132,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else if (sign == '{' && (holds(head, "\"CityJSON\"") || holds(head, "\"CityJSONFeature\"")))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to CityGML, or its trees to GeoJSON or CSV", source->path);
 	else if ((sign == '{' || sign == '[') && !holds(head, "\"type\"") && !holds(head, "\"esri"))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say \"type\": \"Feature\"; export GeoJSON or CSV", source->path);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say \"type\": \"Feature\"; export GeoJSON or CSV",
+			source->path);
 	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
 		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
