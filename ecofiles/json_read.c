@@ -216,6 +216,12 @@ enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const
 	return code;
 }
 
+bool eco_json_no_memory(const struct eco_json *at)
+{
+	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+	return false;
+}
+
 /* ---- Values ---- */
 
 static bool bad(const struct eco_json *at, const char *wanted)
@@ -246,30 +252,36 @@ bool eco_json_object(const struct eco_json *at, const char *const *fields)
 		return bad(at, "an object");
 	json_object_foreach((json_t *)at->value, key, value) {
 		char known[256] = "";
-		size_t i = 0, used = 0;
+		size_t i = 0;
 
 		(void)value;
 		while (fields[i] != NULL && strcmp(fields[i], key) != 0)
 			i++;
 		if (fields[i] != NULL)
 			continue;
-		for (i = 0; fields[i] != NULL && used < sizeof known; i++)
-			used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", fields[i]);
+		for (i = 0; fields[i] != NULL; i++)
+			eco_list_name(known, sizeof known, fields[i]);
 		struct eco_json node = eco_json_member(at, key);
 		return stranger(&node, "unknown field \"%.60s\"; known here: %s", key, known);
 	}
 	return true;
 }
 
+static bool fits(const struct eco_json *at, size_t count, size_t count_max)
+{
+	if (count > count_max)
+		eco_json_fail(at, ECO_TOO_LARGE, "%zu entries, at most %zu are possible", count, count_max);
+	return count <= count_max;
+}
+
+bool eco_json_names(const struct eco_json *at, size_t count_max)
+{
+	return json_is_object(at->value) ? fits(at, json_object_size(at->value), count_max) : bad(at, "an object");
+}
+
 bool eco_json_array(const struct eco_json *at, size_t count_max)
 {
-	if (!json_is_array(at->value))
-		return bad(at, "an array");
-	if (json_array_size(at->value) > count_max) {
-		eco_json_fail(at, ECO_TOO_LARGE, "%zu entries, at most %zu are possible", json_array_size(at->value), count_max);
-		return false;
-	}
-	return true;
+	return json_is_array(at->value) ? fits(at, json_array_size(at->value), count_max) : bad(at, "an array");
 }
 
 bool eco_json_required(const struct eco_json *object, const char *key)

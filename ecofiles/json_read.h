@@ -44,11 +44,15 @@ struct eco_json eco_json_item(const struct eco_json *array, size_t index);
 /* "NAME:LINE:COLUMN: text", the place where `at` begins (where its parent does if it is absent). Returns `code`. */
 enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
+/* "out of memory"; false, for `return`. */
+bool eco_json_no_memory(const struct eco_json *at);
 /* Line and column (in characters, from 1) of a node. */
 void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column);
 
 /* An object with no members but `fields` (ends with NULL); the error names the stranger and lists what is known. */
 bool eco_json_object(const struct eco_json *at, const char *const *fields);
+/* An object whose keys are not fields but names, count_max at most. */
+bool eco_json_names(const struct eco_json *at, size_t count_max);
 bool eco_json_array(const struct eco_json *at, size_t count_max);
 bool eco_json_required(const struct eco_json *object, const char *key);
 /* A number in [low, high]. */

@@ -85,9 +85,8 @@ static enum eco_code parse_columns(struct sheet *s, const char *list, struct eco
 static enum eco_code unknown_plant(const struct eco_scene *scene, const char *name, int length, struct eco_error *error)
 {
 	char known[300] = "";
-	size_t used = 0;
-	for (uint32_t i = 0; i < scene->plant_count && used < sizeof known - 70; i++)
-		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", scene->plants[i].name);
+	for (uint32_t i = 0; i < scene->plant_count; i++)
+		eco_list_name(known, sizeof known, scene->plants[i].name);
 	return eco_fail(error, ECO_NOT_FOUND, "--plants: the pack has no \"%.*s\"; it has: %s", length < 64 ? length : 64, name, known);
 }
 

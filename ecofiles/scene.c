@@ -2,11 +2,9 @@
  * files, follows children and checks that what is named exists. */
 #include "ecofiles/scene.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ecofiles/mix.h"
 #include "ecofiles/scene_parse.h"
@@ -21,50 +19,6 @@ static const char *const scene_fields[] = { "name", "crs", "vertical", "origin",
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
-
-static bool no_memory(const struct eco_json *at)
-{
-	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return false;
-}
-
-char *eco_path_beside(const char *base, const char *relative)
-{
-	const char *slash = strrchr(base, '/');
-	size_t folder = slash != NULL ? (size_t)(slash - base) + 1 : 0;
-	char *path;
-
-	if (*relative == '/')
-		folder = 0;
-	path = malloc(folder + strlen(relative) + 1);
-	if (path != NULL) {
-		memcpy(path, base, folder);
-		strcpy(path + folder, relative);
-	}
-	return path;
-}
-
-bool eco_source_has_file(const struct eco_source *source, const struct eco_json *at, const char *path)
-{
-	if (!source->on_disk || access(path, R_OK) == 0)
-		return true;
-	eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
-	return false;
-}
-
-bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
-{
-	for (size_t i = 0; i < bytes; i++)
-		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f) {
-			eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
-			return false;
-		}
-	if (bytes == 0 || bytes > 63) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
-		return false;
-	}
-	return true;
-}
 
 /* ---- Instances and children ---- */
 
@@ -107,7 +61,7 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 	source->positions = calloc(rows + 1, sizeof *source->positions);
 	source->scatters = calloc(scatters + 1, sizeof *source->scatters);
 	if (source->instances == NULL || source->positions == NULL || source->scatters == NULL)
-		return no_memory(&node);
+		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		bool good;
@@ -128,18 +82,15 @@ static bool parse_child(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_source_child *child = &source->children[source->child_count++];
 	struct eco_json node = eco_json_member(at, "eco");
-	const char *eco = NULL;
 
 	child->source = ECO_NONE;
 	child->scale = 1;
 	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco") || !eco_json_required(at, "at")
-		|| !eco_json_text(at, "eco", ECO_PATH_BYTES, &eco)
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, child->at)
 		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &child->yaw_deg)
 		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &child->scale))
 		return false;
-	child->eco = eco_path_beside(source->path, eco);
-	return child->eco != NULL ? eco_source_has_file(source, &node, child->eco) : no_memory(at);
+	return eco_scene_parse_path(source, &node, &child->eco);
 }
 
 static bool parse_children(struct eco_source *source, const struct eco_json *top)
@@ -152,7 +103,7 @@ static bool parse_children(struct eco_source *source, const struct eco_json *top
 		return false;
 	source->children = calloc(json_array_size(node.value) + 1, sizeof *source->children);
 	if (source->children == NULL)
-		return no_memory(&node);
+		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
 
@@ -195,23 +146,18 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json origin = eco_json_member(top, "origin");
-	const char *crs = NULL, *vertical = NULL;
 
-	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_json_text(top, "crs", ECO_PATH_BYTES, &crs)
-		|| !eco_json_text(top, "vertical", ECO_PATH_BYTES, &vertical)
+	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
+		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
-	if (crs != NULL && origin.value == NULL) {
+	if (source->crs != NULL && origin.value == NULL) {
 		eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene in a CRS needs the point of it that is its 0, 0, 0, such as "
 			"\"origin\": [747375, 4308510, 0]");
 		return false;
 	}
-	if (crs != NULL && (source->crs = strdup(crs)) == NULL)
-		return no_memory(top);
-	if (vertical != NULL && (source->vertical = strdup(vertical)) == NULL)
-		return no_memory(top);
-	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top) && parse_instances(source, top)
-		&& parse_children(source, top);
+	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
+		&& parse_instances(source, top) && parse_children(source, top);
 }
 
 enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,

@@ -9,12 +9,6 @@
 #define VALUES_MAX 4096u
 #define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* of "only" and of "skip" */
 
-static bool no_memory(const struct eco_json *at)
-{
-	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return false;
-}
-
 static bool parse_value(const struct eco_json *at, struct eco_value *value)
 {
 	char folded[VALUE_BYTES + 1];
@@ -29,7 +23,7 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 	}
 	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
 	value->text = strdup(folded);
-	return value->text != NULL || no_memory(at);
+	return value->text != NULL || eco_json_no_memory(at);
 }
 
 static bool parse_filter(const struct eco_json *at, const char *column, struct eco_filter *filter)
@@ -42,7 +36,7 @@ static bool parse_filter(const struct eco_json *at, const char *column, struct e
 	filter->column = strdup(column);
 	filter->values = calloc(count + 1, sizeof *filter->values);
 	if (filter->column == NULL || filter->values == NULL)
-		return no_memory(at);
+		return eco_json_no_memory(at);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = several ? eco_json_item(at, i) : *at;
 
@@ -56,18 +50,13 @@ static bool parse_filter(const struct eco_json *at, const char *column, struct e
 static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters, uint32_t *count)
 {
 	struct eco_json columns = eco_json_member(at, name), entry = { .file = at->file, .parent = &columns };
-	static const char *const any[] = { NULL };
 	const char *key;
 	json_t *value;
 
 	if (columns.value == NULL)
 		return true;
-	if (!json_is_object(columns.value))
-		return eco_json_object(&columns, any);
-	if (json_object_size(columns.value) > COLUMNS_MAX) {
-		eco_json_fail(&columns, ECO_TOO_LARGE, "more than %u columns", COLUMNS_MAX);
+	if (!eco_json_names(&columns, COLUMNS_MAX))
 		return false;
-	}
 	json_object_foreach((json_t *)columns.value, key, value) {
 		struct eco_filter *filter = &filters[(*count)++];
 
@@ -84,5 +73,5 @@ static bool parse_columns(const struct eco_json *at, const char *name, struct ec
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
 	*filters = calloc(ECO_FILTERS_MAX, sizeof **filters);
-	return *filters != NULL ? parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count) : no_memory(at);
+	return *filters != NULL ? parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count) : eco_json_no_memory(at);
 }

@@ -2,27 +2,9 @@
 #include "ecofiles/scene_parse.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit", "nodata", "north_west",
 	"pixel", NULL };
-
-static bool no_memory(const struct eco_json *at)
-{
-	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return false;
-}
-
-static bool add_path(struct eco_source *source, const struct eco_json *at, const char *path)
-{
-	struct eco_ground_source *ground = &source->ground;
-	char *whole = eco_path_beside(source->path, path);
-
-	if (whole == NULL)
-		return no_memory(at);
-	ground->heights[ground->height_count++] = whole;
-	return eco_source_has_file(source, at, whole);
-}
 
 static bool parse_heights(struct eco_source *source, const struct eco_json *ground)
 {
@@ -38,11 +20,11 @@ static bool parse_heights(struct eco_source *source, const struct eco_json *grou
 	}
 	source->ground.heights = calloc(count, sizeof *source->ground.heights);
 	if (source->ground.heights == NULL)
-		return no_memory(&node);
+		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = many ? eco_json_item(&node, i) : node;
 
-		if (!eco_json_is_text(&item, ECO_PATH_BYTES) || !add_path(source, &item, json_string_value(item.value)))
+		if (!eco_scene_parse_path(source, &item, &source->ground.heights[source->ground.height_count++]))
 			return false;
 	}
 	return true;
@@ -50,25 +32,19 @@ static bool parse_heights(struct eco_source *source, const struct eco_json *grou
 
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {
-	struct eco_json nodata = eco_json_member(at, "nodata"), unit_node = eco_json_member(at, "unit"),
-		scale = eco_json_member(at, "scale");
-	const char *unit = NULL;
+	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
 	uint64_t band = 1;
 
 	ground->no_holes = json_is_null(nodata.value);
 	ground->has_nodata = nodata.value != NULL && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
 	if (!eco_json_whole(at, "band", 1, 65535, &band) || !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)
-		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset) || !eco_json_text(at, "unit", 20, &unit)
+		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset) || !eco_scene_parse_unit(at, &ground->unit_m)
 		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
 		return false;
 	ground->band = (uint32_t)band;
 	if (ground->scale == 0 && scale.value != NULL) {
 		eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
-		return false;
-	}
-	if (unit != NULL && !eco_unit_metres(unit, &ground->unit_m)) {
-		eco_json_fail(&unit_node, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, unit);
 		return false;
 	}
 	return true;
@@ -103,25 +79,12 @@ static bool parse_place(struct eco_ground_source *ground, const struct eco_json 
 
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
 {
-	struct eco_json node = eco_json_member(top, "ground"), crs_node;
+	struct eco_json node = eco_json_member(top, "ground");
 	struct eco_ground_source *ground = &source->ground;
-	const char *crs = NULL, *vertical = NULL;
 
-	if (node.value == NULL)
-		return true;
-	if (!eco_json_object(&node, ground_fields) || !eco_json_required(&node, "heights") || !parse_heights(source, &node)
-		|| !eco_json_text(&node, "crs", ECO_PATH_BYTES, &crs) || !eco_json_text(&node, "vertical", ECO_PATH_BYTES, &vertical)
-		|| !parse_meaning(ground, &node) || !parse_place(ground, &node))
-		return false;
-	crs_node = eco_json_member(&node, "crs");
-	if (crs != NULL && source->crs == NULL) {
-		eco_json_fail(&crs_node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, "
-			"or leave this one out", crs);
-		return false;
-	}
-	ground->crs = crs != NULL ? strdup(crs) : NULL;
-	ground->vertical = vertical != NULL ? strdup(vertical) : NULL;
-	return (crs != NULL && ground->crs == NULL) || (vertical != NULL && ground->vertical == NULL) ? no_memory(&node) : true;
+	return node.value == NULL || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights") && parse_heights(source, &node)
+		&& eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) && parse_meaning(ground, &node)
+		&& parse_place(ground, &node) && eco_scene_parse_crs(source, &node, "crs", &ground->crs));
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)

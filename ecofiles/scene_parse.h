@@ -1,4 +1,4 @@
-/* Inside the scene reader: what its files share. Not for others. */
+/* Inside the scene reader: what its files share. Others take only eco_unit_metres. */
 #ifndef ECO_SCENE_PARSE_H
 #define ECO_SCENE_PARSE_H
 
@@ -8,8 +8,21 @@
 #define ECO_PATH_BYTES 4096u
 #define ECO_METRES_MAX 1e7           /* of anything placed */
 
-/* `relative` as seen from the folder of `base`; malloc'ed, NULL when memory ran out. */
-char *eco_path_beside(const char *base, const char *relative);
+/* What several parts have (scene_field.c). */
+
+/* A path, as seen from the folder of the file that names it. False after an error at `at`, also when the file is not there (documents
+ * from memory are not asked). *path is malloc'ed, or NULL. */
+bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);
+/* *out becomes a copy of the text of that key, malloc'ed, where it is there. */
+#define ECO_COLUMN_BYTES 256u
+bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);
+/* The same for a CRS, which a scene without one cannot convert from. */
+bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs);
+/* "unit", in metres, where it is there. */
+#define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
+bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
+/* Metres in a unit of that name; false where there is none. */
+bool eco_unit_metres(const char *name, double *metres);
 
 /* Names end up in URLs, file names and messages: 1 to 63 bytes, no control characters. */
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
@@ -22,24 +35,13 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
 void eco_ground_source_free(struct eco_ground_source *ground);
 
-/* Metres in a unit of that name; false where there is none. */
-#define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
-bool eco_unit_metres(const char *name, double *metres);
-
-/* Index of the first plant of that name, or ECO_NONE. */
-uint32_t eco_source_find_plant(const struct eco_source *source, const char *name);
-/* The plant a text names; an error lists the plants there are. */
+/* The first plant of that name; an error at `at` lists the plants there are. */
+bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name, uint32_t *plant);
+/* The plant a text names. */
 bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant);
-
-/* False after an error at `at` when the file is not there; true for documents from memory. */
-bool eco_source_has_file(const struct eco_source *source, const struct eco_json *at, const char *path);
 
 enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
 	struct eco_error *error);
-
-#define ECO_COLUMN_BYTES 256u
-/* *out becomes a copy of the text of that key, malloc'ed, where it is there. */
-bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);
 
 /* "only" and "skip" of an entry (scene_filter.c). On failure they hold what was read so far. */
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);

@@ -1,7 +1,6 @@
 /* The "plants" of a scene file: which files make up a plant, how they are to be read, and what each part of it is. */
 #include "ecofiles/scene_parse.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,12 +13,6 @@
 static const char *const plant_fields[] = { "model", "variants", "height_m", "unit", "up", "parts", "importance", NULL };
 static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
 static const char *const rule_fields[] = { "name", "component", "size", "is", NULL };
-
-static bool no_memory(const struct eco_json *at)
-{
-	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return false;
-}
 
 /* ---- Names ---- */
 
@@ -37,7 +30,7 @@ static void sort_names(struct eco_source *source)
 	qsort_r(source->plants_by_name, source->name_count, sizeof *source->plants_by_name, name_compare, source->plants);
 }
 
-uint32_t eco_source_find_plant(const struct eco_source *source, const char *name)
+static uint32_t find_plant(const struct eco_source *source, const char *name)
 {
 	uint32_t low = 0, high = source->name_count;
 
@@ -55,56 +48,45 @@ uint32_t eco_source_find_plant(const struct eco_source *source, const char *name
 	return ECO_NONE;
 }
 
-bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
+bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name, uint32_t *plant)
 {
 	char known[200] = "";
-	size_t used = 0;
 
-	if (!eco_json_is_text(at, sizeof source->plants->name - 1))
-		return false;
-	*plant = eco_source_find_plant(source, json_string_value(at->value));
+	*plant = find_plant(source, name);
 	if (*plant != ECO_NONE)
 		return true;
-	for (uint32_t i = 0; i < source->plant_count && used < sizeof known; i += source->plants[i].variant_count)
-		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", source->plants[i].name);
-	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", json_string_value(at->value),
-		known[0] != 0 ? known : "there are none");
+	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
+		eco_list_name(known, sizeof known, source->plants[i].name);
+	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name, known[0] != 0 ? known : "there are none");
 	return false;
+}
+
+bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
+{
+	return eco_json_is_text(at, sizeof source->plants->name - 1) && eco_source_plant_named(source, at, json_string_value(at->value), plant);
 }
 
 /* ---- Files ---- */
 
-static bool add_file(struct eco_source *source, const struct eco_json *file, struct eco_source_plant *plant)
-{
-	if (!eco_json_is_text(file, ECO_PATH_BYTES))
-		return false;
-	plant->models[plant->model_count] = eco_path_beside(source->path, json_string_value(file->value));
-	if (plant->models[plant->model_count] == NULL)
-		return no_memory(file);
-	plant->model_count++;
-	return eco_source_has_file(source, file, plant->models[plant->model_count - 1]);
-}
-
 /* One path, or an array of paths that make up one plant. */
 static bool parse_files(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
 {
-	size_t count = json_is_array(at->value) ? json_array_size(at->value) : 1;
+	bool several = json_is_array(at->value);
+	size_t count = several ? json_array_size(at->value) : 1;
 
 	if (count == 0) {
 		eco_json_fail(at, ECO_BAD_INPUT, "it names no file");
 		return false;
 	}
-	if (json_is_array(at->value) && !eco_json_array(at, FILES_MAX))
+	if (several && !eco_json_array(at, FILES_MAX))
 		return false;
 	plant->models = calloc(count, sizeof *plant->models);
 	if (plant->models == NULL)
-		return no_memory(at);
-	if (!json_is_array(at->value))
-		return add_file(source, at, plant);
+		return eco_json_no_memory(at);
 	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = eco_json_item(at, i);
+		struct eco_json item = several ? eco_json_item(at, i) : *at;
 
-		if (!add_file(source, &item, plant))
+		if (!eco_scene_parse_path(source, &item, &plant->models[plant->model_count++]))
 			return false;
 	}
 	return true;
@@ -147,19 +129,6 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 }
 
 /* ---- How files are to be read ---- */
-
-static bool parse_unit(const struct eco_json *at, double *unit_m)
-{
-	struct eco_json unit = eco_json_member(at, "unit");
-	const char *name = NULL;
-
-	if (!eco_json_text(at, "unit", 16, &name))
-		return false;
-	if (name == NULL || eco_unit_metres(name, unit_m))
-		return true;
-	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
-	return false;
-}
 
 static bool parse_up(const struct eco_json *at, enum eco_up *up)
 {
@@ -234,7 +203,7 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	rule->kind = name != NULL ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
 	rule->name = name != NULL ? strdup(name) : NULL;
-	return name == NULL || rule->name != NULL || no_memory(at);
+	return name == NULL || rule->name != NULL || eco_json_no_memory(at);
 }
 
 static bool parse_rules(const struct eco_json *at, struct eco_source_plant *plant)
@@ -247,7 +216,7 @@ static bool parse_rules(const struct eco_json *at, struct eco_source_plant *plan
 		return false;
 	plant->parts = calloc(json_array_size(node.value) + 1, sizeof *plant->parts);
 	if (plant->parts == NULL)
-		return no_memory(&node);
+		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
 
@@ -271,7 +240,7 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_plant plant = { .variant_count = 1 };
 	uint32_t before = source->plant_count;
 	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) && eco_json_object(at, plant_fields)
-		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) && parse_unit(at, &plant.unit_m)
+		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) && eco_scene_parse_unit(at, &plant.unit_m)
 		&& parse_up(at, &plant.up) && parse_importance(at, plant.importance) && parse_rules(at, &plant);
 
 	if (good) {
@@ -317,7 +286,7 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	source->plants = calloc(count + 1, sizeof *source->plants);
 	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
 	if (source->plants == NULL || source->plants_by_name == NULL)
-		return no_memory(&node);
+		return eco_json_no_memory(&node);
 	json_object_foreach((json_t *)node.value, key, value) {
 		entry.key = key;
 		entry.value = value;

@@ -8,7 +8,6 @@
 
 #include "ecofiles/inventory_text.h"
 
-
 #define MAP_MAX (1u << 20)
 #define SOURCES_MAX 16u              /* of heights */
 
@@ -18,20 +17,6 @@ static const char *const height_fields[] = { "column", "unit", "value", "from_db
 	"max", "rate", "shape", "per_plant", "levels", NULL };
 static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
 static const char *const crown_fields[] = { "column", "unit", "is", NULL };
-
-bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
-{
-	const char *text = NULL;
-
-	if (!eco_json_text(at, key, bytes_max, &text))
-		return false;
-	if (text == NULL)
-		return true;
-	*out = strdup(text);
-	if (*out == NULL)
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return *out != NULL;
-}
 
 /* ---- Species ---- */
 
@@ -45,9 +30,7 @@ static bool species_set(const struct eco_source *source, const struct eco_json *
 		species->variant_count = source->plants[species->plant].variant_count;
 	}
 	species->name = strdup(name);
-	if (species->name == NULL)
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return species->name != NULL;
+	return species->name != NULL || eco_json_no_memory(at);
 }
 
 struct folded { char *text; uint32_t key; };
@@ -71,7 +54,7 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 		good = folded[i].text != NULL;
 	}
 	if (!good)
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+		eco_json_no_memory(at);
 	else
 		qsort(folded, spec->map_count, sizeof *folded, compare_folded);
 	for (uint32_t i = 1; good && i < spec->map_count; i++) {
@@ -91,22 +74,15 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 
 static bool parse_map(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
-	static const char *const any[] = { NULL };
 	struct eco_json entry = { .file = at->file, .parent = at };
 	const char *key;
 	json_t *value;
 
-	if (!json_is_object(at->value))
-		return eco_json_object(at, any);
-	if (json_object_size(at->value) > MAP_MAX) {
-		eco_json_fail(at, ECO_TOO_LARGE, "more than %u species", MAP_MAX);
+	if (!eco_json_names(at, MAP_MAX))
 		return false;
-	}
 	spec->map = calloc(json_object_size(at->value) + 1, sizeof *spec->map);
-	if (spec->map == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
+	if (spec->map == NULL)
+		return eco_json_no_memory(at);
 	json_object_foreach((json_t *)at->value, key, value) {
 		bool fallback = strcmp(key, "*") == 0;
 
@@ -132,10 +108,8 @@ static bool map_of_plants(const struct eco_source *source, const struct eco_json
 			break;
 		spec->map_count++;
 	}
-	if (spec->map == NULL || (spec->map_count == 0 && source->plant_count > 0)) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
+	if (spec->map == NULL || (spec->map_count == 0 && source->plant_count > 0))
+		return eco_json_no_memory(at);
 	return keys_differ(at, spec);
 }
 
@@ -162,32 +136,14 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 
 /* ---- Heights and crowns ---- */
 
-bool eco_unit_metres(const char *name, double *metres)
+/* `unit_m` where the key says the unit; else "unit" must. */
+static bool parse_unit(const struct eco_json *at, double *unit_m)
 {
-	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
-		{ "ft", 0.3048 }, { "US survey ft", 1200.0 / 3937 } };
-
-	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-		if (strcmp(name, units[i].name) == 0) {
-			*metres = units[i].metres;
-			return true;
-		}
-	return false;
-}
-
-static bool parse_unit(const struct eco_json *at, const char *name, double *unit_m)
-{
-	struct eco_json unit = eco_json_member(at, "unit");
-
-	if (!eco_json_text(at, "unit", 16, &name))
+	if (!eco_scene_parse_unit(at, unit_m))
 		return false;
-	if (name == NULL) {
-		eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
-		return false;
-	}
-	if (eco_unit_metres(name, unit_m))
+	if (*unit_m > 0)
 		return true;
-	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
+	eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
 	return false;
 }
 
@@ -215,25 +171,19 @@ static int compare_rules(const void *a, const void *b)
 
 static bool parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
 {
-	static const char *const any[] = { NULL };
 	struct eco_json entry = { .file = at->file, .parent = at };
 	const char *key;
 	json_t *value;
 
-	if (!json_is_object(at->value))
-		return eco_json_object(at, any);
+	if (!eco_json_names(at, source->name_count))
+		return false;
 	json_object_foreach((json_t *)at->value, key, value) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
 
 		entry.key = key;
 		entry.value = value;
-		rule->plant = eco_source_find_plant(source, key);
-		if (rule->plant == ECO_NONE) {
-			eco_json_fail(&entry, ECO_BAD_INPUT, "plant \"%.60s\" is not among \"plants\"", key);
-			return false;
-		}
-		if (!eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+		if (!eco_source_plant_named(source, &entry, key, &rule->plant) || !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");
@@ -249,10 +199,8 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 	bool there;
 
 	size->rules = calloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
-	if (size->rules == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
+	if (size->rules == NULL)
+		return eco_json_no_memory(at);
 	if (per_plant.value != NULL && !parse_per_plant(source, &per_plant, size))
 		return false;
 	size->rules[size->rule_count].plant = ECO_NONE;
@@ -270,9 +218,9 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 /* One member says where a height comes from. */
 static bool parse_height_object(const struct eco_source *source, const struct eco_json *at, struct eco_size *size, uint32_t *levels)
 {
-	static const struct { const char *key, *unit; enum eco_size_kind kind; double factor; } from[] = {
-		{ "column", "m", ECO_SIZE_COLUMN, 1 }, { "from_dbh", NULL, ECO_SIZE_DBH, 1 }, { "from_girth", NULL, ECO_SIZE_DBH, 1 / 3.14159265358979323846 },
-		{ "from_dbh_mm", "mm", ECO_SIZE_DBH, 1 }, { "from_dbh_cm", "cm", ECO_SIZE_DBH, 1 }, { "from_dbh_in", "in", ECO_SIZE_DBH, 1 } };
+	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor; } from[] = {
+		{ "column", 1, ECO_SIZE_COLUMN, 1 }, { "from_dbh", 0, ECO_SIZE_DBH, 1 }, { "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
+		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 }, { "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
 	uint64_t count = *levels;
 	unsigned kinds = 0, which = 0;
 
@@ -295,7 +243,8 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	}
 	size->kind = from[which].kind;
 	size->factor = from[which].factor;
-	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column) && parse_unit(at, from[which].unit, &size->unit_m)
+	size->unit_m = from[which].unit_m;
+	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column) && parse_unit(at, &size->unit_m)
 		&& (size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size));
 }
 
@@ -333,10 +282,8 @@ static bool parse_height(const struct eco_source *source, const struct eco_json 
 		return false;
 	}
 	spec->heights = calloc(count, sizeof *spec->heights);
-	if (spec->heights == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
+	if (spec->heights == NULL)
+		return eco_json_no_memory(at);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = several ? eco_json_item(&height, i) : height;
 
@@ -353,9 +300,10 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 
 	if (crown.value == NULL)
 		return true;
+	spec->crown.unit_m = 1;
 	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column") || !eco_json_required(&crown, "is")
 		|| !eco_json_text(&crown, "is", 16, &is) || !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
-		|| !parse_unit(&crown, "m", &spec->crown.unit_m))
+		|| !eco_scene_parse_unit(&crown, &spec->crown.unit_m))
 		return false;
 	spec->crown.kind = ECO_SIZE_COLUMN;
 	spec->crown.factor = strcmp(is, "diameter") == 0 ? 0.5 : 1;
@@ -401,37 +349,13 @@ static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spe
 static bool parse_file(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json from = eco_json_member(at, "from");
-	const char *path = NULL;
 
-	if (!eco_json_object(at, row_fields) || !eco_json_text(at, "from", ECO_PATH_BYTES, &path))
+	if (!eco_json_object(at, row_fields))
 		return false;
 	eco_json_place(&from, &spec->line, &spec->column);
-	spec->path = eco_path_beside(source->path, path);
-	if (spec->path == NULL) {
-		eco_json_fail(&from, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
-	return eco_source_has_file(source, &from, spec->path) && eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
+	return eco_scene_parse_path(source, &from, &spec->path) && eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
 		&& parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal);
-}
-
-/* What a file itself says of its CRS is seen when it is opened; columns never say it. */
-static bool check_crs(const struct eco_source *source, const struct eco_json *at, const struct eco_positions_spec *spec)
-{
-	struct eco_json crs = eco_json_member(at, "crs");
-
-	if (source->crs != NULL && spec->crs == NULL && spec->x != NULL) {
-		eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": \"%.80s\"",
-			source->crs, source->crs);
-		return false;
-	}
-	if (source->crs == NULL && spec->crs != NULL) {
-		eco_json_fail(&crs, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, "
-			"or leave this one out", spec->crs);
-		return false;
-	}
-	return true;
 }
 
 static bool parse_place(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
@@ -440,9 +364,16 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 		return false;
 	if (json_object_get(at->value, "y") != NULL && !eco_json_required(at, "x"))
 		return false;
-	return eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x) && eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y) && eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
-		&& eco_scene_copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs) && eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
-		&& check_crs(source, at, spec);
+	if (!eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x) || !eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
+		|| !eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
+		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical) || !eco_scene_parse_crs(source, at, "crs", &spec->crs))
+		return false;
+	/* what a file itself says of its CRS is seen when it is opened; columns never say it */
+	if (source->crs == NULL || spec->crs != NULL || spec->x == NULL)
+		return true;
+	eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": \"%.80s\"",
+		source->crs, source->crs);
+	return false;
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)

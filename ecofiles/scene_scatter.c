@@ -14,16 +14,8 @@ static const char *const height_fields[] = { "min", "max", NULL };
 
 static bool parse_plant(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_plant *plant)
 {
-	plant->plant = eco_source_find_plant(source, at->key);
-	if (plant->plant == ECO_NONE) {
-		char known[200] = "";
-		size_t used = 0;
-
-		for (uint32_t i = 0; i < source->plant_count && used < sizeof known; i += source->plants[i].variant_count)
-			used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", source->plants[i].name);
-		eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", at->key, known[0] != 0 ? known : "there are none");
+	if (!eco_source_plant_named(source, at, at->key, &plant->plant))
 		return false;
-	}
 	plant->variant_count = source->plants[plant->plant].variant_count;
 	if (!json_is_number(at->value) || !(json_number_value(at->value) > 0 && json_number_value(at->value) <= DENSITY_MAX)) {
 		eco_json_fail(at, ECO_BAD_INPUT, "a number above 0, at most %g", DENSITY_MAX);
@@ -35,22 +27,19 @@ static bool parse_plant(const struct eco_source *source, const struct eco_json *
 
 static bool parse_plants(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
-	static const char *const any[] = { NULL };
 	struct eco_json entry = { .file = at->file, .parent = at };
 	const char *key;
 	json_t *value;
 
-	if (!json_is_object(at->value))
-		return eco_json_object(at, any);
-	if (json_object_size(at->value) == 0 || json_object_size(at->value) > KINDS_MAX) {
-		eco_json_fail(at, ECO_BAD_INPUT, "it names 1 to %u plants, such as {\"oak\": 120, \"ash\": 40}", KINDS_MAX);
+	if (!eco_json_names(at, KINDS_MAX))
+		return false;
+	if (json_object_size(at->value) == 0) {
+		eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");
 		return false;
 	}
 	spec->plants = calloc(json_object_size(at->value), sizeof *spec->plants);
-	if (spec->plants == NULL) {
-		eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-		return false;
-	}
+	if (spec->plants == NULL)
+		return eco_json_no_memory(at);
 	json_object_foreach((json_t *)at->value, key, value) {
 		entry.key = key;
 		entry.value = value;
@@ -101,29 +90,13 @@ static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spe
 	return false;
 }
 
-static bool parse_path(const struct eco_source *source, const struct eco_json *at, const char *key, char **path)
+static bool parse_clear(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
-	struct eco_json node = eco_json_member(at, key);
-	const char *text = NULL;
+	struct eco_json clear_of = eco_json_member(at, "clear_of");
 
-	if (!eco_json_text(at, key, ECO_PATH_BYTES, &text) || text == NULL)
-		return text == NULL && node.value == NULL;
-	*path = eco_path_beside(source->path, text);
-	if (*path != NULL)
-		return eco_source_has_file(source, &node, *path);
-	eco_json_fail(&node, ECO_NO_MEMORY, "out of memory");
-	return false;
-}
-
-static bool check_crs(const struct eco_source *source, const struct eco_json *at, const char *key, const char *crs)
-{
-	struct eco_json node = eco_json_member(at, key);
-
-	if (source->crs != NULL || crs == NULL)
-		return true;
-	eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this one "
-		"out", crs);
-	return false;
+	return (clear_of.value == NULL || eco_scene_parse_path(source, &clear_of, &spec->clear_of))
+		&& eco_scene_copy_text(at, "clear_layer", ECO_COLUMN_BYTES, &spec->clear_layer)
+		&& eco_scene_parse_crs(source, at, "clear_crs", &spec->clear_crs) && eco_json_number(at, "clear_m", 0, 1e5, &spec->clear_m);
 }
 
 bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
@@ -131,14 +104,12 @@ bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 	struct eco_json where = eco_json_member(at, "scatter");
 
 	eco_json_place(&where, &spec->line, &spec->column);
-	return eco_json_object(at, scatter_fields) && parse_path(source, at, "scatter", &spec->path)
-		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer) && eco_scene_copy_text(at, "crs", ECO_PATH_BYTES, &spec->crs)
-		&& check_crs(source, at, "crs", spec->crs) && parse_numbers(source, at, spec)
-		&& eco_json_number(at, "full", 1e-9, 1e9, &spec->full) && eco_json_number(at, "distance_m", 0, 1e5, &spec->distance_m)
-		&& parse_path(source, at, "clear_of", &spec->clear_of) && eco_scene_copy_text(at, "clear_layer", ECO_COLUMN_BYTES, &spec->clear_layer)
-		&& eco_scene_copy_text(at, "clear_crs", ECO_PATH_BYTES, &spec->clear_crs) && check_crs(source, at, "clear_crs", spec->clear_crs)
-		&& eco_json_number(at, "clear_m", 0, 1e5, &spec->clear_m) && eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
-		&& parse_height(at, spec) && eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed);
+	return eco_json_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
+		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer) && eco_scene_parse_crs(source, at, "crs", &spec->crs)
+		&& parse_numbers(source, at, spec) && eco_json_number(at, "full", 1e-9, 1e9, &spec->full)
+		&& eco_json_number(at, "distance_m", 0, 1e5, &spec->distance_m) && parse_clear(source, at, spec)
+		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count) && parse_height(at, spec)
+		&& eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed);
 }
 
 void eco_scatter_spec_free(struct eco_scatter_spec *spec)

@@ -111,6 +111,8 @@ static void defaults_fill_what_is_not_said(void **state)
 }
 
 #define PLANTS "\"plants\": {\"oak\": {\"model\": \"o.obj\"}}"
+#define LONG(n) "\"a23456789b23456789c23456789d23456789-" #n "\": {\"model\": \"o.obj\"}"
+#define MANY_PLANTS "\"plants\": {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
 #define ROWS "\"from\": \"t.csv\", \"x\": \"x\", \"y\": \"y\""
 
 static const struct { const char *json, *place, *says; } bad[] = {
@@ -143,6 +145,8 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"importance\": {\"root\": 1}}}}", ":1:50:", "wood, foliage, flower" },
 	{ "{" PLANTS ", \"instances\": [\n {\"plant\": \"oak\", \"at\": [0, 0]},\n {\"plant\": \"elm\", \"at\": [0, 0]}]}", ":3:12:",
 		"plant \"elm\" is not among \"plants\": oak" },
+	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:", "plants\": a23456789b23456789c23456789d23456789-1, "
+		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, a23456789b23456789c23456789d23456789-4, ..." },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:", "between" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS "}]}", ":2:15:", "say what stands there" },
