@@ -138,7 +138,7 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 			plain[used++] = c;
 			digits++;
 			in_group++;
-		} else if (c == decimal && !fraction) {
+		} else if (c == decimal && !fraction && text[at + 1] != c) {
 			if (groups > 0 && in_group != 3)
 				return 0;
 			plain[used++] = '.';
@@ -203,7 +203,8 @@ bool eco_text_number(const char *text, char decimal, double *number)
 struct word { const char *text; double metres; };
 
 static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 }, { "metres", 1 }, { "meter", 1 }, { "metre", 1 },
-	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m", 1 }, { "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 }, { "pies", 0.3048 },
+	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m.", 1 }, { "m", 1 },
+	{ "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 }, { "pies", 0.3048 },
 	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 }, { "\"", 0.0254 }, { "\u2033", 0.0254 },
 	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
 
@@ -212,7 +213,7 @@ static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "app
 static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
 static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least", "plus de", "mehr als", "über", "ab", ">=", ">",
 	"\u2265" };
-static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als", "unter", "bis", "<=", "<",
+static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als", "unter", "bis", "tot", "<=", "<",
 	"\u2264" };
 static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus", "und mehr" };
 
@@ -283,16 +284,12 @@ static bool take_measure(const char **text, char decimal, double *number, double
 	return true;
 }
 
-enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
+static enum eco_size_form size_at(const char *at, char decimal, double *number, double *unit_m)
 {
-	char folded[80];
-	const char *at = folded;
 	enum eco_size_form form = ECO_FORM_EXACT;
 	double high;
 
 	*unit_m = 0;
-	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
-		return ECO_FORM_NONE;
 	TAKE(&at, about_words);
 	if (TAKE(&at, above_words))
 		form = ECO_FORM_OPEN;
@@ -312,4 +309,31 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 	}
 	TAKE(&at, closing_words);
 	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
+}
+
+/* Behind the name of a class, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL where there is none. */
+static const char *behind_class(const char *folded)
+{
+	size_t sign = strspn(folded, "abcdefghijklmnopqrstuvwxyz");
+	const char *bracket = strchr(folded, '(');
+
+	if (sign == 0)
+		sign = strspn(folded, "0123456789");
+	if (sign > 0 && sign <= 2 && folded[sign] != 0 && strchr(".:)", folded[sign]) != NULL && folded[sign + 1] == ' ')
+		return folded + sign + 2;
+	return bracket != NULL && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
+}
+
+enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
+{
+	char folded[80];
+	const char *behind;
+	enum eco_size_form form;
+
+	*unit_m = 0;
+	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
+		return ECO_FORM_NONE;
+	form = size_at(folded, decimal, number, unit_m);
+	behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
+	return behind != NULL ? size_at(behind, decimal, number, unit_m) : form;
 }

@@ -115,6 +115,12 @@ static struct eco_frame frame_of(const struct eco_source *s)
 }
 
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
+/* Lines of a table, which names the file where that is needed. */
+static void note_line(void *ctx, const char *text)
+{
+	(void)ctx;
+	main_note("%s", text);
+}
 
 static enum eco_code place_rows(struct make *m, uint32_t source)
 {
@@ -137,7 +143,7 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 				eco->skipped[k].count += skipped[k].count;
 		}
 		if (!code)
-			eco_positions_report(reader, note, s->positions[i].path);
+			eco_positions_report(reader, note_line, NULL);
 		eco_positions_close(reader);
 		if (code)
 			return code;
@@ -222,17 +228,29 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	return code;
 }
 
+/* Opens an inventory and takes its first plant: columns, CRS, grids of PROJ and the notation of numbers are seen by then. */
+static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
+{
+	struct eco_positions_spec plain = *spec;
+	struct eco_positions *reader = NULL;
+	struct eco_position first;
+	plain.levels = 0;                /* which take the whole file to find */
+	enum eco_code code = eco_positions_open(&reader, &plain, frame, m->error);
+	if (!code)
+		code = eco_positions_next(reader, &first, m->error);
+	eco_positions_close(reader);
+	return code;
+}
+
 enum eco_code make_places_check(struct make *m)
 {
 	for (uint32_t source = 0; source < m->sources.count; source++) {
 		const struct eco_source *s = &m->sources.items[source];
 		struct eco_frame frame = frame_of(s);
 		for (uint32_t i = 0; i < s->positions_count; i++) {
-			struct eco_positions *reader = NULL;
-			enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
+			enum eco_code code = check_rows(m, &s->positions[i], &frame);
 			if (code)
 				return code;
-			eco_positions_close(reader);
 		}
 	}
 	return ECO_OK;

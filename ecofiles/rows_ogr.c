@@ -147,11 +147,11 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	return r->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 }
 
-/* Do the numbers of the first features fit degrees, have they heights? */
+/* Do the numbers of the first features fit degrees, have they heights? Single absurd ones are single absurd rows. */
 static void look_at_some(struct ogr_rows *r)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
-	bool degrees = crs != NULL && OSRIsGeographic(crs);
+	int beyond = 0, within = 0;
 
 	OGR_L_ResetReading(r->layer);
 	for (int i = 0; i < LOOKED_AT; i++) {
@@ -162,13 +162,18 @@ static void look_at_some(struct ogr_rows *r)
 		if (feature == NULL)
 			break;
 		if (geometry != NULL && !OGR_G_IsEmpty(geometry)) {
+			bool is_beyond;
+
 			OGR_G_GetEnvelope(geometry, &box);
+			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90 || fabs(box.MaxY) > 90;
+			beyond += is_beyond;
+			within += !is_beyond;
 			r->rows.has_z |= OGR_G_Is3D(geometry) != 0;
-			r->rows.degrees_doubted |= degrees && (fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90 || fabs(box.MaxY) > 90);
 		}
 		OGR_F_Destroy(feature);
 	}
 	OGR_L_ResetReading(r->layer);
+	r->rows.degrees_doubted = crs != NULL && OSRIsGeographic(crs) && beyond > within;
 }
 
 /* ---- Columns ---- */

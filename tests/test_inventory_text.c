@@ -93,7 +93,11 @@ static void sizes_are_numbers_ranges_and_bounds(void **state)
 		{ "10 m - 20 ft", '.', ECO_FORM_NONE, 0, 0 }, { "tall", '.', ECO_FORM_NONE, 0, 0 }, { "", '.', ECO_FORM_NONE, 0, 0 },
 		{ "12 12", '.', ECO_FORM_NONE, 0, 0 }, { "1,5", '.', ECO_FORM_NONE, 0, 0 }, { "2021-05-03", '.', ECO_FORM_NONE, 0, 0 },
 		{ "3 meter", '.', ECO_FORM_EXACT, 3, 1 }, { "10 Fuß", '.', ECO_FORM_EXACT, 10, 0.3048 }, { "3 metros", '.', ECO_FORM_EXACT, 3, 1 },
-		{ "between 10 and 20 ft", '.', ECO_FORM_RANGE, 15, 0.3048 }, { "30 à 40m", ',', ECO_FORM_RANGE, 35, 1 } };
+		{ "between 10 and 20 ft", '.', ECO_FORM_RANGE, 15, 0.3048 }, { "30 à 40m", ',', ECO_FORM_RANGE, 35, 1 },
+		{ "10..20", '.', ECO_FORM_RANGE, 15, 0 }, { "a. tot 6 m.", ',', ECO_FORM_RANGE, 3, 1 }, { "c. 9 tot 12 m.", ',', ECO_FORM_RANGE, 10.5, 1 },
+		{ "2: 5-10 m", '.', ECO_FORM_RANGE, 7.5, 1 }, { "3. 10 - 15", '.', ECO_FORM_RANGE, 12.5, 0 }, { "Small (< 10 ft)", '.', ECO_FORM_RANGE, 5, 0.3048 },
+		{ "Large (over 60')", '.', ECO_FORM_OPEN, 60, 0.3048 }, { "30' - 40'", '.', ECO_FORM_RANGE, 35, 0.3048 },
+		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 }, { "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 } };
 
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

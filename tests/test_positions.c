@@ -191,6 +191,9 @@ static void a_file_that_says_its_crs_needs_no_more(void **state)
 	expect_json(UTM32, FEATURES("", FEATURE("690001", "5335002")), "\"plant\":\"oak\"", NULL, "cannot be degrees, which this format means unless it says "
 		"otherwise; add \"crs\": \"EPSG:25832\"");
 	expect_json("", FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\"", NULL, "the scene has no CRS; add \"crs\"");
+	/* one absurd place is one absurd row */
+	expect_json(UTM32, FEATURES("", FEATURE("999", "999") "," FEATURE("11.5", "48.1") "," FEATURE("11.5", "48.1")), "\"plant\":\"oak\",\"duplicates\":\"skip\"",
+		"oak -3878.244 -4561.87", "left out: not convertible to the scene's CRS (first in feature 1: \"999, 999");
 	/* columns win over the geometry */
 	expect_json("", "{\"type\":\"Feature\",\"properties\":{\"e\":3,\"n\":4.5},\"geometry\":null}", "\"plant\":\"oak\",\"x\":\"e\",\"y\":\"n\"", "oak 3 4.5", "1 plant");
 	expect_json(UTM32, FEATURES("", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":null}," FEATURE("1e30", "3") ","
@@ -210,6 +213,7 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 	expect_error(UTM32, csv, with, "the scene's have none; add \"vertical\": \"EPSG:...\" to the scene");
 	expect_error(UTM32 "\"vertical\":\"EPSG:7837\",", csv, entry, "these (z) have none; add \"vertical\": \"EPSG:...\" to its entry");
 	expect_error(UTM32 "\"vertical\":\"ellipsoid\",", csv, with, "between the two vertical datums: it lacks ");
+	expect_error(UTM32 "\"vertical\":\"EPSG:6360\",", csv, with, "does not count in metres, as scenes do; take its twin in metres");
 	expect_error(UTM32 "\"vertical\":\"sea\",", csv, with, "not a vertical datum that PROJ knows; write a code");
 	expect("\"crs\":\"EPSG:25832+7837\",\"origin\":[690000,5335000,500],", csv, with, "oak 1 2 z12.5", "1 plant");
 	expect_json(UTM32, FEATURES(SAYS("EPSG:25832"), "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Point\",\"coordinates\":[690001,5335002,7]}}"),
@@ -423,6 +427,35 @@ static void a_real_inventory_goes_through_whole(void **state)
 	eco_positions_close(reader);
 }
 
+/* Degrees and feet of a survey, by the city itself. */
+static void degrees_and_feet_of_a_real_inventory_meet(void **state)
+{
+	const char *data = getenv("ECO_DATA");
+	char path[4096];
+	struct eco_positions_spec spec = { .x = (char *)"Longitude", .y = (char *)"Latitude", .crs = (char *)"EPSG:4326", .fallback = { (char *)"*", 0, 1 } };
+	struct eco_positions_spec other = { .x = (char *)"X", .y = (char *)"Y", .crs = (char *)"EPSG:2261", .fallback = { (char *)"*", 0, 1 } };
+	const struct eco_frame frame = { "EPSG:26918", NULL, { 425000, 4661000, 0 } };
+	struct eco_positions *degrees, *feet;
+	struct eco_position a, b;
+	uint32_t count = 0;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/inventories/binghamton_ny_street_trees.csv", data != NULL ? data : "");
+	if (data == NULL || access(path, R_OK) != 0)
+		skip();
+	spec.path = other.path = path;
+	assert_int_equal(eco_positions_open(&degrees, &spec, &frame, NULL), ECO_OK);
+	assert_int_equal(eco_positions_open(&feet, &other, &frame, NULL), ECO_OK);
+	while (eco_positions_next(degrees, &a, NULL) == ECO_OK && a.plant != ECO_NONE) {
+		assert_int_equal(eco_positions_next(feet, &b, NULL), ECO_OK);
+		assert_true(a.row == b.row && hypot(a.at[0] - b.at[0], a.at[1] - b.at[1]) < 1);
+		count++;
+	}
+	assert_int_equal(count, 16875);
+	eco_positions_close(degrees);
+	eco_positions_close(feet);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -446,6 +479,7 @@ int main(void)
 		cmocka_unit_test(inventories_of_many_countries_go_through),
 		cmocka_unit_test(a_dutch_feature_collection_goes_through),
 		cmocka_unit_test(a_real_inventory_goes_through_whole),
+		cmocka_unit_test(degrees_and_feet_of_a_real_inventory_meet),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
