@@ -1,5 +1,5 @@
-/* Surfaces are asked by bands of y, each with the edges that cross it; many of them by a coarse grid of their boxes first; nearness by a grid of cells as wide as what counts as near, each
- * with the edges that come within one cell of it. */
+/* Surfaces are asked by bands of y, each with the edges that cross it; many of them by a coarse grid of their boxes first; nearness by a
+ * grid of cells as wide as what counts as near, each with the edges that come within one cell of it. */
 #include "ecofiles/areas.h"
 
 #include <math.h>
@@ -254,6 +254,29 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, dou
 		if (crosses(&edges[area->strip[i]], x, y))
 			inside = !inside;
 	return inside;
+}
+
+bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, double high_y, double span[2])
+{
+	const struct eco_area *area = &areas->items[index];
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+
+	span[0] = INFINITY;
+	span[1] = -INFINITY;
+	if (area->ring_edges == 0 || high_y < area->low[1] || low_y > area->high[1])
+		return false;
+	for (uint32_t i = area->strip_first[strip_of(area, low_y)]; i < area->strip_first[strip_of(area, high_y) + 1]; i++) {
+		const struct eco_edge *e = &edges[area->strip[i]];
+		double rise = e->b[1] - e->a[1], run = e->b[0] - e->a[0];
+		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0, to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
+		double first = fmax(fmin(from, to), 0), last = fmin(fmax(from, to), 1);
+
+		if (first > last)
+			continue;
+		span[0] = fmin(span[0], e->a[0] + fmin(first * run, last * run));
+		span[1] = fmax(span[1], e->a[0] + fmax(first * run, last * run));
+	}
+	return span[0] <= span[1];
 }
 
 /* By the even-odd rule orientation says nothing: a ring counts against the others if it lies within an odd number of them, which one

@@ -46,6 +46,8 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 
 /* Inside the surface of one feature? */
 bool eco_area_holds(const struct eco_areas *areas, uint32_t area, double x, double y);
+/* Where x of the surface of one feature begins and ends between two y; false where it is not. Good to a rounding. */
+bool eco_area_span(const struct eco_areas *areas, uint32_t area, double low_y, double high_y, double span[2]);
 /* Inside the surface of any? */
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y);
 /* Within near_m of any edge? */

@@ -15,6 +15,7 @@
 
 #define MASK_SIDE_MAX 8192u
 #define BYTE_FULL 255.0
+#define DISTANCE_MAX_M 1e7           /* as of inventories */
 
 static void note(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -43,7 +44,7 @@ struct reading {
 	struct eco_rows *rows;
 	struct eco_crs *crs;
 	uint32_t number_column, filter_column[ECO_FILTERS_MAX];
-	bool converted;
+	bool converted, near;        /* so far of this feature */
 };
 
 static bool convert(void *ctx, double xy[2], struct eco_error *error)
@@ -56,13 +57,13 @@ static bool convert(void *ctx, double xy[2], struct eco_error *error)
 		return false;
 	xy[0] = xyz[0];
 	xy[1] = xyz[1];
-	return r->converted;
+	r->near = fabs(xy[0]) <= DISTANCE_MAX_M && fabs(xy[1]) <= DISTANCE_MAX_M;
+	return r->converted && r->near;
 }
 
 static enum eco_code find_column(const struct reading *r, uint32_t *column, const char *name, struct eco_error *error)
 {
 	char there[300] = "";
-	size_t used = 0;
 
 	*column = ECO_NONE;
 	for (uint32_t i = 0; name != NULL && i < r->rows->column_count && *column == ECO_NONE; i++)
@@ -70,8 +71,8 @@ static enum eco_code find_column(const struct reading *r, uint32_t *column, cons
 			*column = i;
 	if (name == NULL || *column != ECO_NONE)
 		return ECO_OK;
-	for (uint32_t i = 0; i < r->rows->column_count && used < sizeof there; i++)
-		used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", i > 0 ? ", " : "", r->rows->columns[i]);
+	for (uint32_t i = 0; i < r->rows->column_count; i++)
+		eco_list_name(there, sizeof there, r->rows->columns[i]);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s", r->path, name, there);
 }
 
@@ -116,12 +117,12 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 		return surfaces ? skip(r, ECO_AREA_NO_GEOMETRY) : (void)0, ECO_OK;
 	if (r->number_column != ECO_NONE && (!eco_text_number(r->rows->fields[r->number_column], '.', &number) || !(number >= 0)))
 		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
-	r->converted = true;
+	r->converted = r->near = true;
 	code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
 	if (code != ECO_OK)
 		return code;
 	if (!kept)
-		return surfaces ? skip(r, r->converted ? ECO_AREA_NO_GEOMETRY : ECO_AREA_NO_CONVERSION) : (void)0, ECO_OK;
+		return surfaces ? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY : ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
 	if (surfaces && areas->items[areas->count - 1].ring_edges == 0) {
 		areas->edge_count = areas->items[--areas->count].edge_first;
 		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
@@ -212,7 +213,7 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	struct eco_error *error)
 {
 	char *paths[] = { spec->path };
-	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs, 
+	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs,
 		/* what stands out is not a hole here, and what the file calls no data is */
 		.nodata = -1e30, .has_nodata = true };
 	struct eco_ground raster = { .columns = 0 };

@@ -14,6 +14,8 @@
 #define HECTARE_M2 10000.0
 #define LATTICE_CELLS 64u
 #define SPARE 1.2                    /* the set has so many times the places that are wanted, and up to four times that */
+#define SIDE_EXPONENT_MIN -10        /* of the set's square: a millimetre to a thousand kilometres */
+#define SIDE_EXPONENT_MAX 20
 #define TRIES 3                      /* sets four times as dense, each, where places are short */
 #define SPREAD 0.5                   /* of the mean spacing: as near as places of a second set may come to others */
 #define NEAREST_M 0.001
@@ -48,6 +50,12 @@ static enum eco_code no_memory(struct eco_scatter *s)
 	return eco_fail(s->error, ECO_NO_MEMORY, "%.200s: no memory for %llu plants", s->spec->path, (unsigned long long)s->count);
 }
 
+static enum eco_code too_many(struct eco_scatter *s)
+{
+	return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; take lower densities, split it, or nest eco files", s->spec->path,
+		ECO_SCATTER_PLANTS_MAX);
+}
+
 /* ---- The set, over the plane ---- */
 
 static struct lattice *make_lattice(void)
@@ -77,9 +85,11 @@ static struct lattice *make_lattice(void)
  * places along their borders. */
 static double side_for(double density_m2)
 {
-	double side = exp2(floor(log2(sqrt(ECO_BLUE_NOISE_POINTS / (SPARE * density_m2)))));
+	int exponent;
 
-	return side < 1.0 / 1024 ? 1.0 / 1024 : side > 1048576 ? 1048576 : side;
+	frexp(sqrt(ECO_BLUE_NOISE_POINTS / (SPARE * density_m2)), &exponent);
+	exponent = exponent < SIDE_EXPONENT_MIN + 1 ? SIDE_EXPONENT_MIN + 1 : exponent > SIDE_EXPONENT_MAX + 1 ? SIDE_EXPONENT_MAX + 1 : exponent;
+	return ldexp(0.5, exponent);
 }
 
 struct sweep {
@@ -88,7 +98,7 @@ struct sweep {
 	uint32_t rank_end;
 	/* false: not wanted */
 	bool (*wants)(const struct sweep *sweep, uint32_t rank, double x, double y);
-	uint32_t area;
+	uint32_t area;               /* ECO_NONE: the mask */
 	double full;                 /* density of the whole set, plants a m2 */
 };
 
@@ -121,24 +131,30 @@ static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint3
 	}
 }
 
-/* All places of the box with ranks below rank_end, cell row by cell row. */
+static int64_t square_of(int64_t cell)
+{
+	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
+}
+
+/* All places of the box with ranks below rank_end, cell row by cell row; in an area only as far as it reaches there, a cell to spare: a road
+ * across the country is a small part of its box. */
 static bool sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
-	int64_t first[2], last[2];
 
 	w->scatter->candidates.count = 0;
-	for (int k = 0; k < 2; k++) {
-		first[k] = (int64_t)floor(w->low[k] / cell);
-		last[k] = (int64_t)floor(w->high[k] / cell);
-	}
-	for (int64_t y = first[1]; y <= last[1]; y++)
-		for (int64_t x = first[0]; x <= last[0]; x++) {
-			int64_t column = x >= 0 ? x / LATTICE_CELLS : -((LATTICE_CELLS - 1 - x) / LATTICE_CELLS);
-			int64_t row = y >= 0 ? y / LATTICE_CELLS : -((LATTICE_CELLS - 1 - y) / LATTICE_CELLS);
+	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
+		double span[2] = { w->low[0], w->high[0] };
+		int64_t row = square_of(y);
+
+		if (w->area != ECO_NONE && !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
+			continue;
+		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1; x++) {
+			int64_t column = square_of(x);
 
 			sweep_cell(w, column, row, (uint32_t)((y - row * LATTICE_CELLS) * LATTICE_CELLS + (x - column * LATTICE_CELLS)));
 		}
+	}
 	return !w->scatter->candidates.failed;
 }
 
@@ -219,8 +235,7 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 		struct eco_scatter_place *grown;
 
 		if (s->count >= ECO_SCATTER_PLANTS_MAX)
-			return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; split the areas, or nest eco files", spec->path,
-				ECO_SCATTER_PLANTS_MAX);
+			return too_many(s);
 		grown = realloc(s->places, wanted * sizeof *grown);
 		if (grown == NULL)
 			return no_memory(s);
@@ -392,6 +407,8 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
 			code = clear_share(s, &f);
 		s->wanted += f.wanted;
+		if (code == ECO_OK && s->wanted > ECO_SCATTER_PLANTS_MAX)
+			code = too_many(s);
 		if (f.wanted == 0 || code != ECO_OK)
 			continue;
 		memset(given, 0, s->spec->plant_count * sizeof *given);
@@ -427,8 +444,9 @@ static bool mask_wants(const struct sweep *w, uint32_t rank, double x, double y)
 static enum eco_code place_by_mask(struct eco_scatter *s)
 {
 	const struct eco_mask *mask = &s->input.mask;
-	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants,
-		.low = { mask->west_m, mask->north_m - mask->rows * mask->step_y_m }, .high = { mask->west_m + mask->columns * mask->step_x_m, mask->north_m } };
+	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants, .area = ECO_NONE,
+		.low = { mask->west_m, mask->north_m - mask->rows * mask->step_y_m },
+		.high = { mask->west_m + mask->columns * mask->step_x_m, mask->north_m } };
 	uint64_t *given = calloc(s->spec->plant_count + 1u, sizeof *given);
 	struct filling f = { .given = given, .total = total_weight(s->spec), .wanted = UINT64_MAX, .distance = fmax(NEAREST_M, s->spec->distance_m) };
 	double most = 0, sum = 0;
@@ -439,12 +457,11 @@ static enum eco_code place_by_mask(struct eco_scatter *s)
 		sum += mask->share[i];
 	}
 	s->hectares = sum * mask->step_x_m * mask->step_y_m / HECTARE_M2;
-	s->wanted = (uint64_t)(s->hectares * f.total + 0.5);
+	s->wanted = (uint64_t)(fmin(s->hectares * f.total, 2.0 * ECO_SCATTER_PLANTS_MAX) + 0.5);
 	if (given == NULL)
 		return no_memory(s);
 	if (s->wanted > ECO_SCATTER_PLANTS_MAX)
-		code = eco_fail(s->error, ECO_TOO_LARGE, "%.200s: %llu plants, at most %u are possible; split the mask, or nest eco files", s->spec->path,
-			(unsigned long long)s->wanted, ECO_SCATTER_PLANTS_MAX);
+		code = too_many(s);
 	else if (most <= 0)
 		code = ECO_OK;
 	else {
@@ -500,7 +517,8 @@ uint64_t eco_scatter_count(const struct eco_scatter *scatter)
 void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, const char *text), void *ctx)
 {
 	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon", [ECO_AREA_NO_GEOMETRY] = "no geometry",
-		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS", [ECO_AREA_NO_NUMBER] = "no usable number in its column",
+		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS", [ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
+		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
 		[ECO_AREA_FILTERED] = "left out by only or skip" };
 	char line[512];
 
@@ -510,18 +528,18 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected", s->input.mask.columns, s->input.mask.rows,
 			(unsigned long long)s->count, (unsigned long long)s->wanted);
 	else
-		snprintf(line, sizeof line, "%u areas of %.4g ha: %llu plants of %llu wanted", s->input.areas.count, s->hectares,
-			(unsigned long long)s->count, (unsigned long long)s->wanted);
+		snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count, s->input.areas.count == 1 ? "" : "s",
+			s->hectares, (unsigned long long)s->count, (unsigned long long)s->wanted);
 	say(ctx, line);
 	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
 		if (s->input.skipped[i] > 0) {
-			snprintf(line, sizeof line, "  %llu features left out: %s (first: feature %llu)", (unsigned long long)s->input.skipped[i], why[i],
-				(unsigned long long)s->input.first_line[i]);
+			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)", (unsigned long long)s->input.skipped[i],
+				s->input.skipped[i] == 1 ? "" : "s", why[i], (unsigned long long)s->input.first_line[i]);
 			say(ctx, line);
 		}
 	if (s->short_areas > 0) {
-		snprintf(line, sizeof line, "  %llu areas have no room for as many plants as wanted, at %g m from each other%s",
-			(unsigned long long)s->short_areas, s->spec->distance_m, s->spec->clear_of != NULL ? " and clear of what is to be kept clear of" : "");
+		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m from each other%s",
+			(unsigned long long)s->short_areas, s->short_areas == 1 ? " has" : "s have", s->spec->distance_m, s->spec->clear_of != NULL ? " and clear of what is to be kept clear of" : "");
 		say(ctx, line);
 	}
 }

@@ -13,8 +13,8 @@ struct eco_mask {                /* shares of the densities, 0 to 1, pixel by pi
 	float *share;
 };
 
-enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_NO_NUMBER, ECO_AREA_FILTERED,
-	ECO_AREA_WHY_COUNT };
+enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR, ECO_AREA_NO_NUMBER,
+	ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
 
 struct eco_scatter_input {       /* what the files say, in metres from the origin */
 	struct eco_areas areas;

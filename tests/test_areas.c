@@ -109,6 +109,22 @@ static void bands_agree_with_every_edge(void **state)
 		differ += inside != eco_area_holds(&areas, 0, x, y);
 	}
 	assert_int_equal(differ, 0);
+	for (uint32_t i = 0; i < 500; i++) {
+		double low = (double)(eco_mix(10, i) >> 40) / 1000, high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY, most = -INFINITY;
+
+		for (uint32_t e = 0; e < CORNERS; e++) {
+			const double *a = at[e], *b = at[(e + 1) % CORNERS];
+
+			for (int k = 0; k <= 64; k++) {
+				double x = a[0] + k / 64.0 * (b[0] - a[0]), y = a[1] + k / 64.0 * (b[1] - a[1]);
+
+				least = y >= low && y <= high ? fmin(least, x) : least;
+				most = y >= low && y <= high ? fmax(most, x) : most;
+			}
+		}
+		assert_true(eco_area_span(&areas, 0, low, high, span) || least > most);
+		assert_true(span[0] <= least && span[1] >= most);
+	}
 	eco_areas_free(&areas);
 }
 

@@ -136,9 +136,9 @@ static void what_is_left_out_is_counted_by_reason(void **state)
 	spec.filter_count = 1;
 	s = scatter(&spec);
 	assert_int_equal(s.count, 600);
-	assert_non_null(strstr(said, "1 features left out: not a polygon (first: feature 3)"));
-	assert_non_null(strstr(said, "1 features left out: no geometry (first: feature 4)"));
-	assert_non_null(strstr(said, "1 features left out: left out by only or skip (first: feature 2)"));
+	assert_non_null(strstr(said, "1 feature left out: not a polygon (first: feature 3)"));
+	assert_non_null(strstr(said, "1 feature left out: no geometry (first: feature 4)"));
+	assert_non_null(strstr(said, "1 feature left out: left out by only or skip (first: feature 2)"));
 	free(s.places);
 }
 
@@ -264,6 +264,42 @@ static void errors_say_what_to_do(void **state)
 	}
 }
 
+/* A strip of 20 m across a box of 300 by 300 km. */
+static void long_narrow_areas_are_filled(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+		"\"coordinates\":[[[0,0],[20,0],[300020,300000],[300000,300000],[0,0]]]}}"));
+	struct eco_scatter_plant few[] = { { 0, 1, 10 } };
+	struct scattered s;
+
+	(void)state;
+	spec.plants = few;
+	spec.plant_count = 1;
+	s = scatter(&spec);
+	assert_int_equal(s.count, 6000);
+	for (size_t i = 0; i < s.count; i++)
+		assert_true(s.places[i].at[0] >= s.places[i].at[1] && s.places[i].at[0] <= s.places[i].at[1] + 20);
+	free(s.places);
+}
+
+static void what_is_too_far_or_too_much_is_said(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+		"\"coordinates\":[[[0,0],[1e200,0],[0,1e200],[0,0]]]}}"));
+	struct scattered s = scatter(&spec);
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_scatter *none;
+
+	(void)state;
+	assert_int_equal(s.count, 600);
+	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: feature 2)"));
+	free(s.places);
+	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
+		"[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
+	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
+	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
+}
+
 static void columns_that_are_not_there_are_named(void **state)
 {
 	struct eco_scatter_spec spec = spec_of(areas("columns.geojson", FIELD));
@@ -287,6 +323,8 @@ int main(void)
 		cmocka_unit_test(what_is_to_be_clear_is_clear),
 		cmocka_unit_test(a_mask_scales_densities),
 		cmocka_unit_test(errors_say_what_to_do),
+		cmocka_unit_test(long_narrow_areas_are_filled),
+		cmocka_unit_test(what_is_too_far_or_too_much_is_said),
 		cmocka_unit_test(columns_that_are_not_there_are_named),
 	};
 
