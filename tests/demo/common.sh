@@ -6,6 +6,7 @@ die() { echo "$0: $*" >&2; exit 1; }
 # serve LOG PACK... : starts ecoserve, sets SERVER_PID and BASE (http://127.0.0.1:PORT)
 serve() {
 	log=$1; shift
+	: >"$log"                # looked at before the daemon's shell may have opened it
 	"$BUILD/ecoserve" --listen 127.0.0.1:0 "$@" >"$log" 2>"$log.err" &
 	SERVER_PID=$!
 	trap 'kill $SERVER_PID 2>/dev/null' EXIT
