@@ -268,8 +268,8 @@ static void note_far(struct eco_positions *p)
 	if (p->good_places == 0 || p->nearest_m <= FAR_M)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
-		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their coordinates swapped: x is easting or "
-			"longitude, y is northing or latitude", p->nearest_m / 1000);
+		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their coordinates swapped: x is easting "
+			"or longitude, y is northing or latitude", p->nearest_m / 1000);
 	else
 		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
 			p->nearest_m / 1000);
@@ -513,7 +513,8 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_rows *rows = p->rows;
 	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs, .vertical = p->spec->vertical,
-		.of_file = p->from_geometry ? rows->crs : NULL, .local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
+		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs : NULL,
+		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
 		.note = eco_positions_note, .ctx = p };
 
 	if (p->from_geometry && rows->degrees_doubted && p->spec->crs == NULL)

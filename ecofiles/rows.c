@@ -144,6 +144,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else
 		code = eco_rows_open_ogr(rows, source, error);
 	free(head);
+	if (code == ECO_OK && source->layer != NULL && strcmp((*rows)->where, "feature") != 0)
+		eco_rows_note(*rows, "it is one table; \"layer\" says nothing");
 	if (code == ECO_OK && source->areas && (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
 		eco_rows_close(*rows);
 		*rows = NULL;

@@ -49,6 +49,7 @@ struct eco_rows {
 	bool local;                  /* places count from the scene's origin, in metres, unless a CRS is stated */
 	bool degrees_doubted;        /* it says degrees, by its format alone, and its numbers cannot be degrees */
 	char *crs;                   /* of the places, as code or WKT; NULL: the file does not say */
+	char no_crs[112];            /* why not, for an error; may be empty */
 	struct eco_rows_place place;
 	char *notes[ECO_ROWS_NOTES_MAX];     /* what was guessed, what is odd; malloc'ed, no file name in front */
 	uint32_t note_count;

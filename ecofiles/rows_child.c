@@ -2,7 +2,7 @@
  * holds the file. What arrives is checked as if it came from a stranger, for after a bug in a library it does.
  *
  *   message  u32 bytes of what follows, u8 kind, then by kind
- *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs ("" none), names of columns
+ *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs ("" none), no_crs, names of columns
  *   'N'      note: text
  *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, them, u32 fields, texts (those not wanted are empty)
  *   'E'      end: u64 rows
@@ -76,6 +76,7 @@ static enum eco_code send_head(const struct eco_rows *rows, struct message *m, F
 	put(m, &rows->column_count, 4);
 	put_text(m, rows->where);
 	put_text(m, rows->crs != NULL ? rows->crs : "");
+	put_text(m, rows->no_crs);
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		put_text(m, rows->columns[i]);
 	return send_message(m, out, error);
@@ -264,6 +265,10 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 	rows->crs = *text != 0 ? strdup(text) : NULL;
 	if (rows->columns == NULL || (*text != 0 && rows->crs == NULL))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
+	text = get_text(c);
+	if (text == NULL)
+		return damaged(c, error);
+	snprintf(rows->no_crs, sizeof rows->no_crs, "%.111s", text);
 	for (; rows->column_count < columns; rows->column_count++) {
 		text = get_text(c);
 		if (text == NULL)

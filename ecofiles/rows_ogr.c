@@ -6,6 +6,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <ctype.h>
 #include <gdal.h>
 #include <math.h>
 #include <ogr_api.h>
@@ -14,6 +15,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 #include "ecofiles/rows_formats.h"
 
@@ -122,6 +125,13 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 
 /* ---- CRS ---- */
 
+static bool is_shapefile(const struct ogr_rows *r)
+{
+	GDALDriverH driver = GDALGetDatasetDriver(r->data);
+
+	return driver != NULL && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
+}
+
 static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
@@ -129,10 +139,14 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
 
-	if (crs == NULL)
+	if (crs == NULL) {
+		if (is_shapefile(r))
+			snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (there is no .prj beside it)");
 		return ECO_OK;
+	}
 	if (OSRIsLocal(crs) || (!OSRIsProjected(crs) && !OSRIsGeographic(crs))) {
-		eco_rows_note(&r->rows, "the CRS it names, \"%.80s\", has no place on Earth", OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
+		snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (it names \"%.60s\", which has no place on Earth)",
+			OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
 		return ECO_OK;
 	}
 	if (authority != NULL && number != NULL && snprintf(text, sizeof text, "%s:%s", authority, number) < (int)sizeof text) {
@@ -358,13 +372,34 @@ static void close_ogr(struct eco_rows *rows)
 	free(r);
 }
 
-/* A shapefile says where it is on Earth in a file beside it; without it nothing is known. */
+/* A Shapefile is several files, of which people send one. */
+static bool lacks_part(const char *path, const char *extension)
+{
+	size_t length = strlen(path);
+	char beside[4096];
+
+	if (length < 4 || length + 1 > sizeof beside || strcasecmp(path + length - 4, ".shp") != 0)
+		return false;
+	memcpy(beside, path, length - 3);
+	strcpy(beside + length - 3, extension);
+	if (access(beside, F_OK) == 0)
+		return false;
+	for (char *c = beside + length - 3; *c != 0; c++)
+		*c = (char)toupper((unsigned char)*c);
+	return access(beside, F_OK) != 0;
+}
+
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
 {
 	const char *options[] = { "AUTODETECT_TYPE=NO", NULL };
 
 	quiet();
 	CPLErrorReset();
+	if (lacks_part(source->path, "shx"))
+		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is not beside it; copy all of them (.shp, .shx, .dbf, "
+			".prj, .cpg)", r->path);
+	if (lacks_part(source->path, "dbf"))
+		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (r->data == NULL)
 		return gdal_says(r->path, ECO_BAD_INPUT, "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "

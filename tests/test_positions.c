@@ -191,6 +191,7 @@ static void a_file_that_says_its_crs_needs_no_more(void **state)
 	expect_json(UTM32, FEATURES("", FEATURE("690001", "5335002")), "\"plant\":\"oak\"", NULL, "cannot be degrees, which this format means unless it says "
 		"otherwise; add \"crs\": \"EPSG:25832\"");
 	expect_json("", FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\"", NULL, "the scene has no CRS; add \"crs\"");
+	expect(UTM32, "x,y\n690001,5335002\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25832\",\"layer\":\"trees\"," XY, "oak 1 2", "it is one table; \"layer\" says nothing");
 	/* one absurd place is one absurd row */
 	expect_json(UTM32, FEATURES("", FEATURE("999", "999") "," FEATURE("11.5", "48.1") "," FEATURE("11.5", "48.1")), "\"plant\":\"oak\",\"duplicates\":\"skip\"",
 		"oak -3878.244 -4561.87", "left out: not convertible to the scene's CRS (first in feature 1: \"999, 999");

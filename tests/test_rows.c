@@ -310,6 +310,36 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30", NULL, "EPSG:4326");
 }
 
+static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
+{
+	static const struct made tree = { "trees", 25832, wkbPoint, "POINT (3 4)", "oak" };
+	static const char plan[] = "LOCAL_CS[\"plan of the garden\",UNIT[\"m\",1]]";
+	struct eco_rows_source source;
+	struct eco_rows *rows;
+	char got[2000];
+
+	(void)state;
+	source = (struct eco_rows_source){ .path = input_path("rows", "parts.shp") };
+	make_file("ESRI Shapefile", source.path, &tree, 1);
+	unlink("build/tmp/rows/parts.prj");
+	rows = open_good(&source);
+	assert_null(rows->crs);
+	assert_string_equal(rows->no_crs, " (there is no .prj beside it)");
+	assert_string_equal(rows_text_of(rows, got, sizeof got), "species / (3 4) oak");
+	source.path = "build/tmp/rows/parts.shp";
+	input_text("rows", "parts.prj", plan);
+	rows = open_good(&source);
+	assert_null(rows->crs);
+	assert_string_equal(rows->no_crs, " (it names \"plan of the garden\", which has no place on Earth)");
+	eco_rows_close(rows);
+	unlink("build/tmp/rows/parts.dbf");
+	rows = open_good(&source);
+	assert_string_equal(rows->notes[0], "its .dbf is not beside it, so it has no columns");
+	assert_string_equal(rows_text_of(rows, got, sizeof got), " / (3 4)");
+	unlink("build/tmp/rows/parts.shx");
+	expect_error(source.path, NULL, "a Shapefile is several files, and its .shx is not beside it; copy all of them");
+}
+
 static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 {
 	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
@@ -382,6 +412,7 @@ int main(void)
 		cmocka_unit_test(geojson_is_degrees_unless_it_says_otherwise),
 		cmocka_unit_test(each_feature_is_a_row_whatever_its_geometry),
 		cmocka_unit_test(files_of_gis_bring_points_and_their_crs),
+		cmocka_unit_test(parts_of_a_shapefile_that_are_missed_are_named),
 		cmocka_unit_test(the_layer_that_fits_is_taken_or_asked_for),
 		cmocka_unit_test(gml_has_easting_or_longitude_first_in_the_end),
 		cmocka_unit_test(a_child_hands_over_the_same_rows),
