@@ -1,4 +1,4 @@
-/* The commands of ecopack. Each is one file, main_NAME.c, with its usage text and its options; main_ecopack.c only chooses. */
+/* The commands of ecopack. Each says its usage and its options; those that are more than a call are files of their own, main_NAME.c. */
 #ifndef ECO_MAIN_COMMAND_H
 #define ECO_MAIN_COMMAND_H
 

@@ -1,4 +1,4 @@
-/* ecopack: chooses the command; make, info, verify and generate are short enough to be here. */
+/* ecopack: chooses the command. make, info, verify and generate are calls of what does the work, and short enough to be here. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -146,12 +146,10 @@ static void print_command_help(const struct main_command *command)
 static const struct main_command *find_command(const char *name, struct eco_error *error)
 {
 	char known[256] = "";
-	size_t used = 0;
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
 		if (strcmp(commands[i]->name, name) == 0)
 			return commands[i];
-		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : i + 1 < sizeof commands / sizeof *commands ? ", " : " and ",
-			commands[i]->name);
+		eco_list_name(known, sizeof known, commands[i]->name);
 	}
 	eco_fail(error, ECO_BAD_USAGE, "%.100s: the commands are %s", name, known);
 	return NULL;

@@ -1,4 +1,4 @@
-/* Models become plants, several at a time. A model that eco files name with the same path, height and importances is one plant. */
+/* Models become plants, several at a time. What several eco files name by the same files, read in the same way, is one plant. */
 #include "ecofiles/main_make.h"
 
 #include <math.h>

@@ -38,7 +38,7 @@ struct map {
 	struct eco_error *error;
 	struct eco_sources sources;
 	struct eco_ground ground;    bool has_ground;
-	struct map_kind *kinds;      uint32_t kind_count, kind_capacity, other_count;
+	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
 	struct map_points *own;      /* per source: its own plants, in its own coordinates */
 	struct map_bounds *bounds;   /* per source, with what it nests */
@@ -70,11 +70,6 @@ enum eco_code map_draw_contours(struct map *m);
 enum eco_code map_draw_places(struct map *m);
 
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
-
-/* A line for the legend. */
-enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
-	__attribute__((format(printf, 4, 5)));
-enum eco_code map_add_point(struct map *m, struct map_points *points, const struct map_point *point);
 
 static inline void map_extend(struct map_bounds *b, double x, double y)
 {

@@ -34,7 +34,10 @@ static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t m
 	return true;
 }
 
-enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+/* A line for the legend. */
+static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+	__attribute__((format(printf, 4, 5)));
+static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
 	struct map_left *bigger = realloc(m->left, (m->left_count + 1u) * sizeof *bigger);
 	va_list args;
@@ -49,7 +52,7 @@ enum eco_code map_say(struct map *m, enum map_left_kind kind, uint64_t count, co
 	return ECO_OK;
 }
 
-enum eco_code map_add_point(struct map *m, struct map_points *points, const struct map_point *point)
+static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
 {
 	if (!reserve((void **)&points->items, points->count, &points->capacity, POINTS_MAX, sizeof *point))
 		return no_memory(m);
@@ -100,7 +103,7 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
 	}
-	return map_add_point(m, &m->own[source], &point);
+	return add_point(m, &m->own[source], &point);
 }
 
 static enum eco_code add_instances(struct map *m, uint32_t source)
@@ -147,9 +150,9 @@ static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec
 	if (order)
 		qsort(order, found, sizeof *order, by_most);
 	for (uint32_t i = 0; i < found && i < DETAILS && !code; i++)
-		code = map_say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
+		code = say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
 	if (found > DETAILS && !code)
-		code = map_say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
+		code = say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
 	free(order);
 	return code;
 }
@@ -158,9 +161,9 @@ static enum eco_code say_unknown(struct map *m, const struct eco_positions_count
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count && !code; i++)
-		code = map_say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
+		code = say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
 	if (counts->unknown_species > ECO_UNKNOWN_MOST && !code)
-		code = map_say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
+		code = say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
 	return code;
 }
 
@@ -169,13 +172,13 @@ static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
 	struct eco_positions_counts counts;
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
-	enum eco_code code = map_say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
+	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
 		eco_chart_count_text(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_chart_count_text(counts.plants, plants),
 		counts.plants == 1 ? "" : "s");
 	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
 		if (!counts.skipped[k].count)
 			continue;
-		code = map_say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s", eco_skip_names[k]);
+		code = say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s", eco_skip_names[k]);
 		if (!code && k == ECO_SKIP_LEFT_OUT)
 			code = say_left_out(m, spec, &counts);
 		else if (!code && k == ECO_SKIP_UNKNOWN_SPECIES)
@@ -237,7 +240,7 @@ static void say_scatter(void *ctx, const char *text)
 	main_note("%s", text);
 	while (*text == ' ')
 		text++;
-	map_say(m, MAP_LEFT_OUT, 0, "%s", text);
+	say(m, MAP_LEFT_OUT, 0, "%s", text);
 }
 
 static bool scatter_progress(void *ctx, double share) { return main_progress("scattering plants", ctx, share); }
@@ -254,7 +257,7 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 		code = add_plant(m, source, place.plant, place.at, height > 0 ? height : NAN);
 	}
 	if (!code)
-		code = map_say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
+		code = say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
 	if (!code)
 		eco_scatter_report(scatter, say_scatter, m);
 	if (!code && source == 0)                /* those of nested files would have to be turned; their plants show them */
@@ -362,7 +365,7 @@ static enum eco_code expand(struct map *m, uint32_t source, const struct turned 
 		point.x = (float)at[0];
 		point.y = (float)at[1];
 		point.height_m *= (float)t->scale;
-		code = map_add_point(m, &m->points, &point);
+		code = add_point(m, &m->points, &point);
 	}
 	for (uint32_t i = 0; i < s->child_count && !code; i++) {
 		struct turned nested = turn_of(t, &s->children[i]);
