@@ -81,8 +81,6 @@ uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
 /* The whole accessor; *values is malloc'ed: count * components. */
 enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
 	struct eco_error *error);
-enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count,
-	struct eco_error *error);
 
 /* Bytes of a buffer view, decompressed; live as long as the document. */
 enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error);

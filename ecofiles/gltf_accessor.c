@@ -249,24 +249,3 @@ enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint
 	eco_gltf_accessor_close(&a);
 	return code;
 }
-
-enum eco_code eco_gltf_read_indices(struct eco_gltf *doc, uint32_t accessor, uint32_t **values, uint64_t *count,
-	struct eco_error *error)
-{
-	struct eco_gltf_accessor a;
-	enum eco_code code = eco_gltf_accessor_open(doc, accessor, 1, &a, error);
-
-	*values = NULL;
-	*count = 0;
-	if (code != ECO_OK)
-		return code;
-	*values = malloc(((size_t)a.count + 1) * sizeof **values);
-	if (*values == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, accessor);
-	else
-		*count = a.count;
-	for (uint64_t i = 0; i < *count; i++)
-		(*values)[i] = eco_gltf_element_index(&a, i);
-	eco_gltf_accessor_close(&a);
-	return code;
-}

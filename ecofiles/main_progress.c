@@ -33,8 +33,6 @@ void main_catch_interrupts(void)
 	sigaction(SIGTERM, &action, NULL);
 }
 
-bool main_interrupted(void) { return interrupted != 0; }
-
 static double now_s(void)
 {
 	struct timespec t;

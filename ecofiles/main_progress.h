@@ -7,7 +7,6 @@
 
 /* Ctrl-C and SIGTERM ask to stop instead of ending the program, so that nothing half written stays. */
 void main_catch_interrupts(void);
-bool main_interrupted(void);
 
 /* `share` of the stage in [0, 1]; `detail` may be NULL. False when the user wants to stop. */
 bool main_progress(const char *stage, const char *detail, double share);

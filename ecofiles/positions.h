@@ -103,7 +103,6 @@ enum eco_skip {
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT
 };
-#define ECO_SKIP_NO_HEIGHT ECO_KEPT_NO_HEIGHT
 extern const char *const eco_skip_names[ECO_SKIP_COUNT];
 
 struct eco_skipped {

@@ -128,7 +128,7 @@ struct eco_cleaning {
 
 struct eco_track_report {
 	uint64_t fixes;              /* before cleaning; kept + everything below */
-	uint64_t kept, repeated, jumped, other_parts, not_there;
+	uint64_t kept, repeated, jumped, other_parts;
 	/* repairs of what was kept */
 	uint64_t stamps_missing, stamps_bogus, stamps_equal, stamps_backward, sorted, clock_resets, heights_missing, pauses, glides;
 	bool reversed, untimed;

@@ -95,7 +95,6 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		return code;
 	}
 	assert(step->plan.vertices <= vertices);
-	stream->plans_made++;
 	return ECO_OK;
 }
 

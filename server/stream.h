@@ -52,7 +52,6 @@ struct srv_stream {
 	bool fits;
 	uint64_t body_bytes;                         /* exact; where it does not fit, that of the smallest body */
 	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
-	uint32_t plans_made;
 };
 
 struct srv_piece { const void *bytes; size_t size; };
