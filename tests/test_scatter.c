@@ -116,6 +116,7 @@ static void columns_say_how_many(void **state)
 	s = scatter(&spec);
 	assert_int_equal(s.count, 82);
 	assert_non_null(strstr(said, "82 plants of 82 wanted"));
+	assert_non_null(strstr(said, "1 feature left out: no usable number in its column (first: feature 3)"));
 	free(s.places);
 	spec.count_column = NULL;
 	spec.density_column = "d";
@@ -240,6 +241,11 @@ static void a_mask_scales_densities(void **state)
 	spec.full = 2;
 	s = scatter(&spec);
 	assert_in_range(s.count, 410, 470);
+	free(s.places);
+	spec = spec_of((char *)input_text("scatter", "bytes.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n255 0\n0 51\n"));
+	s = scatter(&spec);
+	assert_in_range(s.count, 460, 500);          /* a hectare of 400 and one of a fifth */
+	assert_non_null(strstr(said, "255 is taken for the whole density"));
 	free(s.places);
 }
 
