@@ -177,6 +177,45 @@ static void test_plants_stand_where_the_scene_says(void **state)
 }
 
 /* Plants, rows and nested files beyond the raster are kept, and counted. */
+/* 10 m high, with leaves that reach so far. */
+static void write_tree(const char *name, double reach)
+{
+	char text[1000];
+	double r = reach;
+	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n"
+		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 16 17\n",
+		r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
+	write_text(name, text);
+}
+
+static void test_crowns_choose_the_variant_and_the_size(void **state)
+{
+	double at[8][3];
+	uint32_t plant[8];
+	(void)state;
+	write_tree("narrow.obj", 1);
+	write_tree("wide.obj", 5);
+	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
+	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": \"crowns.csv\", "
+		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
+	struct eco_pack *pack = made("crowns.json", "crowns.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t count = standing(s, at, plant, 8);
+	uint32_t wide = s->anchors[s->plants[0].anchor_first].radius > s->anchors[s->plants[1].anchor_first].radius ? 0 : 1;
+	assert_int_equal(count, 4);
+	for (uint32_t i = 0; i < count; i++)
+		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
+	eco_pack_close(pack);
+	/* without a height the crown says how large: the bounds end where it does */
+	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
+	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": \"x\", \"y\": \"y\", "
+		"\"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
+	pack = made("crown.json", "crown.eco");
+	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
+	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
+	eco_pack_close(pack);
+}
+
 static void test_what_stands_beyond_the_ground_is_counted(void **state)
 {
 	(void)state;
@@ -471,6 +510,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_plant_at_the_origin_is_exact),
 		cmocka_unit_test(test_plants_stand_where_the_scene_says),
+		cmocka_unit_test(test_crowns_choose_the_variant_and_the_size),
 		cmocka_unit_test(test_what_stands_beyond_the_ground_is_counted),
 		cmocka_unit_test(test_ground_is_tiles_that_hold_what_they_say),
 		cmocka_unit_test(test_whole_heights_are_kept_exactly),
