@@ -2,7 +2,6 @@
  * raster is read as ground is, and then its heights are shares. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,17 +21,11 @@ static void note(void *ctx, const char *format, ...) __attribute__((format(print
 static void note(void *ctx, const char *format, ...)
 {
 	struct eco_scatter_input *input = ctx;
-	char text[400];
 	va_list arguments;
 
 	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
+	eco_rows_add_note(input->notes, &input->note_count, format, arguments);
 	va_end(arguments);
-	for (uint32_t i = 0; i < input->note_count; i++)
-		if (strcmp(input->notes[i], text) == 0)
-			return;
-	if (input->note_count < ECO_SCATTER_NOTES_MAX && (input->notes[input->note_count] = strdup(text)) != NULL)
-		input->note_count++;
 }
 
 /* ---- Areas ---- */

@@ -30,17 +30,11 @@
 void eco_positions_note(void *reader, const char *format, ...)
 {
 	struct eco_positions *p = reader;
-	char text[400];
 	va_list arguments;
 
 	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
+	eco_rows_add_note(p->notes, &p->note_count, format, arguments);
 	va_end(arguments);
-	for (uint32_t i = 0; i < p->note_count; i++)
-		if (strcmp(p->notes[i], text) == 0)
-			return;
-	if (p->note_count < ECO_ROWS_NOTES_MAX && (p->notes[p->note_count] = strdup(text)) != NULL)
-		p->note_count++;
 }
 
 void eco_positions_count(const struct eco_positions *p, struct eco_skipped *counter, const char *text)

@@ -95,7 +95,7 @@ enum eco_code make_ground_pack(struct make *m);
 void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
-enum eco_code make_places_check(struct make *m);     /* opens every inventory and takes its first plant */
+enum eco_code make_places_check(struct make *m);     /* opens every inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
 void make_places_drop(struct make *m);               /* of m->ecos all that only tiles are made of */
 void make_places_free(struct make *m);

@@ -109,11 +109,6 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 	}
 }
 
-static struct eco_frame frame_of(const struct eco_source *s)
-{
-	return (struct eco_frame){ .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
-}
-
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
 /* Lines of a table, which names the file where that is needed. */
 static void note_line(void *ctx, const char *text)
@@ -126,7 +121,7 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
-	struct eco_frame frame = frame_of(s);
+	struct eco_frame frame = eco_source_frame(s);
 	for (uint32_t i = 0; i < s->positions_count; i++) {
 		struct eco_positions *reader = NULL;
 		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
@@ -159,7 +154,7 @@ static bool scatter_progress(void *ctx, double share)
 static enum eco_code place_scatters(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	struct eco_frame frame = frame_of(s);
+	struct eco_frame frame = eco_source_frame(s);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->scatter_count && !code; i++) {
 		struct eco_scatter *scatter = NULL;
@@ -246,9 +241,14 @@ enum eco_code make_places_check(struct make *m)
 {
 	for (uint32_t source = 0; source < m->sources.count; source++) {
 		const struct eco_source *s = &m->sources.items[source];
-		struct eco_frame frame = frame_of(s);
+		struct eco_frame frame = eco_source_frame(s);
 		for (uint32_t i = 0; i < s->positions_count; i++) {
 			enum eco_code code = check_rows(m, &s->positions[i], &frame);
+			if (code)
+				return code;
+		}
+		for (uint32_t i = 0; i < s->scatter_count; i++) {
+			enum eco_code code = eco_scatter_check(&s->scatters[i], &frame, m->error);
 			if (code)
 				return code;
 		}

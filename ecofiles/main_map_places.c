@@ -196,7 +196,7 @@ static void note(void *ctx, const char *text)
 static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	struct eco_frame frame = { .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	struct eco_frame frame = eco_source_frame(s);
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
@@ -248,7 +248,7 @@ static bool scatter_progress(void *ctx, double share) { return main_progress("sc
 static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	struct eco_frame frame = { .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	struct eco_frame frame = eco_source_frame(s);
 	struct eco_scatter *scatter = NULL;
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);

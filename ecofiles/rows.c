@@ -16,19 +16,25 @@
 
 struct head { unsigned char bytes[HEAD_BYTES + 1]; size_t size; };
 
-void eco_rows_note(struct eco_rows *rows, const char *format, ...)
+void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
 {
 	char text[400];
+
+	vsnprintf(text, sizeof text, format, arguments);
+	for (uint32_t i = 0; i < *count; i++)
+		if (strcmp(notes[i], text) == 0)
+			return;
+	if (*count < ECO_ROWS_NOTES_MAX && (notes[*count] = strdup(text)) != NULL)
+		++*count;
+}
+
+void eco_rows_note(struct eco_rows *rows, const char *format, ...)
+{
 	va_list arguments;
 
 	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
+	eco_rows_add_note(rows->notes, &rows->note_count, format, arguments);
 	va_end(arguments);
-	for (uint32_t i = 0; i < rows->note_count; i++)
-		if (strcmp(rows->notes[i], text) == 0)
-			return;
-	if (rows->note_count < ECO_ROWS_NOTES_MAX && (rows->notes[rows->note_count] = strdup(text)) != NULL)
-		rows->note_count++;
 }
 
 void eco_rows_free_texts(struct eco_rows *rows)

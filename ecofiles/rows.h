@@ -7,6 +7,7 @@
 #ifndef ECO_ROWS_H
 #define ECO_ROWS_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -71,6 +72,9 @@ void eco_rows_close(struct eco_rows *rows);
 
 /* For readers: a note, printf-like; kept once, up to ECO_ROWS_NOTES_MAX. */
 void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The same to notes that others keep. */
+void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
+	__attribute__((format(printf, 3, 0)));
 
 /* CSV (RFC 4180): first row names the columns; fields may be quoted and then hold separators, line breaks and doubled quotes; lines
  * end in LF or CRLF; a byte order mark is passed over, and so are empty lines; what is not UTF-8 is taken for Windows-1252. Memory:

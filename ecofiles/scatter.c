@@ -501,6 +501,15 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	return code;
 }
 
+enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
+{
+	struct eco_scatter_input input = { .number = NULL };
+	enum eco_code code = eco_scatter_read(&input, spec, frame, error);
+
+	eco_scatter_input_free(&input);
+	return code;
+}
+
 bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place)
 {
 	if (scatter->at == scatter->count)

@@ -3,9 +3,8 @@
 #define ECO_SCATTER_PARTS_H
 
 #include "ecofiles/areas.h"
+#include "ecofiles/rows.h"
 #include "ecofiles/scatter.h"
-
-#define ECO_SCATTER_NOTES_MAX 32u
 
 struct eco_mask {                /* shares of the densities, 0 to 1, pixel by pixel; x east, rows from the north */
 	uint32_t columns, rows;
@@ -22,7 +21,7 @@ struct eco_scatter_input {       /* what the files say, in metres from the origi
 	struct eco_mask mask;        /* share NULL: areas */
 	struct eco_areas clear;
 	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
-	char *notes[ECO_SCATTER_NOTES_MAX]; uint32_t note_count;
+	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };
 
 /* Vector or raster is told by content (import_areas.c). */

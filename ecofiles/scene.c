@@ -193,6 +193,11 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 	return eco_source_parse_as(source, json, size, path, false, error);
 }
 
+struct eco_frame eco_source_frame(const struct eco_source *s)
+{
+	return (struct eco_frame){ .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+}
+
 void eco_source_free(struct eco_source *source)
 {
 	for (uint32_t i = 0; i < source->plant_count; i++)

@@ -84,4 +84,7 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 	struct eco_error *error);
 void eco_source_free(struct eco_source *source);
 
+/* What inventories are converted to; lives as long as the source. */
+struct eco_frame eco_source_frame(const struct eco_source *source);
+
 #endif
