@@ -261,7 +261,7 @@ static void count_everything(struct lod_build *b)
 		plant->triangles_in += b->model->dropped[d];
 		plant->dropped[d] = b->model->dropped[d] + mesh->dropped[d];
 	}
-	plant->triangles_stored = mesh->triangle_count - mesh->dropped[ECO_DROP_QUANTIZED];
+	plant->triangles_stored = mesh->triangle_count - mesh->unstored;
 	double total = 0;
 	for (uint32_t c = 0; c < mesh->component_count; c++)
 		plant->organ[b->organs.components[c].organ].components++;

@@ -18,7 +18,8 @@ struct lod_sample_input {
 };
 
 /* Grid positions (nearest grid point to a point of the triangle) and sRGB colours of the two points: each the mean of what is opaque in
- * its half, for which it stands. A cut-out without any opaque texel to be found gives its middle. */
+ * its half, for which it stands. A cut-out without any opaque texel to be found gives its middle, in
+ * the image's mean colour. */
 void lod_sample_triangle(const struct lod_sample_input *input, int32_t position[2][3], uint8_t rgb[2][3]);
 
 #endif

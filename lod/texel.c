@@ -8,9 +8,6 @@
 #include "lod/light.h"
 #include "lod/sort.h"
 
-#define TEXELS_MAX (1 << 16)         /* looked at for one triangle */
-#define MARGIN 2.0
-
 static uint32_t wrap(double texel, uint32_t size)
 {
 	double turns = floor(texel / size), inside = texel - turns * size;
@@ -21,47 +18,6 @@ const uint8_t *lod_texel_at(const struct eco_image *image, double u, double v)
 {
 	uint32_t x = wrap(floor(u * image->width), image->width), y = wrap(floor(v * image->height), image->height);
 	return image->rgba + 4 * ((size_t)y * image->width + x);
-}
-
-/* Twice the signed area of the triangle a, b, p, and how much p may be off the line's side by a margin in both directions. */
-static double side(const double a[2], const double b[2], double x, double y)
-{
-	return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
-}
-
-static bool near_triangle(double p[3][2], double sign, double x, double y)
-{
-	for (int k = 0; k < 3; k++) {
-		const double *a = p[k], *b = p[(k + 1) % 3];
-		double slack = MARGIN * (fabs(b[0] - a[0]) + fabs(b[1] - a[1]));
-		if (sign * side(a, b, x, y) < -slack)
-			return false;
-	}
-	return true;
-}
-
-bool lod_texel_hidden(const struct eco_image *image, const int32_t uv[6])
-{
-	double p[3][2], low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-	for (int k = 0; k < 3; k++) {
-		p[k][0] = (double)uv[2 * k] * image->width / ECO_UV_ONE;
-		p[k][1] = (double)uv[2 * k + 1] * image->height / ECO_UV_ONE;
-		for (int a = 0; a < 2; a++) {
-			low[a] = fmin(low[a], floor(p[k][a] - MARGIN));
-			high[a] = fmax(high[a], ceil(p[k][a] + MARGIN));
-		}
-	}
-	if ((high[0] - low[0] + 1) * (high[1] - low[1] + 1) > TEXELS_MAX)
-		return false;
-	double area = side(p[0], p[1], p[2][0], p[2][1]), sign = area < 0 ? -1 : 1;
-	for (double y = low[1]; y <= high[1]; y++)
-		for (double x = low[0]; x <= high[0]; x++) {
-			size_t at = (size_t)wrap(y, image->height) * image->width + wrap(x, image->width);
-			const uint8_t *texel = image->rgba + 4 * at;
-			if (texel[3] >= 128 && (area == 0 || near_triangle(p, sign, x + 0.5, y + 0.5)))
-				return false;
-		}
-	return true;
 }
 
 void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3])
@@ -101,6 +57,14 @@ static void add_block(const struct lod_texels *texels, struct lod_texel_sum *sum
 			add_texel(texels, sum, image->rgba + 4 * ((size_t)j * image->width + i));
 }
 
+static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, double times)
+{
+	for (int k = 0; k < 3; k++)
+		to->light[k] += times * sum->light[k];
+	to->opaque += times * sum->opaque;
+	to->all += times * sum->all;
+}
+
 void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena)
 {
 	*texels = (struct lod_texels){ .image = image, .cutout = cutout };
@@ -111,21 +75,17 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 	} while ((uint64_t)texels->width * texels->height > BLOCKS_MAX && ++texels->shift);
 	texels->seen = lod_arena_take(arena, SEEN, sizeof *texels->seen);
 	texels->before = lod_arena_take(arena, (size_t)texels->height * (texels->width + 1), sizeof *texels->before);
+	struct lod_texel_sum all = { .all = 0 };
 	for (uint32_t y = 0; y < texels->height; y++) {
 		struct lod_texel_sum *row = texels->before + (size_t)y * (texels->width + 1);
 		for (uint32_t x = 0; x < texels->width; x++) {
 			row[x + 1] = row[x];
 			add_block(texels, &row[x + 1], x, y);
 		}
+		add_sum(&all, &row[texels->width], 1);
 	}
-}
-
-static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, double times)
-{
 	for (int k = 0; k < 3; k++)
-		to->light[k] += times * sum->light[k];
-	to->opaque += times * sum->opaque;
-	to->all += times * sum->all;
+		texels->rgb[k] = all.opaque > 0 ? lod_light_byte(all.light[k] / all.opaque) : 255;
 }
 
 /* Adds what lies before x, from 0 on, in a row that repeats for ever; blocks that x cuts count in part. */
@@ -215,17 +175,14 @@ static struct lod_texel_seen *look_up(struct lod_texels *texels, const int32_t u
 	bool any = mean.opaque > LEAST * mean.all;
 	*seen = (struct lod_texel_seen){ .used = true, .share = any ? fmin(mean.opaque / mean.all, 1) : 0 };
 	memcpy(seen->uv, uv, sizeof seen->uv);
-	for (int k = 0; k < 3 && any; k++)
-		seen->rgb[k] = lod_light_byte(mean.light[k] / mean.opaque);
+	for (int k = 0; k < 3; k++)
+		seen->rgb[k] = any ? lod_light_byte(mean.light[k] / mean.opaque) : texels->rgb[k];
 	return seen;
 }
 
 double lod_texels_mean(struct lod_texels *texels, const uint8_t tint[3], const int32_t uv[6], uint8_t rgb[3])
 {
 	const struct lod_texel_seen *seen = look_up(texels, uv);
-	if (seen->share > 0)
-		lod_texel_tint(seen->rgb, tint, rgb);
-	else
-		memcpy(rgb, tint, 3);
+	lod_texel_tint(seen->rgb, tint, rgb);
 	return seen->share;
 }

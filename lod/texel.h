@@ -17,10 +17,6 @@
 /* RGBA at uv (any finite numbers; (0,0) is the top left). */
 const uint8_t *lod_texel_at(const struct eco_image *image, double u, double v);
 
-/* True only if no texel that a sample of the triangle could read, however it is rounded or filtered, is opaque: texels are looked
- * at two wide around it. Triangles over too many texels to look at count as visible. uv as in struct lod_mesh. */
-bool lod_texel_hidden(const struct eco_image *image, const int32_t uv[6]);
-
 /* The material's colour times the texel, as light. */
 void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3]);
 
@@ -31,6 +27,7 @@ struct lod_texels {
 	uint32_t shift;              /* a block is 2^shift texels wide and high */
 	uint32_t width, height;      /* in blocks */
 	struct lod_texel_sum *before;        /* height * (width + 1): of a row's blocks before this one */
+	uint8_t rgb[3];              /* mean of all that is opaque */
 	struct lod_texel_seen *seen; /* answers so far: leaves share their texture coordinates */
 };
 
@@ -38,7 +35,7 @@ struct lod_texels {
 void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena);
 
 /* Mean colour of the opaque texels under the triangle (all texels where not a cut-out), times the material's colour. Returns the
- * share that is opaque; 0 leaves rgb the material's colour. The texture is a function of steps: it is integrated exactly along each of
+ * share that is opaque; where it is 0, rgb is the mean of all that is opaque in the image. The texture is a function of steps: it is integrated exactly along each of
  * 64 to 1024 evenly spread rows of the triangle, one a texel if it is between. So nothing depends on how large a triangle is or how often
  * the texture repeats on it. */
 double lod_texels_mean(struct lod_texels *texels, const uint8_t tint[3], const int32_t uv[6], uint8_t rgb[3]);

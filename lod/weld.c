@@ -8,8 +8,8 @@
 
 #include "ecofiles/list.h"
 #include "ecofiles/pack.h"
+#include "lod/mask.h"
 #include "lod/sort.h"
-#include "lod/texel.h"
 #include "lod/vector.h"
 
 #define TOLERANCE 1e-6           /* of the largest extent */
@@ -199,17 +199,37 @@ static void move_triangle(struct lod_mesh *mesh, uint32_t from, uint32_t to)
 	mesh->source[to] = mesh->source[from];
 }
 
+/* Masks of a model's cut-outs, each made when first needed. */
+struct masks { struct lod_mask *mask; uint64_t work; };
+
+static bool hidden(struct masks *masks, const struct lod_mesh *mesh, const struct eco_model *model, uint32_t t, struct lod_arena *arena)
+{
+	const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
+	if (image == NULL || !lod_mesh_material(model, mesh->material[t])->cutout)
+		return false;
+	struct lod_mask *mask = &masks->mask[image - model->images];
+	if (mask->opaque == NULL)
+		lod_mask_open(mask, image, arena);
+	return lod_mask_hidden(mask, mesh->uv + 6 * (size_t)t, &masks->work);
+}
+
+static bool line_in_texture(const int32_t uv[6])
+{
+	return ((int64_t)uv[2] - uv[0]) * ((int64_t)uv[5] - uv[1]) == ((int64_t)uv[4] - uv[0]) * ((int64_t)uv[3] - uv[1]);
+}
+
 static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
 {
 	uint32_t n = mesh->triangle_count, kept = 0, size = 16;
 	while (size < 2 * (uint64_t)n && size < UINT32_C(1) << 31)
 		size *= 2;
+	mesh->collapsed = lod_arena_take(arena, n, sizeof *mesh->collapsed);
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *table = lod_arena_take(arena, size, sizeof *table);
 	memset(table, 0xff, size * sizeof *table);
+	struct masks masks = { .mask = lod_arena_take(arena, model->image_count, sizeof *masks.mask) };
 	for (uint32_t t = 0; t < n; t++) {
 		const uint32_t *v = mesh->index + 3 * (size_t)t;
-		const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
 		int order[3];
 		if (flat(mesh, v)) {
 			mesh->dropped[ECO_DROP_DEGENERATE]++;
@@ -221,13 +241,16 @@ static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model,
 			at = (at + 1) & (size - 1);
 		if (table[at] != ECO_NONE) {
 			mesh->dropped[ECO_DROP_DUPLICATE]++;
-		} else if (image && lod_mesh_material(model, mesh->material[t])->cutout
-			&& lod_texel_hidden(image, mesh->uv + 6 * (size_t)t)) {
-			mesh->dropped[ECO_DROP_TRANSPARENT]++;
-		} else {
-			move_triangle(mesh, t, kept);
-			table[at] = kept++;
+			continue;
 		}
+		bool nothing = hidden(&masks, mesh, model, t, arena);
+		mesh->dropped[ECO_DROP_TRANSPARENT] += nothing;
+		if (nothing && !line_in_texture(mesh->uv + 6 * (size_t)t))
+			continue;
+		mesh->unstored += nothing;
+		mesh->collapsed[kept] = nothing;
+		move_triangle(mesh, t, kept);
+		table[at] = kept++;
 	}
 	mesh->triangle_count = kept;
 	lod_arena_release(arena, mark);
@@ -242,13 +265,14 @@ static void note_rules(struct lod_mesh *mesh, const struct eco_model *model, str
 	}
 }
 
-static void mark_collapsed(struct lod_mesh *mesh, struct lod_arena *arena)
+static void mark_collapsed(struct lod_mesh *mesh)
 {
-	mesh->collapsed = lod_arena_take(arena, mesh->triangle_count, sizeof *mesh->collapsed);
-	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-		mesh->collapsed[t] = no_area_on_grid(mesh, mesh->index + 3 * (size_t)t);
-		mesh->dropped[ECO_DROP_QUANTIZED] += mesh->collapsed[t];
-	}
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		if (!mesh->collapsed[t] && no_area_on_grid(mesh, mesh->index + 3 * (size_t)t)) {
+			mesh->collapsed[t] = true;
+			mesh->dropped[ECO_DROP_QUANTIZED]++;
+			mesh->unstored++;
+		}
 }
 
 /* ---- Neighbours and components ---- */
@@ -365,7 +389,7 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 	weld_vertices(mesh, model, extent, arena);
 	drop_triangles(mesh, model, arena);
 	note_rules(mesh, model, arena);
-	mark_collapsed(mesh, arena);
+	mark_collapsed(mesh);
 	lod_weld_neighbours(mesh, arena);
 	find_components(mesh, model->material_count, arena);
 }

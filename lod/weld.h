@@ -26,7 +26,8 @@ struct lod_mesh {
 	uint32_t *source;            /* per triangle: which of the model's it is */
 	uint8_t *rule;               /* per triangle: enum eco_organ that a rule says, or ECO_ORGAN_FOUND */
 	int32_t *uv;                 /* 6 per triangle in 1/ECO_UV_ONE, zero where its material has no image */
-	bool *collapsed;             /* per triangle: no area left on the grid; it takes part in decisions, but is not stored */
+	bool *collapsed;             /* per triangle: it takes part in decisions, but is not stored: no area left on the grid, or a rim
+	                              * that shows nothing but closes its leaf (a line over transparent texels) */
 	uint32_t *across;            /* per triangle edge (k to k+1): 3 * neighbour + its edge, or ECO_NONE: border or more than two
 	                              * triangles; the neighbour may be of another component */
 	uint32_t component_count;
@@ -34,11 +35,12 @@ struct lod_mesh {
 	uint32_t *member_first;      /* component c's triangles are member[member_first[c] .. member_first[c+1]) */
 	uint32_t *member;
 	uint32_t dropped[ECO_DROP_COUNT];    /* of the model's triangles, here */
+	uint32_t unstored;           /* of `dropped`: collapsed */
 };
 
 /* Arrays come from `arena`. `bits` is the grid's (1 to LOD_WELD_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
- * largest extent are one. Afterwards triangle_count + sum of dropped - dropped[ECO_DROP_QUANTIZED] = model->triangle_count, and
- * dropped[ECO_DROP_QUANTIZED] of the triangles are collapsed. A mesh without triangles is a valid result. */
+ * largest extent are one. Afterwards triangle_count - unstored + sum of
+ * dropped = model->triangle_count. A mesh without triangles is a valid result. */
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
 
 /* Fills `across` again after triangles have changed. */
