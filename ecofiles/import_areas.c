@@ -54,21 +54,6 @@ static bool convert(void *ctx, double xy[2], struct eco_error *error)
 	return r->converted && r->near;
 }
 
-static enum eco_code find_column(const struct reading *r, uint32_t *column, const char *name, struct eco_error *error)
-{
-	char there[300] = "";
-
-	*column = ECO_NONE;
-	for (uint32_t i = 0; name != NULL && i < r->rows->column_count && *column == ECO_NONE; i++)
-		if (strcmp(r->rows->columns[i], name) == 0)
-			*column = i;
-	if (name == NULL || *column != ECO_NONE)
-		return ECO_OK;
-	for (uint32_t i = 0; i < r->rows->column_count; i++)
-		eco_list_name(there, sizeof there, r->rows->columns[i]);
-	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s", r->path, name, there);
-}
-
 static void skip(struct reading *r, enum eco_scatter_why why)
 {
 	if (r->input->skipped[why]++ == 0)
@@ -131,9 +116,9 @@ static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool 
 
 	r->number_column = ECO_NONE;
 	if (surfaces)
-		code = find_column(r, &r->number_column, s->density_column != NULL ? s->density_column : s->count_column, error);
+		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column : s->count_column, &r->number_column, error);
 	for (uint32_t i = 0; surfaces && i < s->filter_count && code == ECO_OK; i++)
-		code = find_column(r, &r->filter_column[i], s->filters[i].column, error);
+		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i], error);
 	while (code == ECO_OK && more) {
 		code = r->rows->next(r->rows, &more, error);
 		if (code == ECO_OK && more)

@@ -6,37 +6,13 @@
 #include "ecofiles/model.h"
 #include "ecofiles/positions_parts.h"
 
-static void list_columns(const struct eco_rows *rows, char *there, size_t size)
-{
-	size_t used = 0;
-
-	*there = 0;
-	for (uint32_t i = 0; i < rows->column_count && used < size; i++)
-		used += (size_t)snprintf(there + used, size - used, "%s%s", i > 0 ? ", " : "", rows->columns[i]);
-}
-
 static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name, struct eco_error *error)
 {
-	char there[300];
+	enum eco_code code = eco_rows_find_column(p->rows, p->spec->path, name, column, error);
 
-	*column = ECO_NONE;
-	if (name == NULL)
-		return ECO_OK;
-	for (uint32_t i = 0; i < p->rows->column_count; i++) {
-		if (strcmp(p->rows->columns[i], name) != 0)
-			continue;
-		if (*column != ECO_NONE)
-			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", p->spec->path, name);
-		*column = i;
-	}
-	if (*column == ECO_NONE) {
-		list_columns(p->rows, there, sizeof there);
-		return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", p->spec->path, name, there,
-			p->rows->column_count == 1 ? " (is \"separator\" another?)" : "");
-	}
-	if (*column >= p->fields_needed)
+	if (*column != ECO_NONE && *column >= p->fields_needed)
 		p->fields_needed = *column + 1;
-	return ECO_OK;
+	return code;
 }
 
 /* A guess at the columns that hold coordinates, for a message only. */
@@ -60,7 +36,7 @@ static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_er
 	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
 	char there[200];
 
-	list_columns(p->rows, there, sizeof there);
+	eco_rows_list_columns(p->rows, there, sizeof there);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the columns with easting or longitude and northing "
 		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y != NULL ? x : "...",
 		x != NULL && y != NULL ? y : "...", there);

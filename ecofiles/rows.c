@@ -10,11 +10,39 @@
 #include <sys/stat.h>
 
 #include "ecofiles/import_model.h"
+#include "ecofiles/model.h"
 #include "ecofiles/rows_formats.h"
 
 #define HEAD_BYTES 65536u
 
 struct head { unsigned char bytes[HEAD_BYTES + 1]; size_t size; };
+
+void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
+{
+	*text = 0;
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		eco_list_name(text, size, rows->columns[i]);
+}
+
+enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
+	struct eco_error *error)
+{
+	char there[300];
+
+	*column = ECO_NONE;
+	for (uint32_t i = 0; name != NULL && i < rows->column_count; i++) {
+		if (strcmp(rows->columns[i], name) != 0)
+			continue;
+		if (*column != ECO_NONE)
+			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", path, name);
+		*column = i;
+	}
+	if (name == NULL || *column != ECO_NONE)
+		return ECO_OK;
+	eco_rows_list_columns(rows, there, sizeof there);
+	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name, there,
+		rows->column_count == 1 ? " (is \"separator\" another?)" : "");
+}
 
 void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
 {

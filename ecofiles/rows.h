@@ -70,6 +70,12 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
 void eco_rows_close(struct eco_rows *rows);
 
+/* The names of the columns, for a message. */
+void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size);
+/* Index of the column of that name; ECO_NONE for NULL. `path` is for errors, which list the columns there are. */
+enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
+	struct eco_error *error);
+
 /* For readers: a note, printf-like; kept once, up to ECO_ROWS_NOTES_MAX. */
 void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The same to notes that others keep. */

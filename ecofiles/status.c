@@ -56,7 +56,7 @@ void eco_list_name(char *list, size_t size, const char *name)
 	if (used + 2 + length + sizeof more <= size)
 		snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "", name);
 	else if (used + sizeof more <= size)
-		memcpy(list + used, more, sizeof more);
+		strcpy(list + used, used > 0 ? more : more + 2);
 }
 
 const char *eco_code_name(enum eco_code code)

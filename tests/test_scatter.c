@@ -265,6 +265,7 @@ static void errors_say_what_to_do(void **state)
 
 		assert_int_not_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_OK);
 		assert_null(s);
+		assert_int_equal(eco_scatter_check(&spec, &frame, NULL), error.code);
 		if (strstr(error.text, wrong[i].says) == NULL)
 			fail_msg("%s: %s", wrong[i].name, error.text);
 	}
