@@ -115,7 +115,7 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 {
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	bool paired = payload->coder == ECO_CODER_PAIRED;
-	struct eco_rows rows;
+	struct eco_chunk_rows rows;
 	enum eco_code code = eco_rows_make(&rows, &shape, error);
 
 	if (code == ECO_OK)

@@ -113,7 +113,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct source
 	const struct eco_elements *e = source->elements;
 	struct eco_stream *stream = &payload->streams[payload->stream_count];
 	struct eco_rows_shape shape;
-	struct eco_rows rows;
+	struct eco_chunk_rows rows;
 	enum eco_code code;
 	uint8_t *bytes;
 

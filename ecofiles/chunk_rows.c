@@ -66,7 +66,7 @@ static bool in_bounds(int32_t v)
 	return v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 }
 
-enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error)
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error)
 {
 	uint32_t per_row = 0;
 	int32_t *at;
@@ -102,14 +102,14 @@ enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *
 	return ECO_OK;
 }
 
-void eco_rows_free(struct eco_rows *rows)
+void eco_rows_free(struct eco_chunk_rows *rows)
 {
 	free(rows->storage);
 	memset(rows, 0, sizeof *rows);
 }
 
 /* Positions are stored relative to corner 0 here; eco_rows_encode takes the prediction off once it is chosen. */
-void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element)
+void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
 	const struct eco_rows_shape *s = &rows->shape;
 	const struct eco_draco_column *column = rows->columns;
@@ -131,7 +131,7 @@ void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_ele
 				: minus(element->extra[g * s->extra_count + i], element->extra[(g - 1) * s->extra_count + i]);
 }
 
-bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element)
+bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
 	const struct eco_rows_shape *s = &rows->shape;
 	const struct eco_draco_column *column = rows->columns;
@@ -179,7 +179,7 @@ static unsigned bit_length(uint32_t v)
 }
 
 /* Bits that the residuals of corner k take under a predictor, roughly, from a sample of the rows. */
-static uint64_t predictor_cost(const struct eco_rows *rows, unsigned corner, unsigned predictor)
+static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corner, unsigned predictor)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
 	uint32_t step = rows->shape.rows / 2048 + 1;
@@ -197,7 +197,7 @@ static uint64_t predictor_cost(const struct eco_rows *rows, unsigned corner, uns
 	return bits;
 }
 
-static uint16_t choose_predictors(const struct eco_rows *rows)
+static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 {
 	uint16_t chosen = 0;
 
@@ -219,7 +219,7 @@ static uint16_t choose_predictors(const struct eco_rows *rows)
 }
 
 /* From the last corner to the first: a prediction needs the corners before it as they were. */
-static void take_predictions(struct eco_rows *rows)
+static void take_predictions(struct eco_chunk_rows *rows)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
 
@@ -238,7 +238,7 @@ static void take_predictions(struct eco_rows *rows)
 }
 
 /* Texture coordinates of whole pictures and of atlases are multiples of a power of two. */
-static void take_uv_shift(struct eco_rows *rows)
+static void take_uv_shift(struct eco_chunk_rows *rows)
 {
 	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv ? rows->shape.corners : 0, all = 0;
 	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: they are adjacent */
@@ -253,7 +253,7 @@ static void take_uv_shift(struct eco_rows *rows)
 }
 
 /* What is known of a ground sample's height from the samples before it. */
-static int32_t ground_height(const struct eco_rows *rows, uint32_t row)
+static int32_t ground_height(const struct eco_chunk_rows *rows, uint32_t row)
 {
 	const int32_t *x = rows->columns[0].values, *z = rows->columns[2].values;
 	uint32_t columns = rows->shape.ground_columns;
@@ -266,7 +266,7 @@ static int32_t ground_height(const struct eco_rows *rows, uint32_t row)
 }
 
 /* A sample is as far east as the one south of it, and as far north as the one west of it. */
-static int32_t ground_place(const struct eco_rows *rows, uint32_t row, unsigned axis)
+static int32_t ground_place(const struct eco_chunk_rows *rows, uint32_t row, unsigned axis)
 {
 	const int32_t *values = rows->columns[axis].values;
 	uint32_t columns = rows->shape.ground_columns;
@@ -277,7 +277,7 @@ static int32_t ground_place(const struct eco_rows *rows, uint32_t row, unsigned 
 }
 
 /* Coarse ground is rounded but at its border: where the low bits are nearly always 0, they are a column of their own. */
-static void take_low_bits(struct eco_rows *rows)
+static void take_low_bits(struct eco_chunk_rows *rows)
 {
 	struct eco_draco_column *low = &rows->columns[rows->column_count];
 	int32_t *z = rows->columns[2].values;
@@ -299,7 +299,7 @@ static void take_low_bits(struct eco_rows *rows)
 	}
 }
 
-static void give_low_bits(struct eco_rows *rows)
+static void give_low_bits(struct eco_chunk_rows *rows)
 {
 	const struct eco_draco_column *low = &rows->columns[rows->column_count - 1];
 	int32_t *z = rows->columns[2].values;
@@ -310,7 +310,7 @@ static void give_low_bits(struct eco_rows *rows)
 		z[row] = plus((int32_t)((uint32_t)z[row] << rows->shape.uv_shift), low->values[row]);
 }
 
-static void take_ground(struct eco_rows *rows)
+static void take_ground(struct eco_chunk_rows *rows)
 {
 	take_low_bits(rows);
 	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
@@ -320,7 +320,7 @@ static void take_ground(struct eco_rows *rows)
 			rows->columns[axis].values[row] = minus(rows->columns[axis].values[row], ground_place(rows, row, axis));
 }
 
-static void give_ground(struct eco_rows *rows)
+static void give_ground(struct eco_chunk_rows *rows)
 {
 	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
 		for (unsigned axis = 0; axis < 2; axis++)
@@ -357,7 +357,7 @@ static enum eco_code column_size(struct eco_draco_column column, uint32_t rows, 
 }
 
 /* Whether a column is smaller as values or as differences is left to the coder itself. Sets shape.wide where neither can be. */
-static enum eco_code choose_differences(struct eco_rows *rows, struct eco_error *error)
+static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	for (uint32_t i = 0; rows->shape.order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
 		struct eco_draco_column *column = &rows->columns[i];
@@ -380,7 +380,7 @@ static enum eco_code choose_differences(struct eco_rows *rows, struct eco_error 
 }
 
 /* The columns that Draco sees of a wide stream: high halves, then low halves. *storage is malloc'ed. */
-static enum eco_code wide_columns(const struct eco_rows *rows, struct eco_draco_column *columns, int32_t **storage,
+static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns, int32_t **storage,
 	struct eco_error *error)
 {
 	size_t total = 0;
@@ -402,7 +402,7 @@ static enum eco_code wide_columns(const struct eco_rows *rows, struct eco_draco_
 	return ECO_OK;
 }
 
-enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
@@ -432,7 +432,7 @@ enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *si
 	return code;
 }
 
-static enum eco_code decode_wide(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
@@ -448,7 +448,7 @@ static enum eco_code decode_wide(struct eco_rows *rows, const uint8_t *bytes, si
 	return code;
 }
 
-enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	enum eco_code code;
 

@@ -47,7 +47,7 @@ struct eco_rows_shape {
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */
 };
 
-struct eco_rows {
+struct eco_chunk_rows {
 	struct eco_rows_shape shape;
 	struct eco_draco_column columns[ECO_ROWS_COLUMNS_MAX];
 	uint32_t column_count;
@@ -60,14 +60,14 @@ struct eco_rows_element { int32_t *position, *uv, *extra; };
 /* Largest magnitude of a position, uv or extra value that a chunk can hold. */
 #define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
 
-enum eco_code eco_rows_make(struct eco_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
-void eco_rows_free(struct eco_rows *rows);
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
+void eco_rows_free(struct eco_chunk_rows *rows);
 
-void eco_rows_put(struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
-bool eco_rows_get(const struct eco_rows *rows, uint32_t row, const struct eco_rows_element *element);
+void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
+bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 
 /* Encoding sets shape.predictors, uv_shift and wide to what is best; they must be stored with the stream. */
-enum eco_code eco_rows_encode(struct eco_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
-enum eco_code eco_rows_decode(struct eco_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
 
 #endif
