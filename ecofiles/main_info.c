@@ -138,10 +138,11 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 	if (info && s->ground_count) {
 		const struct eco_ground_tile *top = &s->ground[0];
 		const struct eco_list *list = &s->lists[top->list];
-		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, s:I, s:I}", "columns", (json_int_t)s->ground_columns,
-			"rows", (json_int_t)s->ground_rows, "south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m", list->grid_step[0], list->grid_step[1], "heights_m", (double)top->low_m,
-			(double)top->high_m, "height_step_m", list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
-			(json_int_t)top->level + 1));
+		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, s:I, s:I}",
+			"columns", (json_int_t)s->ground_columns, "rows", (json_int_t)s->ground_rows,
+			"south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m", list->grid_step[0], list->grid_step[1],
+			"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m", list->grid_step[2],
+			"tiles", (json_int_t)s->ground_count, "levels", (json_int_t)top->level + 1));
 	}
 	static const char *const copied[] = { "generator", "crs", "origin", "eco_files", "off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)

@@ -221,6 +221,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor; } from[] = {
 		{ "column", 1, ECO_SIZE_COLUMN, 1 }, { "from_dbh", 0, ECO_SIZE_DBH, 1 }, { "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
 		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 }, { "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
+	struct eco_json unit = eco_json_member(at, "unit");
 	uint64_t count = *levels;
 	unsigned kinds = 0, which = 0;
 
@@ -238,7 +239,12 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
 	}
 	if (kinds != 1) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
+		eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
+			"from_dbh_in");
+		return false;
+	}
+	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value != NULL) {
+		eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"", from[which].key);
 		return false;
 	}
 	size->kind = from[which].kind;
