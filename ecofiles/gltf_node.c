@@ -145,14 +145,22 @@ static enum eco_code push_all(struct walk *w, const json_t *nodes, const double 
 	return code;
 }
 
+static const json_t *find_scene(const struct eco_gltf *doc)
+{
+	return eco_gltf_item(doc, "scenes", json_object_get(doc->root, "scene") != NULL ? eco_gltf_whole(doc->root, "scene", ECO_NONE) : 0);
+}
+
+bool eco_gltf_has_scene(const struct eco_gltf *doc)
+{
+	return find_scene(doc) != NULL;
+}
+
 static enum eco_code push_roots(struct walk *w, struct eco_error *error)
 {
 	static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
-	const json_t *scene = eco_gltf_item(w->doc, "scenes", eco_gltf_whole(w->doc->root, "scene", 0));
+	const json_t *scene = find_scene(w->doc);
 	enum eco_code code = ECO_OK;
 
-	if (scene == NULL && json_object_get(w->doc->root, "scene") != NULL)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: its default scene is not there", w->doc->path);
 	if (scene != NULL)
 		return push_all(w, json_object_get(scene, "nodes"), identity, error);
 	if (w->doc->parent == NULL && !find_parents(w->doc))

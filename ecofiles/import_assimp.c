@@ -477,13 +477,14 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 
 /* ---- The file ---- */
 
-/* What assimp may hand out all the same: material numbers that are not there, meshes without vertices, endless polygons. */
+/* What assimp may hand out all the same: material numbers that are not there, faces without vertices, endless polygons. Empty meshes
+ * are no harm. */
 static bool meshes_hold_together(const struct aiScene *scene)
 {
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
 		const struct aiMesh *mesh = scene->mMeshes[i];
 
-		if (mesh->mMaterialIndex >= scene->mNumMaterials || mesh->mVertices == NULL)
+		if (mesh->mMaterialIndex >= scene->mNumMaterials || (mesh->mVertices == NULL && mesh->mNumVertices + mesh->mNumFaces > 0))
 			return false;
 		for (unsigned k = 0; k < mesh->mNumFaces; k++)
 			if (mesh->mFaces[k].mNumIndices > ECO_POLYGON_CORNERS_MAX)

@@ -451,7 +451,9 @@ static void tell(struct soup *s)
 {
 	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
 
-	if (scenes > 1)
+	if (!eco_gltf_has_scene(s->doc))
+		eco_note(s->notes, "%s: all of its nodes are read", scenes > 0 ? "its default scene is not there" : "no scene in it");
+	else if (scenes > 1)
 		eco_note(s->notes, "%zu scenes are in it: the default one is read, else the first", scenes);
 	if (s->instances > 0)
 		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant: if it is an inventory, name it in \"from\"",

@@ -1,6 +1,9 @@
 /* PLY before assimp sees it. Its points are floats there, whatever they are in the file: scans in map coordinates would lose their
  * leaves. Here the vertices are moved near the origin first, in a copy of the file: binary doubles in place, text line by line. A file
- * without faces is a point cloud, and is refused as one. */
+ * without faces is a point cloud, and is refused as one.
+ *
+ * assimp 5.2 takes a line feed at the start of binary data for the header's end, and loses a byte. There the byte is one higher: the
+ * lowest bits of the first number of the first vertex, or the highest of one that is 10^-32 (big-endian). */
 #include "ecofiles/import_model.h"
 
 #include <math.h>
@@ -229,10 +232,24 @@ static bool can_move(const struct ply *p)
 		&& p->vertices <= (p->size - p->data) / p->stride;
 }
 
+/* The file as it is now takes the place of the one on disk. */
+static void hand_over(struct eco_model_file *file, struct ply *p)
+{
+	file->bytes = p->bytes;
+	file->size_bytes = p->size;
+	p->bytes = NULL;
+}
+
+static bool starts_with_line_feed(const struct ply *p)
+{
+	return p->format != ASCII && p->data > 1 && p->data < p->size && p->bytes[p->data] == '\n' && p->bytes[p->data - 2] != '\r';
+}
+
 enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struct eco_error *error)
 {
 	struct ply p = { .path = file->path, .axis = { ECO_NONE, ECO_NONE, ECO_NONE } };
 	double low[3], high[3];
+	bool moved = false;
 	enum eco_code code = eco_file_read(file->path, ECO_MODEL_FILE_MAX, &p.bytes, &p.size, error);
 
 	if (code != ECO_OK)
@@ -251,11 +268,15 @@ enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struc
 			for (uint64_t i = 0; i < p.vertices; i++)
 				for (int k = 0; k < 3; k++)
 					put_double(binary_at(&p, i, k), p.format == BIG, get_double(binary_at(&p, i, k), p.format == BIG) - base[k]);
-			file->bytes = p.bytes;
-			file->size_bytes = p.size;
-			p.bytes = NULL;
+			moved = true;
 		}
 	}
+	if (starts_with_line_feed(&p)) {
+		p.bytes[p.data]++;
+		moved = true;
+	}
+	if (code == ECO_OK && moved)
+		hand_over(file, &p);
 	free(p.bytes);
 	return code;
 }

@@ -175,7 +175,7 @@ static void quantized_meshes_are_read(void **state)
 	gw_begin();
 	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],\"translation\":[1,0,0]},{\"mesh\":1}],"
+	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],\"translation\":[1,0,0]},{\"mesh\":1}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
 	expect_corner(&m, 0, 0, 1, 0, 0);
 	expect_corner(&m, 0, 1, 5, 0, 0);
@@ -193,7 +193,7 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
 	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3] == 1.25);
 	assert_string_equal(notes.text, "");
 	eco_model_free(&m);
@@ -545,9 +545,35 @@ static void a_glb_is_known_by_its_content(void **state)
 	}
 }
 
+static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
+{
+	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
+		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its nodes are read", 2 },
+		{ "", "no scene in it: all of its nodes are read", 2 }, { ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_model m;
+		char rest[1000];
+
+		gw_begin();
+		gw_floats(square[0], 3, "VEC3", 3);
+		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+			"{\"POSITION\":0}}]}]", cases[i].scenes);
+		read_good(&m, rest);
+		assert_int_equal(m.triangle_count, cases[i].triangles);
+		assert_non_null(strstr(notes.text, cases[i].says));
+		if (cases[i].says[0] == 0)
+			assert_null(strstr(notes.text, "scene"));
+		eco_model_free(&m);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(without_its_scene_all_nodes_are_read_and_it_is_said),
 		cmocka_unit_test(indices_of_every_type_or_none_make_triangles),
 		cmocka_unit_test(strips_and_fans_become_triangles),
 		cmocka_unit_test(points_and_lines_are_counted_and_said),
