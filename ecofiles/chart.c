@@ -7,7 +7,6 @@
 #include <cairo/cairo.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -347,19 +346,6 @@ struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most)
 		double next = eco_chart_round_below(2.1 * step);
 		step = next > 1.1 * step ? next : eco_chart_round_below(2.6 * step);
 	}
-}
-
-const char *eco_chart_count_text(uint64_t count, char text[32])
-{
-	char digits[24];
-	int length = snprintf(digits, sizeof digits, "%" PRIu64, count), used = 0;
-	for (int i = 0; i < length; i++) {
-		if (i > 0 && (length - i) % 3 == 0)
-			text[used++] = ',';
-		text[used++] = digits[i];
-	}
-	text[used] = 0;
-	return text;
 }
 
 const char *eco_chart_length_text(double metres, char text[32])

@@ -70,8 +70,6 @@ struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most);
 /* The greatest such number that is not above `value` (> 0). */
 double eco_chart_round_below(double value);
 
-/* "12,345" */
-const char *eco_chart_count_text(uint64_t count, char text[32]);
 /* "250 m", "2 km", "5 cm" */
 const char *eco_chart_length_text(double metres, char text[32]);
 

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/phrase.h"
+
 #define DEPTH_MAX 32
 
 static const char *type_name(const json_t *value)
@@ -260,7 +262,7 @@ bool eco_json_object(const struct eco_json *at, const char *const *fields)
 		if (fields[i] != NULL)
 			continue;
 		for (i = 0; fields[i] != NULL; i++)
-			eco_list_name(known, sizeof known, fields[i]);
+			eco_phrase_add(known, sizeof known, fields[i]);
 		struct eco_json node = eco_json_member(at, key);
 		return stranger(&node, "unknown field \"%.60s\"; known here: %s", key, known);
 	}

@@ -10,6 +10,7 @@
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_times.h"
 #include "ecofiles/main_version.h"
+#include "ecofiles/phrase.h"
 
 static const struct main_command *const commands[] = { &main_command_make, &main_command_info, &main_command_verify,
 	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
@@ -149,7 +150,7 @@ static const struct main_command *find_command(const char *name, struct eco_erro
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
 		if (strcmp(commands[i]->name, name) == 0)
 			return commands[i];
-		eco_list_name(known, sizeof known, commands[i]->name);
+		eco_phrase_add(known, sizeof known, commands[i]->name);
 	}
 	eco_fail(error, ECO_BAD_USAGE, "%.100s: the commands are %s", name, known);
 	return NULL;

@@ -9,6 +9,7 @@
 #include "ecofiles/main_command.h"
 #include "ecofiles/main_map.h"
 #include "ecofiles/main_progress.h"
+#include "ecofiles/phrase.h"
 
 #define MARGIN 20.0
 #define LEFT 62.0                /* what is written beside and below the map */
@@ -83,7 +84,7 @@ static void write_kind(struct legend *l, struct eco_color color, double height_m
 	double radius = l->m->is_density ? 6 : fmin(fmax(map_radius(l->m, height_m), 3), 8);
 	eco_chart_disc(l->m->chart, l->x + 8, l->y - 4.5, radius, color);
 	eco_chart_text(l->m->chart, l->x + 22, l->y, &style, name);
-	eco_chart_text(l->m->chart, l->x + LEGEND - 90, l->y, &right, eco_chart_count_text(count, text));
+	eco_chart_text(l->m->chart, l->x + LEGEND - 90, l->y, &right, eco_phrase_count(count, text));
 	eco_chart_text(l->m->chart, l->x + LEGEND - 82, l->y, &small, range);
 	l->y += LINE;
 }
@@ -180,7 +181,7 @@ static void write_density(struct legend *l)
 	for (int i = 0; i < 24; i++)
 		eco_chart_box(m->chart, l->x + i * ramp / 24, l->y - 10, ramp / 24 + 0.5, 12,
 			(struct eco_color){ 0.07, 0.47, 0.2, 0.35 + 0.65 * (i + 0.5) / 24 });
-	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_chart_count_text((uint64_t)m->densest, a), eco_chart_length_text(side, b), b);
+	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_phrase_count((uint64_t)m->densest, a), eco_chart_length_text(side, b), b);
 	eco_chart_text(m->chart, l->x + ramp + 10, l->y, &style, text);
 	l->y += LINE;
 	write_line(l, &style, "Colours are the mean of what stands there.");
@@ -206,7 +207,7 @@ static void write_left_out(struct legend *l)
 		}
 		eco_chart_text(m->chart, l->x + indent, l->y, &style, text);
 		if (left->count && indent > 0)
-			eco_chart_text(m->chart, number, l->y, &right, eco_chart_count_text(left->count, count));
+			eco_chart_text(m->chart, number, l->y, &right, eco_phrase_count(left->count, count));
 		l->y += indent > 14 ? LINE - 3 : LINE;
 	}
 	if (m->left_count > LEFT_OUT_LINES) {
@@ -226,7 +227,7 @@ static void write_notes(struct legend *l)
 	for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
 		if (!notes[i].count)
 			continue;
-		snprintf(text, sizeof text, "%s plant%s %s", eco_chart_count_text(notes[i].count, count), notes[i].count == 1 ? "" : "s", notes[i].says);
+		snprintf(text, sizeof text, "%s plant%s %s", eco_phrase_count(notes[i].count, count), notes[i].count == 1 ? "" : "s", notes[i].says);
 		l->y = eco_chart_paragraph(m->chart, l->x, l->y, 16, &style, text) + 3;
 	}
 }
@@ -251,7 +252,7 @@ static void write_place(struct legend *l)
 	if (m->placements) {
 		char a[32];
 		snprintf(text, sizeof text, "%u nested file%s, placed %s time%s", m->sources.count - 1, m->sources.count == 2 ? "" : "s",
-			eco_chart_count_text(m->placements, a), m->placements == 1 ? "" : "s");
+			eco_phrase_count(m->placements, a), m->placements == 1 ? "" : "s");
 		write_line(l, &style, text);
 	}
 }
@@ -282,7 +283,7 @@ static double draw_legend(struct map *m, double x, double y)
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		kinds += m->kinds[i].count > 0;
 	draw_bar_and_arrow(&l);
-	snprintf(heading, sizeof heading, "%s plant%s of %u kind%s", eco_chart_count_text(m->total, count), m->total == 1 ? "" : "s", kinds,
+	snprintf(heading, sizeof heading, "%s plant%s of %u kind%s", eco_phrase_count(m->total, count), m->total == 1 ? "" : "s", kinds,
 		kinds == 1 ? "" : "s");
 	write_heading(&l, heading);
 	write_kinds(&l);

@@ -11,6 +11,7 @@
 
 #include "ecofiles/areas.h"
 #include "ecofiles/main_progress.h"
+#include "ecofiles/phrase.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files that are drawn one by one */
 #define OUTLINES_MAX 4000u
@@ -173,7 +174,7 @@ static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
 	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
-		eco_chart_count_text(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_chart_count_text(counts.plants, plants),
+		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_phrase_count(counts.plants, plants),
 		counts.plants == 1 ? "" : "s");
 	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
 		if (!counts.skipped[k].count)

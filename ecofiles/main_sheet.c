@@ -12,6 +12,7 @@
 #include "ecofiles/main_command.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_sheet.h"
+#include "ecofiles/phrase.h"
 
 #define COLUMNS_MAX 16u
 #define PAGE_HEIGHT 8000u        /* larger sheets go over several pages */
@@ -56,7 +57,7 @@ static enum eco_code parse_column(const char *text, struct column *column, struc
 		column->share = 0;
 		column->vertices = (uint64_t)number;
 		char digits[32];
-		snprintf(column->title, sizeof column->title, "%.20s vertices", eco_chart_count_text(column->vertices, digits));
+		snprintf(column->title, sizeof column->title, "%.20s vertices", eco_phrase_count(column->vertices, digits));
 	} else if (end == text || *end || is_count || !(column->share > 0 && column->share <= 1))
 		return eco_fail(error, ECO_BAD_USAGE, "--columns: %.40s is neither a share of all vertices such as 1/8 or 0.125, nor a number of "
 			"vertices such as 3000", text);
@@ -86,7 +87,7 @@ static enum eco_code unknown_plant(const struct eco_scene *scene, const char *na
 {
 	char known[300] = "";
 	for (uint32_t i = 0; i < scene->plant_count; i++)
-		eco_list_name(known, sizeof known, scene->plants[i].name);
+		eco_phrase_add(known, sizeof known, scene->plants[i].name);
 	return eco_fail(error, ECO_NOT_FOUND, "--plants: the pack has no \"%.*s\"; it has: %s", length < 64 ? length : 64, name, known);
 }
 
@@ -147,7 +148,7 @@ static const char *area_text(double area, char text[32])
 	else if (area < 100)
 		snprintf(text, 32, "%.3g m²", area);
 	else
-		snprintf(text, 32, "%.20s m²", eco_chart_count_text((uint64_t)fmin(area + 0.5, 1e15), whole));
+		snprintf(text, 32, "%.20s m²", eco_phrase_count((uint64_t)fmin(area + 0.5, 1e15), whole));
 	return text;
 }
 
@@ -212,12 +213,12 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 	}
 	snprintf(text, sizeof text, "%s high", eco_chart_length_text((double)plant->height_m, a));
 	eco_chart_text(s->chart, MARGIN, y, &style, text);
-	snprintf(text, sizeof text, "%s triangles, %s vertices", eco_chart_count_text(plant->triangles, a), eco_chart_count_text(full, b));
+	snprintf(text, sizeof text, "%s triangles, %s vertices", eco_phrase_count(plant->triangles, a), eco_phrase_count(full, b));
 	eco_chart_text(s->chart, MARGIN, y += 17, &style, text);
 	y = write_organs(s, &facts, y + 19);
 	json_t *count;
 	json_object_foreach(json_object_get(facts.meta, "dropped"), reason, count) {
-		snprintf(text, sizeof text, "%s dropped: %.80s", eco_chart_count_text((uint64_t)json_integer_value(count), a), reason);
+		snprintf(text, sizeof text, "%s dropped: %.80s", eco_phrase_count((uint64_t)json_integer_value(count), a), reason);
 		if (y < bottom)
 			y = eco_chart_paragraph(s->chart, MARGIN, y + 2, 14, &small, text);
 	}
@@ -250,7 +251,7 @@ static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint3
 	char text[96], count[32];
 	eco_chart_pixels(s->chart, x, y, s->pixels, s->pixels, s->rgb, false);
 	if (colors == SHEET_NATURAL) {
-		eco_chart_count_text(picture.vertices, count);
+		eco_phrase_count(picture.vertices, count);
 		if (column == 1)
 			snprintf(text, sizeof text, "%s vertices", count);
 		else

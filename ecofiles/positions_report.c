@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/model.h"
+#include "ecofiles/phrase.h"
 #include "ecofiles/positions_parts.h"
 
 #define LINE_BYTES 480u
@@ -70,21 +71,6 @@ static void line(const struct report *r, const char *format, ...)
 	r->say(r->ctx, text);
 }
 
-/* 1234567 as 1,234,567. */
-static const char *grouped(uint64_t number, char *text)
-{
-	char digits[24];
-	int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)number), used = 0;
-
-	for (int i = 0; i < length; i++) {
-		if (i > 0 && (length - i) % 3 == 0)
-			text[used++] = ',';
-		text[used++] = digits[i];
-	}
-	text[used] = 0;
-	return text;
-}
-
 static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
 	__attribute__((format(printf, 4, 5)));
 static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
@@ -97,7 +83,7 @@ static void count_line(const struct report *r, const struct eco_skipped *s, cons
 	va_start(arguments, format);
 	vsnprintf(reason, sizeof reason, format, arguments);
 	va_end(arguments);
-	line(r, "%12s  %s (first in %s %llu%s%s%s)", grouped(s->count, number), reason, where, (unsigned long long)s->first_line,
+	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where, (unsigned long long)s->first_line,
 		s->first_text[0] != 0 ? ": \"" : "", s->first_text, s->first_text[0] != 0 ? "\"" : "");
 }
 
@@ -111,7 +97,7 @@ static void head_line(const struct report *r, const struct eco_positions_counts 
 		snprintf(extent, sizeof extent, " within %.3g x %.3g km", wide / 1000, deep / 1000);
 	else if (c->plants > 1)
 		snprintf(extent, sizeof extent, " within %.3g x %.3g m", wide, deep);
-	line(r, "%s: %s row%s, %s plant%s%s", path, grouped(c->rows, rows), c->rows == 1 ? "" : "s", grouped(c->plants, plants),
+	line(r, "%s: %s row%s, %s plant%s%s", path, eco_phrase_count(c->rows, rows), c->rows == 1 ? "" : "s", eco_phrase_count(c->plants, plants),
 		c->plants == 1 ? "" : "s", extent);
 	if (c->plants > 1 && wide == 0 && deep == 0)
 		line(r, "%s: all of them stand at one point; are x, y the right columns?", path);
@@ -157,7 +143,7 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 	count_line(r, all, c->where, "left out: %u species that the map does not have; add them, or \"*\"", c->unknown_species);
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && all->count > 0; i++)
 		if (c->unknown[i].count > 0)
-			line(r, "%12s    of these %s: \"%s\"", "", grouped(c->unknown[i].count, number), c->unknown[i].first_text);
+			line(r, "%12s    of these %s: \"%s\"", "", eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
 }
 
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text), void *ctx)

@@ -11,6 +11,7 @@
 
 #include "ecofiles/import_model.h"
 #include "ecofiles/model.h"
+#include "ecofiles/phrase.h"
 #include "ecofiles/rows_formats.h"
 
 #define HEAD_BYTES 65536u
@@ -21,7 +22,7 @@ void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
 {
 	*text = 0;
 	for (uint32_t i = 0; i < rows->column_count; i++)
-		eco_list_name(text, size, rows->columns[i]);
+		eco_phrase_add(text, size, rows->columns[i]);
 }
 
 enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,

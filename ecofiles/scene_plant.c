@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/phrase.h"
+
 #define PLANTS_MAX 65536u
 #define VARIANTS_MAX 256u
 #define FILES_MAX 64u
@@ -56,7 +58,7 @@ bool eco_source_plant_named(const struct eco_source *source, const struct eco_js
 	if (*plant != ECO_NONE)
 		return true;
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
-		eco_list_name(known, sizeof known, source->plants[i].name);
+		eco_phrase_add(known, sizeof known, source->plants[i].name);
 	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name, known[0] != 0 ? known : "there are none");
 	return false;
 }

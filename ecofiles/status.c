@@ -4,7 +4,6 @@
 #include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 static const struct {
 	const char *name;
@@ -43,20 +42,6 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
 	va_end(arguments);
 	tame(error->text);
 	return code;
-}
-
-void eco_list_name(char *list, size_t size, const char *name)
-{
-	static const char more[] = ", ...";
-	size_t used = strlen(list), length = strlen(name);
-
-	assert(size > sizeof more);
-	if (used >= sizeof more - 1 && strcmp(list + used - (sizeof more - 1), more) == 0)
-		return;
-	if (used + 2 + length + sizeof more <= size)
-		snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "", name);
-	else if (used + sizeof more <= size)
-		strcpy(list + used, used > 0 ? more : more + 2);
 }
 
 const char *eco_code_name(enum eco_code code)

@@ -5,8 +5,6 @@
 #ifndef ECO_STATUS_H
 #define ECO_STATUS_H
 
-#include <stddef.h>
-
 enum eco_code {
 	ECO_OK = 0,
 	ECO_BAD_USAGE,     /* a command line that makes no sense: exit 2 */
@@ -30,10 +28,6 @@ struct eco_error {
  * `return eco_fail(error, ECO_BAD_INPUT, "...")` reads well. `error` may be NULL. */
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
-
-/* Adds a name to a list in a message, after ", " if it is not the first; what does not fit becomes one ", ...". `list` has `size` bytes, at
- * least 8, and begins as "". */
-void eco_list_name(char *list, size_t size, const char *name);
 
 /* A short lower-case name of the code, such as "damaged"; never NULL. */
 const char *eco_code_name(enum eco_code code);

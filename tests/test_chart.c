@@ -14,6 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/phrase.h"
+
 #include "ecofiles/chart.h"
 
 #define ROOT "build/tmp/test_chart"
@@ -85,7 +87,7 @@ static void test_counts_and_lengths_are_written_alike_in_every_locale(void **sta
 	(void)state;
 	setlocale(LC_ALL, "");
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-		assert_string_equal(eco_chart_count_text(counts[i].count, text), counts[i].text);
+		assert_string_equal(eco_phrase_count(counts[i].count, text), counts[i].text);
 	setlocale(LC_ALL, "C");
 	for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
 		assert_string_equal(eco_chart_length_text(lengths[i].metres, text), lengths[i].text);
