@@ -131,6 +131,17 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
 
+/* What is clear by its shape is that; only logs, which are stout, need their name: leaves are not that large. */
+#define LOG_LEAST 0.5            /* of the plant's diagonal */
+
+static bool is_clear_wood(const struct finder *f, uint32_t i)
+{
+	const struct lod_shape *b = &f->shape[i];
+	bool log = f->hint[i] == LOD_HINT_WOOD && b->diagonal > LOG_LEAST * f->diagonal && !lod_colour_is_green(b->rgb)
+		&& !is_cutout(f->model, b->material);
+	return f->verdict[i] == CLEARLY_WOOD || log;
+}
+
 /* Doubtful components go with the clear ones of their material, by area, where those speak clearly. */
 static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
@@ -142,7 +153,7 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
-		bool wood = f->verdict[i] == CLEARLY_WOOD;
+		bool wood = is_clear_wood(f, i);
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
 			wood = settle_doubt(f, i, clear[material_of(f, i)]);
 		else if (f->verdict[i] == SOLID)
@@ -238,14 +249,15 @@ static bool on_ground(const struct finder *f, uint32_t i)
 	return f->shape[i].low[2] - f->mesh->low[2] < FOOT * f->height;
 }
 
-/* Solid: `alone` says that solids are all there is. */
+/* Solid: `alone` says that solids are all there is. Brown ones are stones, logs and stumps; but a brown lump above the ground is a
+ * crown in autumn. */
 static bool is_thing(const struct finder *f, uint32_t i, bool alone)
 {
 	const struct lod_shape *b = &f->shape[i];
 	if (f->hint[i] != LOD_HINT_NONE)
 		return f->hint[i] == LOD_HINT_WOOD;
 	if (alone && b->diagonal > FRUIT * f->diagonal)
-		return !is_plain(b) && is_bark(b->rgb);
+		return !is_plain(b) && is_bark(b->rgb) && on_ground(f, i);
 	return is_below(f, i) && on_ground(f, i);
 }
 

@@ -423,6 +423,22 @@ static void posts_and_rails(struct soup *s)
 		box(s, wood, (struct lod_v3){ 2, 0.08, 0.4 + 0.5 * i }, (struct lod_v3){ 4, 0.05, 0.1 });
 }
 
+static void brown_crown_of_hulls(struct soup *s)
+{
+	uint32_t stem = named(s, "a", 98, 67, 62), crown = named(s, "b", 169, 111, 69), top = named(s, "c", 140, 90, 50);
+	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2.4 }, 0.1, 0.06, 8, 6);
+	soup_ball(s, crown, (struct lod_v3){ 0.2, 0, 2 }, 0.9, 8);
+	soup_ball(s, top, (struct lod_v3){ -0.2, 0.1, 2.9 }, 0.6, 8);
+}
+
+static void hollow_log(struct soup *s)   /* with a sheet of snow */
+{
+	uint32_t log = named(s, "Holz", 98, 67, 62), snow = named(s, "Snow", 170, 162, 174);
+	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4);
+	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4);
+	soup_quad(s, snow, (struct lod_v3){ -1, -0.1, 0.62 }, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 0, 0.2, 0 });
+}
+
 static void plants_are_what_they_look_like(void **state)
 {
 	(void)state;
@@ -445,6 +461,8 @@ static void plants_are_what_they_look_like(void **state)
 		{ "autumn", autumn, { W, F, F, F } },
 		{ "some yellow leaves", some_leaves_turn_yellow, { W, F, F, -1 } },
 		{ "vine", vine, { W, F, -1, -1 } },
+		{ "brown crown of hulls", brown_crown_of_hulls, { W, F, F, -1 } },
+		{ "hollow log by its name", hollow_log, { W, F, -1, -1 } },
 		{ "fence", posts_and_rails, { W, -1, -1, -1 } },
 	};
 	uint32_t wrong = 0;
