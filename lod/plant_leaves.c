@@ -114,7 +114,7 @@ static struct lod_point *sample_element(struct lod_build *b, uint32_t number, st
 			lod_texels_open(&texels[material->cutout], image, material->cutout, &b->arena);
 		struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t,
 			.texels = image ? &texels[material->cutout] : NULL,
-			.tint = material->rgb, .seed = lod_mix(lod_mix(b->options->seed) + t) };
+			.tint = image ? material->rgb : b->organs.rgb[t], .seed = lod_mix(lod_mix(b->options->seed) + t) };
 		int32_t position[2][3];
 		uint8_t rgb[2][3];
 		for (uint32_t k = 0; k < 3; k++)

@@ -396,6 +396,33 @@ static void blades_become_lines_of_the_same_area(void **state)
 
 /* ---- Behaviour ---- */
 
+static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
+{
+	(void)state;
+	struct lod_plant plant;
+	struct soup soup;
+	struct eco_error error = { 0 };
+	struct lod_plant_options options = options_for(SMALL_TREE);
+	make_model(&soup, SMALL_TREE);
+	for (uint32_t i = 0; i < soup.model.material_count; i++) {
+		memset(soup.model.materials[i].rgb, 153, 3);
+		soup.model.materials[i].colourless = true;
+	}
+	assert_int_equal(lod_plant_build(&plant, &soup.model, &options, &error), ECO_OK);
+	uint32_t looked_up = 0;
+	for (uint32_t l = 0; l < plant.list_count; l++) {
+		const struct eco_elements *e = &plant.lists[l].elements;
+		const struct eco_list *list = &plant.lists[l].list;
+		for (uint32_t i = 0; i < e->element_count && (list->attributes & ECO_ATTR_COLOR); i++) {
+			const uint8_t *rgb = plant.palette[list->palette_first + (uint32_t)e->extra[i * e->extra_count]];
+			assert_false(rgb[0] == rgb[1] && rgb[1] == rgb[2]);
+			looked_up++;
+		}
+	}
+	assert_true(looked_up > 300);
+	finish(&plant, &soup);
+}
+
 static void two_builds_are_equal(void **state)
 {
 	(void)state;
@@ -594,6 +621,7 @@ int main(void)
 		cmocka_unit_test(cells_add_up),
 		cmocka_unit_test(small_groups_are_not_sharded),
 		cmocka_unit_test(blades_become_lines_of_the_same_area),
+		cmocka_unit_test(what_has_no_colour_is_drawn_in_its_organ_s_everywhere),
 		cmocka_unit_test(two_builds_are_equal),
 		cmocka_unit_test(progress_ascends_and_may_stop_the_build),
 		cmocka_unit_test(models_without_anything_to_draw_are_refused),
