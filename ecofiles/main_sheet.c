@@ -22,6 +22,7 @@
 #define GAP 10.0
 #define CAPTION 24.0
 #define FACTS 260.0              /* width of what is written about a plant */
+#define FACTS_HEIGHT 136.0       /* with all organs, without what was dropped */
 
 struct column { double share; uint64_t vertices; char title[32]; };      /* share 0: so many vertices */
 
@@ -175,7 +176,8 @@ static double column_x(const struct sheet *s, uint32_t column)
 	return MARGIN + FACTS + GAP + column * (s->pixels + GAP);
 }
 
-static double row_height(const struct sheet *s) { return s->pixels + CAPTION + GAP; }
+/* Small pictures leave room for the facts beside them. */
+static double row_height(const struct sheet *s) { return fmax(s->pixels + CAPTION, FACTS_HEIGHT) + GAP; }
 
 static double write_organs(struct sheet *s, const struct facts *facts, double y)
 {
@@ -202,7 +204,7 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 	struct facts facts = find_facts(s, number);
 	struct eco_chart_style style = { .size = 12, .room = FACTS - 8 }, name = { .size = 15, .bold = true, .room = FACTS - 8 };
 	struct eco_chart_style small = { .size = 11, .room = FACTS - 8, .color = ECO_COLOR(0xa03020) };
-	double bottom = y + s->pixels + CAPTION;
+	double bottom = y + row_height(s) - GAP;
 	const char *model = json_string_value(json_object_get(facts.meta, "model")), *reason;
 	char text[160], a[32], b[32];
 	eco_chart_text(s->chart, MARGIN, y + 14, &name, plant->name);
@@ -256,6 +258,8 @@ static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint3
 			snprintf(text, sizeof text, "%s vertices", count);
 		else
 			snprintf(text, sizeof text, "Q %.3f · %s", picture.q, count);
+		if (column > 1 && eco_chart_text_width(s->chart, &style, text) > s->pixels)
+			snprintf(text, sizeof text, "Q %.3f", picture.q);
 		eco_chart_text(s->chart, x + s->pixels / 2.0, y + s->pixels + 16, &style, text);
 	}
 	if (column == 0)

@@ -131,14 +131,20 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
 
-/* What is clear by its shape is that; only logs, which are stout, need their name: leaves are not that large. */
+/* What is clear by its shape is that; only logs on the ground, which are stout, need their name: leaves are not that large. */
+#define FOOT 0.05                /* of the plant's height */
 #define LOG_LEAST 0.5            /* of the plant's diagonal */
+
+static bool on_ground(const struct finder *f, uint32_t i)
+{
+	return f->shape[i].low[2] - f->mesh->low[2] < FOOT * f->height;
+}
 
 static bool is_clear_wood(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
-	bool log = f->hint[i] == LOD_HINT_WOOD && b->diagonal > LOG_LEAST * f->diagonal && !lod_colour_is_green(b->rgb)
-		&& !is_cutout(f->model, b->material);
+	bool log = f->hint[i] == LOD_HINT_WOOD && b->diagonal > LOG_LEAST * f->diagonal && on_ground(f, i)
+		&& !lod_colour_is_green(b->rgb) && !is_cutout(f->model, b->material);
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
@@ -197,7 +203,6 @@ static void settle_inlays(struct finder *f)
 
 /* ---- Things, soil and herbs ---- */
 
-#define FOOT 0.05                /* of the plant's height */
 #define THING_HEIGHT 0.7         /* of the plant's height at most, for what the plant stands in or on */
 #define THING_ABOVE 0.3          /* of the plant's area that is above its middle */
 #define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
@@ -242,11 +247,6 @@ static bool is_below(const struct finder *f, uint32_t i)
 	const struct lod_shape *b = &f->shape[i];
 	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
 		&& !is_cutout(f->model, b->material) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
-}
-
-static bool on_ground(const struct finder *f, uint32_t i)
-{
-	return f->shape[i].low[2] - f->mesh->low[2] < FOOT * f->height;
 }
 
 /* Solid: `alone` says that solids are all there is. Brown ones are stones, logs and stumps; but a brown lump above the ground is a

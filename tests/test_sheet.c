@@ -275,7 +275,12 @@ static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
 	size_of(ROOT "/two.png", &wide, &high);
 	size_of(ROOT "/one.png", &wide1, &high1);
 	assert_int_equal(wide - wide1, 2 * (50 + 10));
-	assert_int_equal(high - high1, 50 + 24 + 10);
+	assert_int_equal(high - high1, 136 + 10);        /* the text is higher than the pictures */
+	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/two.png --size 150 --columns 1/2", &error), ECO_OK);
+	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 150 --columns 1/2 --plants tree", &error), ECO_OK);
+	size_of(ROOT "/two.png", &wide, &high);
+	size_of(ROOT "/one.png", &wide1, &high1);
+	assert_int_equal(high - high1, 150 + 24 + 10);
 }
 
 static void test_bad_command_lines_are_told_what_fits(void **state)
