@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/import_model.h"
+#include "ecofiles/union.h"
 
 #define COORDINATE_MAX 1e9f
 
@@ -95,15 +96,6 @@ double eco_component_diagonal(const struct eco_component *c)
 	return sqrt(square);
 }
 
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
 /* Joins triangles that share a place; the root of each set is its first triangle. */
 static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material, uint32_t *parent)
 {
@@ -124,8 +116,8 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 			table[slot] = corner;
 			continue;
 		}
-		a = root_of(parent, table[slot] / 3);
-		b = root_of(parent, corner / 3);
+		a = eco_union_root(parent, table[slot] / 3);
+		b = eco_union_root(parent, corner / 3);
 		parent[a > b ? a : b] = a > b ? b : a;
 	}
 	free(table);
@@ -169,7 +161,7 @@ static bool list_components(struct eco_components *c, const struct eco_model *m,
 	}
 	c->count = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		uint32_t root = root_of(parent, i);
+		uint32_t root = eco_union_root(parent, i);
 
 		if (root == i)
 			number[i] = c->count++;
@@ -179,7 +171,7 @@ static bool list_components(struct eco_components *c, const struct eco_model *m,
 	for (uint32_t i = 0; i < c->count; i++)
 		number[c->items[i].first] = i;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
-		c->of[i] = number[root_of(parent, i)];
+		c->of[i] = number[eco_union_root(parent, i)];
 	free(number);
 	return true;
 }

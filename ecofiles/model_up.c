@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/mix.h"
+#include "ecofiles/union.h"
 
 #define SLICES 32
 #define SPLIT_MOST 32                /* parts a triangle's side is cut into, each about half a slice long */
@@ -211,13 +212,6 @@ struct parts {
 	bool *large;                 /* per triangle */
 };
 
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i)
-		i = parent[i] = parent[parent[i]];
-	return i;
-}
-
 static bool find_places(const struct eco_model *m, uint32_t *place)
 {
 	uint64_t size = 16;
@@ -259,7 +253,7 @@ static void join(const struct eco_model *m, struct parts *parts)
 				*owner = t;
 			if (m->material && m->material[*owner] != m->material[t])
 				continue;
-			uint32_t a = root_of(parts->parent, *owner), b = root_of(parts->parent, t);
+			uint32_t a = eco_union_root(parts->parent, *owner), b = eco_union_root(parts->parent, t);
 			parts->parent[a < b ? b : a] = a < b ? a : b;
 		}
 	}
@@ -269,7 +263,7 @@ static void measure(const struct eco_model *m, struct parts *parts)
 {
 	const float *p[3];
 	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		uint32_t root = root_of(parts->parent, t);
+		uint32_t root = eco_union_root(parts->parent, t);
 		struct part *of = &parts->part[root];
 		if (root == t)
 			*of = (struct part){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
@@ -289,7 +283,7 @@ static bool mark_large(const struct eco_model *m, const struct box *box, struct 
 	for (int a = 0; a < 3; a++)
 		whole += (box->high[a] - box->low[a]) * (box->high[a] - box->low[a]);
 	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		const struct part *of = &parts->part[root_of(parts->parent, t)];
+		const struct part *of = &parts->part[eco_union_root(parts->parent, t)];
 		double size = 0;
 		if (!usable(m, t, p))
 			continue;

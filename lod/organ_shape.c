@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "ecofiles/union.h"
 #include "lod/light.h"
 #include "lod/vector.h"
 
@@ -44,13 +45,6 @@ static struct lod_v3 area_normal(const struct lod_mesh *mesh, uint32_t t)
 {
 	struct lod_v3 a = corner(mesh, t, 0);
 	return lod_v3_scale(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a)), 0.5);
-}
-
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i)
-		i = parent[i] = parent[parent[i]];
-	return i;
 }
 
 /* ---- One side ---- */
@@ -158,16 +152,16 @@ static double close_loops(struct measure *m)
 			m->middle[v] = (struct lod_v3){ 0, 0, 0 };
 		}
 	for (uint32_t i = 0; i < m->border_count; i++)
-		m->loop[root_of(m->loop, m->border[i].from)] = root_of(m->loop, m->border[i].to);
+		m->loop[eco_union_root(m->loop, m->border[i].from)] = eco_union_root(m->loop, m->border[i].to);
 	for (uint32_t i = 0; i < m->border_count; i++) {
-		uint32_t v = m->border[i].from, root = root_of(m->loop, v);
+		uint32_t v = m->border[i].from, root = eco_union_root(m->loop, v);
 		m->middle[root] = lod_v3_add(m->middle[root], lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)v), m->origin));
 		m->length[root]++;
 	}
 	for (uint32_t i = 0; i < m->border_count; i++) {
 		struct lod_v3 a = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].from), m->origin);
 		struct lod_v3 b = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].to), m->origin);
-		uint32_t root = root_of(m->loop, m->border[i].from);
+		uint32_t root = eco_union_root(m->loop, m->border[i].from);
 		volume += volume_of(b, a, lod_v3_scale(m->middle[root], 1.0 / m->length[root]));
 	}
 	return volume;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ecofiles/union.h"
 #include "lod/organ_shape.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
@@ -48,20 +49,6 @@ static double edge_length(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
 	return lod_v3_distance(corner(mesh, t, k), corner(mesh, t, k + 1));
 }
 
-static uint32_t root_of(uint32_t *parent, uint32_t t)
-{
-	while (parent[t] != t)
-		t = parent[t] = parent[parent[t]];
-	return t;
-}
-
-static void join(uint32_t *parent, uint32_t s, uint32_t t)
-{
-	s = root_of(parent, s);
-	t = root_of(parent, t);
-	parent[s < t ? t : s] = s < t ? s : t;
-}
-
 static struct part empty(void)
 {
 	return (struct part){ .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
@@ -101,11 +88,11 @@ static void join_kin(struct splitter *s)
 		uint32_t t = (uint32_t)(i / 3), u = mesh->across[i] == ECO_NONE ? t : mesh->across[i] / 3;
 		if (u <= t || s->label[t] == s->label[u] || !kin(s, t, u))
 			continue;
-		join(s->parent, s->label[t], s->label[u]);
+		eco_union_join(s->parent, s->label[t], s->label[u]);
 		s->any = true;
 	}
 	for (uint32_t t = 0; t < mesh->triangle_count && s->any; t++)
-		s->label[t] = root_of(s->parent, s->label[t]);
+		s->label[t] = eco_union_root(s->parent, s->label[t]);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		s->parent[t] = t;
 }
@@ -204,7 +191,7 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 		for (uint32_t k = 0; k < 3; k++) {
 			uint32_t edge = lod_mesh_across(mesh, member[i], k);
 			if (edge != ECO_NONE && s->label[edge / 3] == s->label[member[i]])
-				join(s->parent, member[i], edge / 3);
+				eco_union_join(s->parent, member[i], edge / 3);
 		}
 	for (uint32_t i = 0; i < count; i++)
 		parts += s->parent[member[i]] == member[i];
@@ -214,7 +201,7 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 		s->part[member[i]] = empty();
 	for (uint32_t i = 0; i < count; i++) {
 		struct part p = measure(s, member[i]);
-		grow(&s->part[root_of(s->parent, member[i])], &p);
+		grow(&s->part[eco_union_root(s->parent, member[i])], &p);
 		area += p.area;
 	}
 	for (uint32_t i = 0; i < count; i++) {
@@ -232,7 +219,7 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 	if (sheets < SHEETS_LEAST || host == ECO_NONE || bend / LOD_PI < HOST_LENGTH * wide || tube.area > HOST_RADIUS * wide * 2 * bend)
 		return;
 	for (uint32_t i = 0; i < count; i++) {
-		uint32_t root = root_of(s->parent, member[i]);
+		uint32_t root = eco_union_root(s->parent, member[i]);
 		if (is_sheet(&s->part[root], area))
 			s->label[member[i]] = root;
 		else if (s->label[member[i]] == s->label[host])
@@ -256,11 +243,11 @@ static void number_again(struct splitter *s, struct lod_arena *arena)
 	lod_sort(arena, at, 3 * n);
 	for (uint32_t i = 1; i < 3 * n; i++)
 		if (at[i].key == at[i - 1].key)
-			join(s->parent, at[i - 1].value, at[i].value);
+			eco_union_join(s->parent, at[i - 1].value, at[i].value);
 	mesh->component_count = 0;
 	memset(mesh->member_first, 0, ((size_t)n + 2) * sizeof *mesh->member_first);
 	for (uint32_t t = 0; t < n; t++) {
-		uint32_t root = root_of(s->parent, t);
+		uint32_t root = eco_union_root(s->parent, t);
 		mesh->component[t] = root == t ? mesh->component_count++ : mesh->component[root];
 		mesh->member_first[mesh->component[t] + 2]++;
 	}

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "ecofiles/union.h"
 #include "lod/sort.h"
 
 #define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
@@ -12,13 +13,6 @@
 #define FOOT_WIDTH 0.2           /* and how far across */
 #define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
 #define TIP_DEPTH 0.2            /* of a slab: what counts as a piece's end */
-
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i)
-		i = parent[i] = parent[parent[i]];
-	return i;
-}
 
 /* ---- Distance along the surface ---- */
 
@@ -81,10 +75,10 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 				continue;
 			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3];
 			border[a] = border[b] = true;
-			tube->ring[root_of(tube->ring, a)] = root_of(tube->ring, b);
+			tube->ring[eco_union_root(tube->ring, a)] = eco_union_root(tube->ring, b);
 		}
 	for (uint32_t v = 0; v < n; v++) {
-		uint32_t r = root_of(tube->ring, v);
+		uint32_t r = eco_union_root(tube->ring, v);
 		tube->ring_center[r] = lod_v3_add(tube->ring_center[r], lod_tube_place(tube, v));
 		size[r]++;
 	}
@@ -92,11 +86,11 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 		if (size[v])
 			tube->ring_center[v] = lod_v3_scale(tube->ring_center[v], 1.0 / size[v]);
 	for (uint32_t v = 0; v < n; v++) {
-		uint32_t r = root_of(tube->ring, v);
+		uint32_t r = eco_union_root(tube->ring, v);
 		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], lod_tube_place(tube, v)) > RING_RADII * tube->component->radius;
 	}
 	for (uint32_t v = 0; v < n; v++)             /* flat: a root's own entry is read before it may become none */
-		size[v] = border[v] && !wide[root_of(tube->ring, v)] ? root_of(tube->ring, v) : ECO_NONE;
+		size[v] = border[v] && !wide[eco_union_root(tube->ring, v)] ? eco_union_root(tube->ring, v) : ECO_NONE;
 	memcpy(tube->ring, size, n * sizeof *size);
 	lod_arena_release(arena, mark);
 }
@@ -230,7 +224,7 @@ static uint32_t fragment(const struct lod_tube *tube, uint32_t t, uint32_t s)
 
 static uint32_t piece_of(struct lod_tube *tube, uint32_t f)
 {
-	return root_of(tube->parent, f);
+	return eco_union_root(tube->parent, f);
 }
 
 /* Area of a triangle below a level; levels ascending. */

@@ -8,6 +8,7 @@
 
 #include "ecofiles/list.h"
 #include "ecofiles/pack.h"
+#include "ecofiles/union.h"
 #include "lod/mask.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
@@ -301,21 +302,6 @@ void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-static uint32_t root_of(uint32_t *parent, uint32_t t)
-{
-	while (parent[t] != t)
-		t = parent[t] = parent[parent[t]];
-	return t;
-}
-
-/* The smaller root wins, so that a component is named by its first triangle whatever the order of joining. */
-static void join(uint32_t *parent, uint32_t s, uint32_t t)
-{
-	s = root_of(parent, s);
-	t = root_of(parent, t);
-	parent[s < t ? t : s] = s < t ? s : t;
-}
-
 /* Vertex v's triangles are around[first[v] .. first[v+1]). */
 static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, struct lod_arena *arena)
 {
@@ -346,7 +332,7 @@ static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t mat
 			uint32_t rule = mesh->rule[t] == ECO_ORGAN_FOUND ? ECO_ORGAN_COUNT : mesh->rule[t];
 			size_t m = (size_t)material * KINDS_OF_RULE + rule;
 			if (seen[m] == v + 1)
-				join(parent, mate[m], t);
+				eco_union_join(parent, mate[m], t);
 			seen[m] = v + 1;
 			mate[m] = t;
 		}
@@ -362,7 +348,7 @@ static void find_components(struct lod_mesh *mesh, uint32_t material_count, stru
 	uint32_t *parent = lod_arena_take(arena, n, sizeof *parent);
 	join_all(mesh, parent, material_count, arena);
 	for (uint32_t t = 0; t < n; t++) {
-		uint32_t root = root_of(parent, t);
+		uint32_t root = eco_union_root(parent, t);
 		mesh->component[t] = root == t ? mesh->component_count++ : mesh->component[root];
 		mesh->member_first[mesh->component[t] + 2]++;
 	}

@@ -1,3 +1,5 @@
+/* Packs: what is written is read, whatever is damaged is found, nothing half written stays. Long, as each table has its damages written
+ * out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

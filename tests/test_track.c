@@ -1,4 +1,5 @@
-/* Recorded tracks: every format to the number, every slip of a recorder repaired and counted, and scripts that keep to the track. */
+/* Recorded tracks: every format to the number, every slip of a recorder repaired and counted, and scripts that keep to the track.
+ * Long, as each format and each slip is written out as the small recording that shows it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
