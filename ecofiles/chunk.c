@@ -106,10 +106,11 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 {
 	static const struct { uint8_t coders, attributes; } allowed[] = {
 #define CODER(name) (1u << ECO_CODER_##name)
-		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH), ECO_ATTR_COLOR | ECO_ATTR_UV },
+		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
+			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
 		[ECO_LIST_LINES] = { CODER(ELEMENTS), ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_WIDTH },
-		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(PAIRED) | CODER(KD) | CODER(ROWS),
-			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_PLANT },
+		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(PAIRED) | CODER(KD) | CODER(ROWS) | CODER(FORM),
+			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_PLANT | ECO_ATTR_SIZE },
 		[ECO_LIST_INSTANCES] = { CODER(ROWS), ECO_ATTR_COLOR | ECO_ATTR_PLACE },
 		[ECO_LIST_GROUND] = { CODER(ROWS), ECO_ATTR_COLOR },
 		[ECO_LIST_IMAGE] = { CODER(BYTES), 0 },
@@ -118,7 +119,7 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u is unknown", list->kind);
-	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES || !(allowed[list->kind].coders >> list->coder & 1))
+	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_FORM || !(allowed[list->kind].coders >> list->coder & 1))
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind, list->coder);
 	if (list->attributes & ~allowed[list->kind].attributes)
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind, list->attributes);

@@ -2,6 +2,7 @@
 #include "ecofiles/list.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +38,8 @@ void eco_elements_free(struct eco_elements *elements)
 uint32_t eco_list_extra_count(const struct eco_list *list)
 {
 	return (list->attributes & ECO_ATTR_COLOR ? 1u : 0u) + (list->attributes & ECO_ATTR_WIDTH ? 1u : 0u)
-		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u) + (list->attributes & ECO_ATTR_PLACE ? 2u : 0u);
+		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u) + (list->attributes & ECO_ATTR_PLACE ? 2u : 0u)
+		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u) + (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
 }
 
 uint32_t eco_list_vertices(const struct eco_list *list)
@@ -63,4 +65,17 @@ struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t ind
 		.turn = (uint16_t)extra[0],
 		.scale = (uint32_t)extra[1],
 	};
+}
+
+float eco_growth(uint32_t code, float scale)
+{
+	static const float factor[ECO_GROWTHS] = { 0.25f, 0.5f, 0.75f, 1, 1.3f, 1.7f, 2.2f, 2.8f };
+	return scale > 1 ? 1 + (scale - 1) * factor[code < ECO_GROWTHS ? code : ECO_GROWTH_PLAIN] : scale;
+}
+
+float eco_size(uint32_t code)
+{
+	static const float quarter[4] = { 1, 1.189207115f, 1.414213562f, 1.681792831f };
+	uint32_t whole = (code < ECO_SIZES ? code : ECO_SIZES - 1) / 4;
+	return ldexpf(quarter[code % 4], (int)whole - (int)(ECO_SIZE_ONE / 4));
 }

@@ -31,11 +31,15 @@ enum eco_list_kind {
  *           put into draw order by the seeded permutation eco_chunk_permutation(ordinal, element count).
  * PAIRED    points that stand two by two for the triangles of list `partner`: stored in the stored order of the partner's chunk of
  *           the same ordinal, and permuted by the same permutation in groups of 2 (n-2) points an element.
+ * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners (1: a
+ *           point, 3, or 4: a quad), stored in the stored order of the partner's chunk of the same ordinal and permuted by the same
+ *           permutation: element i of one list is element i of the other, drawn in another way.
  * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
  * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
  * BYTES     the payload is a file (PNG). */
-enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_PAIRED, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES };
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_PAIRED, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES,
+	ECO_CODER_FORM };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
 enum eco_attr {
@@ -43,7 +47,9 @@ enum eco_attr {
 	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
 	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
 	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then the 16-bit leaf key of eco_owner_leaf (two values) */
-	ECO_ATTR_PLACE = 16      /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
+	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
+	ECO_ATTR_GROWTH = 32,    /* triangles: how far this element follows the scale of its cut, a code for eco_growth */
+	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */
 };
 #define ECO_UV_ONE 4096
 
@@ -87,5 +93,17 @@ uint32_t eco_list_extra_count(const struct eco_list *list);
 
 /* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);
+
+/* Area factor of an element of growth code `code` where its cut's scale is `scale`: an element that grows into empty sky does harm,
+ * one that grows over others does not. 1 at scale 1 whatever the code, so that full detail is the model; below 1 the scale itself.
+ * Elements of lists without ECO_ATTR_GROWTH have code ECO_GROWTH_PLAIN: the scale itself. */
+#define ECO_GROWTHS 8u
+#define ECO_GROWTH_PLAIN 3u
+float eco_growth(uint32_t code, float scale);
+
+/* 2^((code - ECO_SIZE_ONE) / 4), code < ECO_SIZES. */
+#define ECO_SIZES 64u
+#define ECO_SIZE_ONE 32u
+float eco_size(uint32_t code);
 
 #endif

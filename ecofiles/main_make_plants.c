@@ -426,6 +426,7 @@ static enum eco_code pack_tables(struct packing *p)
 		ladder->anchor += plant->anchor_first;
 		ladder->points = moved(p->lists, ladder->points);
 		ladder->lines = moved(p->lists, ladder->lines);
+		ladder->simple = moved(p->lists, ladder->simple);
 		ladder->triangles = moved(p->lists, ladder->triangles);
 		ladder->curve_first += curve_first;
 	}

@@ -56,8 +56,8 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count && !code; i++) {
 		const struct eco_ladder *ladder = &s->ladders[i];
-		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->triangles };
-		for (int k = 0; k < 3 && !code; k++) {
+		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+		for (int k = 0; k < 4 && !code; k++) {
 			if (ids[k] == ECO_NONE || p->lists[ids[k]].list)
 				continue;
 			code = decode_list(p, ids[k], error);

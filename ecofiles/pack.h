@@ -12,7 +12,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 2      12  u32 section count n
+ *   8    u32 version = 3      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA, whose chunks
@@ -61,7 +61,9 @@ enum eco_ladder_flag {
 };
 
 /* A sequence of cut sets over the lists of one organ at one anchor, in ascending vertices:
- *   points: p points [0,p) -> blend: triangles [0,m), points [2m,2k) -> all k triangles          (leaves: points + triangles)
+ *   leaves: the forms of one list of elements, in one order: points (one an element), simple (one triangle or quad an element; may be
+ *           absent) and triangles. Coarse forms give way to finer ones from the front: elements [0,f) of the finer form with the
+ *           elements [f,e) of the coarser one, until f = e. Which e a share of vertices has is in the curve (`reach`).
  *   lines:  the first p/2 lines -> all triangles                                                  (blades: lines + triangles)
  *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
  *   plain:  the first p/3 triangles, scaled                                                       (triangles only, no levels)
@@ -71,7 +73,7 @@ struct eco_ladder {
 	uint8_t organ, flags;
 	uint8_t level_count;         /* 0: the triangles list is one level */
 	uint8_t reserved;
-	uint32_t points, lines, triangles;
+	uint32_t points, lines, simple, triangles;
 	uint32_t level_end[ECO_LEVELS_MAX];
 	uint32_t total, before;      /* points (or lines) in this anchor's region: all of them, and those that the plant's whole-plant
 	                              * ladder of the same organ and texture already holds (0 for it and for wood) */
@@ -88,6 +90,7 @@ struct eco_curve {
 	float share;                 /* lambda: vertices drawn / vertices of the ladder at full detail */
 	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. Cuts get scale / (primitives drawn /
 	                              * primitives of the stage): bounded where s_opt itself is singular, so it may be interpolated */
+	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
 	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views */
 };
 

@@ -187,7 +187,7 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 
 		if (!(c->share > last && c->share <= 1))
 			return BAD("ladder %u: share %g of curve sample %u does not ascend in (0, 1]", ladder_id, (double)c->share, i);
-		if (!within(c->scale, 0, SCALE_MAX) || !within(c->fp, 0, SCALE_MAX) || !within(c->fn, 0, SCALE_MAX))
+		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX) || !within(c->fn, 0, SCALE_MAX))
 			return BAD("ladder %u: curve sample %u is not finite or negative", ladder_id, i);
 		last = c->share;
 	}
@@ -235,9 +235,9 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	    || l->flags == (ECO_LADDER_FAR | ECO_LADDER_NEAR))
 		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags, l->reserved);
 	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant) || !ladder_list_fits(s, l->lines, ECO_LIST_LINES, l->plant)
-	    || !ladder_list_fits(s, l->triangles, ECO_LIST_TRIANGLES, l->plant))
-		return BAD("ladder %u: lists %#x, %#x, %#x are not points, lines, triangles of plant %u", id, l->points, l->lines,
-			l->triangles, l->plant);
+	    || !ladder_list_fits(s, l->simple, ECO_LIST_TRIANGLES, l->plant) || !ladder_list_fits(s, l->triangles, ECO_LIST_TRIANGLES, l->plant))
+		return BAD("ladder %u: lists %#x, %#x, %#x, %#x are not points, lines, triangles, triangles of plant %u", id, l->points,
+			l->lines, l->simple, l->triangles, l->plant);
 	if (l->points == ECO_NONE && l->lines == ECO_NONE && l->triangles == ECO_NONE)
 		return BAD("ladder %u: has no list", id);
 	if (l->points != ECO_NONE && s->lists[l->points].coder == ECO_CODER_PAIRED && s->lists[l->points].partner != l->triangles)

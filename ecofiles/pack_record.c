@@ -177,6 +177,7 @@ void eco_ladder_write(struct eco_writer *w, const struct eco_ladder *ladder)
 	write_zeros(w, 1);
 	eco_write_u32(w, ladder->points);
 	eco_write_u32(w, ladder->lines);
+	eco_write_u32(w, ladder->simple);
 	eco_write_u32(w, ladder->triangles);
 	write_u32s(w, ladder->level_end, ECO_LEVELS_MAX);
 	eco_write_u32(w, ladder->total);
@@ -200,6 +201,7 @@ void eco_ladder_read(struct eco_reader *r, struct eco_ladder *ladder)
 	read_zeros(r, 1);
 	ladder->points = eco_read_u32(r);
 	ladder->lines = eco_read_u32(r);
+	ladder->simple = eco_read_u32(r);
 	ladder->triangles = eco_read_u32(r);
 	read_u32s(r, ladder->level_end, ECO_LEVELS_MAX);
 	ladder->total = eco_read_u32(r);
@@ -216,6 +218,7 @@ void eco_curve_write(struct eco_writer *w, const struct eco_curve *curve)
 {
 	eco_write_f32(w, curve->share);
 	eco_write_f32(w, curve->scale);
+	eco_write_f32(w, curve->reach);
 	eco_write_f32(w, curve->fp);
 	eco_write_f32(w, curve->fn);
 }
@@ -224,6 +227,7 @@ void eco_curve_read(struct eco_reader *r, struct eco_curve *curve)
 {
 	curve->share = eco_read_f32(r);
 	curve->scale = eco_read_f32(r);
+	curve->reach = eco_read_f32(r);
 	curve->fp = eco_read_f32(r);
 	curve->fn = eco_read_f32(r);
 }

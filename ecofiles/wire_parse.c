@@ -15,7 +15,7 @@
 #include "ecofiles/wire_string.h"
 
 #define NEEDS_ALL ((uint32_t)(2 * ECO_NEED_PLACEMENTS - 1))
-#define ATTRIBUTES_ALL (2u * ECO_ATTR_PLACE - 1)
+#define ATTRIBUTES_ALL (2u * ECO_ATTR_SIZE - 1)
 
 struct eco_wire_parser {
 	struct eco_wire_events events;

@@ -29,7 +29,7 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 	struct lod_plant *plant = draft->plant;
 	plant->ladders = grow(draft, plant->ladders, plant->ladder_count, &draft->ladder_capacity, sizeof *plant->ladders);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
-	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
 	return ladder;
 }
 

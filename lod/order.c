@@ -233,3 +233,11 @@ void lod_order_survival(double *survival, const struct lod_order_input *in, stru
 		survival[i] += NOISE * lod_unit(lod_mix(~lod_mix(in->seed) + i));
 	lod_arena_release(arena, mark);
 }
+
+const char *const lod_order_names[LOD_ORDER_COUNT] = {
+	[LOD_ORDER_GREEDY] = "greedy",
+	[LOD_ORDER_STOCHASTIC] = "stochastic",
+	[LOD_ORDER_DENSITY] = "density",
+	[LOD_ORDER_ORIENTATION] = "orientation",
+	[LOD_ORDER_COMBINED] = "combined",
+};

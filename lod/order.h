@@ -12,6 +12,10 @@
 #include "lod/arena.h"
 #include "lod/vector.h"
 
+/* Orders by name: `ecopack make --order NAME`, ecobench. */
+enum lod_order_method { LOD_ORDER_GREEDY, LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED, LOD_ORDER_COUNT };
+extern const char *const lod_order_names[LOD_ORDER_COUNT];      /* greedy, stochastic, density, orientation, combined */
+
 struct lod_order_input {
 	uint32_t count;
 	const struct lod_v3 *center, *normal;    /* metres; any length, zero normals face nowhere */
@@ -19,7 +23,11 @@ struct lod_order_input {
 	uint32_t seed;
 };
 
-/* Fills survival[0..count) with values in [0, 2.5): higher is kept longer. Linear in elements. */
+/* Fills survival[0..count) for one of the static baselines (not GREEDY, which is lod/rank.h) with values that are higher for what is kept
+ * longer. Linear in elements. */
+void lod_order_survival_by(double *survival, enum lod_order_method method, const struct lod_order_input *input, struct lod_arena *arena);
+
+/* The combined order: fills survival[0..count) with values in [0, 2.5): higher is kept longer. Linear in elements. */
 void lod_order_survival(double *survival, const struct lod_order_input *input, struct lod_arena *arena);
 
 #endif

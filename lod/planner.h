@@ -6,13 +6,27 @@
 #ifndef LOD_PLANNER_H
 #define LOD_PLANNER_H
 
+#include <stdbool.h>
+
 #include "ecofiles/plan.h"
+
+/* OPTIMAL  one objective: expected wrong pixels from the curves x projected area x visible share (the default)
+ * DEUSSEN  one sample distance d' for everything (Deussen 2002, section 5): the baseline that `ecobench` compares with */
+enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
+
+struct lod_planner_stats {           /* what planning took; counts, no times */
+	uint64_t candidates;         /* steps whose gain was computed */
+	uint64_t places;             /* plants looked at one by one */
+};
 
 struct lod_planner_input {
 	const struct eco_scene *scene;
 	const struct eco_request *request;
 	const struct eco_holdings *holdings;         /* may be NULL; the optimiser may use them, cuts never depend on history otherwise */
 	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */
+	enum lod_planner_rule rule;
+	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure what occlusion is worth */
+	struct lod_planner_stats *stats;             /* may be NULL */
 };
 
 /* Never above request->vertices. request->bytes is not looked at here: the server searches the vertex budget whose stream fits. */

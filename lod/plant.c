@@ -189,8 +189,8 @@ static void bound_anchors(struct lod_build *b)
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t l = 0; l < plant->ladder_count; l++) {
 			const struct eco_ladder *ladder = &plant->ladders[l];
-			const uint32_t lists[3] = { ladder->points, ladder->lines, ladder->triangles };
-			for (int i = 0; i < 3; i++) {
+			const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+			for (int i = 0; i < 4; i++) {
 				if (lists[i] == ECO_NONE)
 					continue;
 				include(&bounds[0], &plant->lists[lists[i]], pass);

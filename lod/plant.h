@@ -12,6 +12,7 @@
 
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack.h"
+#include "lod/order.h"
 
 struct lod_list_draft {
 	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image, partner and palette_* are indices
@@ -48,6 +49,7 @@ struct lod_plant_options {
 	const char *name;
 	float importance[ECO_ORGAN_COUNT];   /* 0 means 1 */
 	uint32_t seed;
+	enum lod_order_method order;         /* 0: LOD_ORDER_GREEDY */
 	uint32_t cell_triangles;             /* a cell is split above this many triangles (octree); 0: default 4096 */
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */

@@ -156,12 +156,12 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 	uint32_t summary)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
-	const struct eco_curve curves[] = { { .01f, 1, .3f, .3f }, { .1f, 1, .2f, .2f }, { 1, 1, 0, 0 } };
+	const struct eco_curve curves[] = { { .01f, 1, .01f, .3f, .3f }, { .1f, 1, .1f, .2f, .2f }, { 1, 1, 1, 0, 0 } };
 	const struct eco_anchor anchors[] = { { { 2, 2, 2 }, 4 }, { { 2, 2, 2 }, 4 } };
 	struct eco_ladder ladders[] = {
 		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_FOLIAGE, .points = leaves + 1, .lines = ECO_NONE, .triangles = leaves,
 			.total = 2 * SAMPLE_LEAVES, .area = 20, .curve_count = 3 },
-		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = wood, .triangles = ECO_NONE, .total = 300,
+		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = wood, .simple = ECO_NONE, .triangles = ECO_NONE, .total = 300,
 			.area = 2, .length = 30, .epsilon = .01f, .curve_count = 3 },
 		{ .plant = 1, .anchor = 1, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = bush, .total = 400,
 			.area = 5, .curve_count = 3 },

@@ -68,7 +68,7 @@ static inline void random_curve(struct random_scene *r, struct eco_ladder *ladde
 	ladder->curve_count = 4;
 	for (int i = 0; i < 4; i++) {
 		float share = i == 0 ? 0.001f : i == 1 ? 0.03f : i == 2 ? 0.2f : 1;
-		r->curves[r->scene.curve_count++] = (struct eco_curve){ share, 1, 0.4f * (1 - share), 0.4f * (1 - share) };
+		r->curves[r->scene.curve_count++] = (struct eco_curve){ share, 1, share, 0.4f * (1 - share), 0.4f * (1 - share) };
 	}
 }
 
@@ -77,7 +77,7 @@ static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_
 	struct eco_ladder *l = &r->ladders[r->scene.ladder_count++];
 	uint32_t k = 1 + random_below(r, 300);
 	*l = (struct eco_ladder){ .plant = plant, .anchor = anchor, .flags = flags, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
-		.lines = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3, .area = (float)random_real(r, 0.1, 30),
+		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3, .area = (float)random_real(r, 0.1, 30),
 		.length = (float)random_real(r, 1, 100), .epsilon = (float)random_real(r, 0, 0.05) };
 	if (kind != 3 || !(flags & ECO_LADDER_FAR))
 		l->triangles = random_list(r, ECO_LIST_TRIANGLES, k, plant, ECO_NONE);

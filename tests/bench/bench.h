@@ -1,0 +1,107 @@
+/* ecobench: error against run time, for the methods of the literature and ours, on the same scenes.
+ *
+ *   each section is a file bench_NAME.c with one `const struct bench_section`; main in ecobench.c runs those that were asked for
+ *   a section does its work in units, each a JSON value that is kept on disk: run again, only what is missing is done
+ *   from its units it writes tables (CSV), plots (PNG), paragraphs of report.html, and keys of summary.json
+ *
+ * A unit is kept under a stamp of what it depends on (the program itself, and what the section adds): after a change it is done anew. */
+#ifndef TESTS_BENCH_H
+#define TESTS_BENCH_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "ecofiles/model.h"
+#include "ecofiles/status.h"
+
+struct bench {
+	const char *build;           /* folder of the programs: build, or build/CONFIG */
+	const char *out;             /* build/bench: CSV, plots, report.html, summary.json */
+	const char *cache;           /* build/bench/cache: scenes, packs, units */
+	const char *data;            /* folder with models/, inventories/, terrain/; NULL: generated scenes only */
+	bool full;                   /* all methods and scenes; else fewer frames, the same keys */
+	struct bench_state *state;   /* private to bench.c */
+};
+
+struct bench_section { const char *name, *title; enum eco_code (*run)(struct bench *bench, struct eco_error *error); };
+
+/* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
+bool bench_stopped(const struct bench *bench);
+void bench_progress(struct bench *bench, double share, const char *what);
+
+/* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may be NULL. */
+json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
+/* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside and renamed. */
+json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
+
+/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as in the file. */
+struct bench_table;
+struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show);
+void bench_table_row(struct bench_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void bench_table_close(struct bench_table *table);
+
+/* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` is what it should reach, in words. */
+void bench_key(struct bench *bench, const char *key, double value, const char *bar);
+
+/* A paragraph of the report: plain text, escaped. */
+void bench_say(struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Lines over a common axis, as NAME.png and in the report. NaN interrupts a line. */
+struct bench_series { const char *name; const double *x, *y; uint32_t count; bool points; };
+struct bench_plot {
+	const char *name, *title, *x, *y;
+	bool log_x, log_y;
+	const struct bench_series *series;
+	uint32_t series_count;
+};
+enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error);
+/* A PNG of `out` in the report. */
+void bench_picture(struct bench *bench, const char *file, const char *caption);
+/* Writes one: 3 bytes a pixel, rows from the top. */
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb, struct eco_error *error);
+
+/* ---- Scenes and plants (bench_scene.c) ---- */
+
+/* Plant models of the data folder and generated ones, sorted by name: files that read as one plant each. */
+struct bench_model { char name[64], path[512]; bool generated; };
+enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count, struct eco_error *error);
+/* Reads one (in a child process). The caller frees it with eco_model_free. */
+enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out, struct eco_error *error);
+
+/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, scbi. */
+extern const char *const bench_scene_names[];
+/* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the default). Writes its path.
+ * ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
+enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512], struct eco_error *error);
+/* Its cameras: `count` requests along the scene's path; views never used in building. */
+struct eco_request;
+uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests, uint32_t room);
+
+/* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step timed ---- */
+
+#include "ecofiles/plan.h"
+#include "lod/planner.h"
+#include "lod/raster.h"
+
+struct view_picture;
+struct bench_frame {                 /* zero with rule, occlusion and request set asks; the rest is the answer */
+	const char *method;          /* for the tables */
+	enum lod_planner_rule rule;
+	bool ignore_occlusion;
+	struct eco_request request;
+	struct lod_score score;
+	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
+	uint64_t vertices, bytes, plan_bytes;
+	double plan_ms, decode_ms, draw_ms;
+};
+struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
+enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
+void bench_client_close(struct bench_client *client);
+/* Full detail of the request's view, drawn by the CPU rasteriser and kept for this view. */
+enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request, double *draw_ms, struct eco_error *error);
+/* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are those of a first visit. */
+enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture, struct eco_error *error);
+
+#endif
