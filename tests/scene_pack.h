@@ -122,9 +122,9 @@ static inline enum eco_code scene_pack_plant(struct scene_pack *p, struct eco_pa
 	p->ladders[3].flags = ECO_LADDER_NEAR;
 	p->ladders[3].anchor = 1;
 	p->ladders[3].triangles = id[5];
-	p->curves[0] = (struct eco_curve){ 0.1f, 2, 0.5f, 0.5f };
-	p->curves[1] = (struct eco_curve){ 0.3f, 1.5f, 0.2f, 0.3f };
-	p->curves[2] = (struct eco_curve){ 1, 1, 0, 0 };
+	p->curves[0] = (struct eco_curve){ 0.1f, 2, 0.1f, 0.5f, 0.5f };
+	p->curves[1] = (struct eco_curve){ 0.3f, 1.5f, 0.3f, 0.2f, 0.3f };
+	p->curves[2] = (struct eco_curve){ 1, 1, 1, 0, 0 };
 	return code;
 }
 
