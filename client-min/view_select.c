@@ -176,15 +176,15 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		struct eco_place place = eco_place_of(&list->elements, i);
 		struct view_instance instance = { .plant = list->list.plant, .path = placement->path };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
+		instance.hash = lod_share_hash(placement->path, list->id, i);
 		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors, plant->plant.anchor_first,
-			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : (uint8_t)gate, w->seen);
+			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : (uint8_t)gate, instance.hash, w->seen);
 		if (!seen)
 			continue;
 		double center[3];
 		lod_place_point(&instance.place, plant->anchors[0].center, center);
 		instance.distance_m = distance_m(w->eye, center);
 		instance.owner = eco_owner_instance(key, list->list.plant, i);
-		instance.hash = lod_share_hash(placement->path, list->id, i);
 		enum eco_code code = add_instance(w, &instance);
 		for (uint32_t s = 0; s < seen && !code; s++)
 			code = add_cuts(w, &w->seen[s], instance.hash);
@@ -293,6 +293,7 @@ void view_select_free(struct view_selection *selection)
 
 uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32_t path)
 {
-	const int32_t *extra = list->elements.extra + (size_t)(index + 1) * list->elements.extra_count - 2;
+	const int32_t *extra = list->elements.extra + (size_t)index * list->elements.extra_count
+		+ eco_list_extra_at(&list->list, ECO_ATTR_PLANT);
 	return eco_owner_summary((uint32_t)extra[1] + path, (uint32_t)extra[0]);
 }

@@ -230,8 +230,10 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	b->geometry.uv = textured ? malloc(24 * (size_t)count + 1) : NULL;
 	b->geometry.width = list->list->kind == ECO_LIST_LINES ? malloc(4 * (size_t)count + 1) : NULL;
 	b->geometry.color = malloc(4 * (size_t)count + 1);
+	bool sized = list->list->attributes & ECO_ATTR_SIZE;
+	b->geometry.size = sized ? malloc(4 * (size_t)count + 1) : NULL;
 	b->area = list->list->unit_area * cut->scale;
-	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv) ||
+	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv) || (sized && !b->geometry.size) ||
 		(list->list->kind == ECO_LIST_LINES && !b->geometry.width))
 		return no_memory(p, error);
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
@@ -240,7 +242,8 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 		if (first >= last)
 			continue;
 		struct lod_geometry at = { b->geometry.position + 3 * (size_t)corners * b->count, textured ? b->geometry.uv + 6 * (size_t)b->count : NULL,
-			b->geometry.width ? b->geometry.width + b->count : NULL, b->geometry.color + b->count };
+			b->geometry.width ? b->geometry.width + b->count : NULL, b->geometry.color + b->count,
+			b->geometry.size ? b->geometry.size + b->count : NULL };
 		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from, cut->scale, &at);
 	}
 	return ECO_OK;
@@ -267,8 +270,9 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 			gate = plan->gates[i].band;
 	struct lod_place place;
 	lod_place_instance(&place, plan->placement_count ? &plan->placements[0] : &nowhere, &p->scene.lists[p->group.list], &origin);
+	uint32_t hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list, 0);
 	uint32_t count = lod_instance_anchors(&p->eye, &place, p->scene.anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count,
-		gate, seen), hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list, 0);
+		gate, hash, seen);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < plan->cut_count && !code; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
@@ -310,6 +314,7 @@ void sheet_drawing_free(struct sheet_drawing *drawing)
 		free(drawing->batches[i].geometry.uv);
 		free(drawing->batches[i].geometry.width);
 		free(drawing->batches[i].geometry.color);
+		free(drawing->batches[i].geometry.size);
 	}
 	free(drawing->batches);
 	*drawing = (struct sheet_drawing){ 0 };

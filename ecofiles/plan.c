@@ -226,6 +226,13 @@ uint32_t eco_owner_child(uint32_t child)
 	return h ^ h >> 16;
 }
 
+uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t child)
+{
+	const struct eco_tile *t = &scene->tiles[tile];
+	bool alone = tile == scene->root && t->child_count == 1 && t->group_count == 0;
+	return scene->children[child].placed && !alone ? eco_owner_child(child) : 0;
+}
+
 static uint64_t owner_common(uint32_t key, uint32_t plant)
 {
 	return OWNER_THERE | (uint64_t)(key & 0xFFFF) << 46 | (uint64_t)(plant & 0xFFFF) << OWNER_INDEX_BITS;

@@ -4,7 +4,8 @@
  * "Those instances" is either a tile's own list (a summary), or a rule that server and client evaluate alike from the same
  * integers (lod/view.h): every visible instance of the plant in the plan's runs whose anchor lies in the distance bands
  * [band_first, band_end) and whose hash lies in [share_first, share_end). So a plan's size does not grow with the plants, and a
- * switch can be spread over them.
+ * switch can be spread over them: a plant's distance is blurred by its hash before it is put in a band, so that like plants cross a
+ * border one after the other as the eye moves; and a share lets a part of them have more.
  *
  * A tile of the ground is a cut of its own list, all of it, at scale 1 in the scene's own placement. The tiles of a plan do not overlap and
  * together cover all the ground that is in view. Where tiles of different levels touch, the finer one gives way (lod/ground.h). Ground
@@ -20,7 +21,7 @@
 #include "ecofiles/pack.h"
 #include "ecofiles/view.h"
 
-#define ECO_BANDS 160u           /* distance bands: four an octave, see lod/view.h */
+#define ECO_BANDS 160u           /* distance bands: four an octave, blurred by half of one: see lod_eye_band */
 #define ECO_SHARE_ONE 65536u
 #define ECO_GATE_OPEN ECO_BANDS  /* gate: every band is near, cells are always drawn */
 
@@ -87,6 +88,9 @@ uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
  * summaries are merged) and from the root down (eco_placement.path is the sum over the children). */
 uint32_t eco_owner_leaf(uint32_t tile);
 uint32_t eco_owner_child(uint32_t child);
+/* What `child` of `tile` adds to a key: its hash where it is placed; but nothing where it is all that the root has, so that moving a whole
+ * scene renames no plant (and so changes no share and no blur, lod/view.h). */
+uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t child);
 uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index);
 uint64_t eco_owner_summary(uint32_t key, uint32_t plant);                /* only the low 16 bits of the key count */
 bool eco_owner_match(uint64_t a, uint64_t b);

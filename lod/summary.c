@@ -314,7 +314,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 	}
 }
 
-static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t child)
+static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t tile, uint32_t child)
 {
 	const struct eco_child *c = &scene->children[child];
 	/* an eco file's coordinates in its parent's: the arithmetic of an instance, whose grid is metres */
@@ -323,7 +323,7 @@ static struct eco_placement placed_child(const struct eco_placement *outer, cons
 	const struct eco_place here = { .scale = 65536 };
 	lod_place_instance(&place, outer, &metres, &here);
 	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] }, .turn = (uint16_t)(outer->turn + c->turn),
-		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_child(child) };
+		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_step(scene, tile, child) };
 }
 
 static uint32_t given_until(double sum, double total, uint32_t count, double start)
@@ -363,7 +363,7 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 			continue;
 		given = until;
 		if (child->placed)
-			next.placement = placed_child(&visit->placement, scene, tile->child_first + i);
+			next.placement = placed_child(&visit->placement, scene, visit->tile, tile->child_first + i);
 		if (!push(d, &next))
 			return false;
 	}

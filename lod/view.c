@@ -136,10 +136,18 @@ bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radi
 	return dot(eye->forward, from_eye) > -reach;
 }
 
-uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale)
+/* Factor on a squared distance, from 2^(-1/4) up to, not including, 2^(1/4). The hash times an odd number modulo 2^16 is a permutation that is
+ * even in any range of hashes: plants in one share of a cut are blurred like all others. */
+static double blur(uint32_t hash)
+{
+	const double least = 0.84089641525371454303, most = 1.18920711500272106672;
+	return least + (double)(hash * 40503u & (ECO_SHARE_ONE - 1)) * ((most - least) / ECO_SHARE_ONE);
+}
+
+uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale, uint32_t hash)
 {
 	double d[3] = { world[0] - eye->at[0], world[1] - eye->at[1], world[2] - eye->at[2] };
-	double square = dot(d, d) / (scale * scale);
+	double square = dot(d, d) / (scale * scale) * blur(hash);
 	if (!(square > 0))
 		return 0;
 	int exponent;
@@ -156,14 +164,14 @@ double lod_band_distance_m(uint8_t band)
 }
 
 uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, struct lod_anchor_band *out)
+	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, uint32_t hash, struct lod_anchor_band *out)
 {
 	double center[3];
 	lod_place_point(place, anchors[0].center, center);
 	if (!lod_eye_sees(eye, center, anchors[0].radius * place->scale))
 		return 0;
 	out[0].anchor = anchor_first;
-	out[0].band = lod_eye_band(eye, center, place->scale);
+	out[0].band = lod_eye_band(eye, center, place->scale, hash);
 	if (out[0].band >= gate)
 		return 1;
 	uint32_t count = 1;
@@ -172,7 +180,7 @@ uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place 
 		if (!lod_eye_sees(eye, center, anchors[i].radius * place->scale))
 			continue;
 		out[count].anchor = anchor_first + i;
-		out[count++].band = lod_eye_band(eye, center, place->scale);
+		out[count++].band = lod_eye_band(eye, center, place->scale, hash);
 	}
 	return count;
 }

@@ -30,19 +30,23 @@ void lod_place_point(const struct lod_place *place, const float p[3], double wor
 /* Does a sphere (world, metres) reach into the view pyramid? Conservative at its edges. */
 bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radius);
 
-/* Distance band of something at `world` that was scaled by `scale`: b such that distance / scale lies in [2^(b/4), 2^((b+1)/4)) *
- * 2^-20 m, clamped to [0, ECO_BANDS). Apparent size, not distance, decides detail. */
-uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale);
+/* Distance band of something at `world` that was scaled by `scale`: b such that distance / scale, blurred, lies in [2^(b/4), 2^((b+1)/4)) *
+ * 2^-20 m, clamped to [0, ECO_BANDS). Apparent size, not distance, decides detail. Blurred: times a factor of the plant's own, in
+ * [2^(-1/8), 2^(1/8)) by its hash (lod_share_hash), so that plants cross a band's border one after the other over a whole band of distances,
+ * and no arc of the picture changes at once. Two plants side by side are at most one band apart, and a plant's cells and its body
+ * are blurred alike. */
+uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale, uint32_t hash);
 double lod_band_distance_m(uint8_t band);                              /* geometric middle of the band, for scale 1 */
 
 /* The rule of a plan, for one instance: which anchors are drawn, and in which band each lies. anchors[0] is the whole plant, the
  * others its cells, anchor_first the index of anchors[0] in the scene. Writes nothing (returns 0) if the plant is out of view;
- * else first the whole plant and then, if its band is below `gate`, every cell in view. `out` holds anchor_count entries. */
+ * else first the whole plant and then, if its band is below `gate`, every cell in view. `hash` is the plant's lod_share_hash. `out` holds
+ * anchor_count entries. */
 struct lod_anchor_band { uint32_t anchor; uint8_t band; };
 uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, struct lod_anchor_band *out);
+	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, uint32_t hash, struct lod_anchor_band *out);
 
-/* Hash of an instance in [0, ECO_SHARE_ONE): which side of a cut's share it is on. */
+/* Hash of an instance in [0, ECO_SHARE_ONE): which side of a cut's share it is on, and how its distance is blurred. */
 uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index);
 
 #endif

@@ -95,7 +95,7 @@ static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32
 	return ECO_OK;
 }
 
-static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, uint32_t child, struct eco_error *error)
+static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, uint32_t tile, uint32_t child, struct eco_error *error)
 {
 	if (visible->placement_count >= visible->placements_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu nested eco files; ask for fewer vertices",
@@ -112,7 +112,7 @@ static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, 
 			o->at[1] + o->scale * (sine * c->at[0] + cosine * c->at[1]), o->at[2] + o->scale * c->at[2] },
 		.turn = (uint16_t)(o->turn + c->turn),
 		.scale = o->scale * c->scale,
-		.path = o->path + eco_owner_child(child),
+		.path = o->path + eco_owner_step(visible->scene, tile, child),
 	};
 	return ECO_OK;
 }
@@ -125,7 +125,7 @@ static enum eco_code expand(struct lod_visible *visible, uint32_t index, struct 
 		const struct eco_child *child = &visible->scene->children[tile->child_first + i];
 		uint32_t in = placement;
 		if (child->placed) {
-			if (add_placement(visible, placement, tile->child_first + i, error))
+			if (add_placement(visible, placement, visible->nodes[index].tile, tile->child_first + i, error))
 				return error ? error->code : ECO_TOO_LARGE;
 			in = visible->placement_count - 1;
 		}
@@ -230,7 +230,7 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 		struct lod_place place;
 		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
 		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
-			plant->anchor_count, gate, visible->scratch);
+			plant->anchor_count, gate, lod_share_hash(visible->placements[node->placement].path, g->list, i), visible->scratch);
 		if (n == 0)
 			continue;
 		uint8_t whole = visible->scratch[0].band;
@@ -344,10 +344,11 @@ void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint8_t
 				struct eco_place stored = eco_place_read(scene, group->place_first + i);
 				struct lod_place place;
 				lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
+				uint32_t hash = lod_share_hash(placement->path, group->list, i);
 				uint32_t count = lod_instance_anchors(&visible->eye, &place, scene->anchors + p->anchor_first, p->anchor_first,
-					p->anchor_count, gates[plant], visible->scratch);
+					p->anchor_count, gates[plant], hash, visible->scratch);
 				if (count)
-					fn(ctx, visible->scratch, count, plant, lod_share_hash(placement->path, group->list, i));
+					fn(ctx, visible->scratch, count, plant, hash);
 			}
 		}
 	}

@@ -62,9 +62,9 @@ static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *
 				struct lod_place place;
 				struct lod_anchor_band at[64];
 				lod_place_instance(&place, placement, &s->lists[list], &stored);
-				uint32_t n = lod_instance_anchors(&eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
-					plant->anchor_count, gate, at);
 				uint32_t hash = lod_share_hash(placement->path, list, i);
+				uint32_t n = lod_instance_anchors(&eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
+					plant->anchor_count, gate, hash, at);
 				for (uint32_t a = 0; a < n; a++)
 					for (uint32_t c = 0; c < plan->cut_count; c++) {
 						const struct eco_cut *cut = &plan->cuts[c];
@@ -206,6 +206,7 @@ static void shifting_turning_and_scaling_through_a_placement_changes_only_roundi
 		assert_int_equal(moved.visible_plants, plan.visible_plants);
 		assert_in_range(moved.vertices, plan.vertices - plan.vertices / 100, request.vertices);
 		assert_true(moved.sample_distance == plan.sample_distance);
+		assert_int_equal(moved.cut_count, plan.cut_count);
 		eco_plan_free(&moved);
 		/* back to the scene as it was */
 		scene.scene.tile_count--;

@@ -52,7 +52,12 @@ static void half_angles_agree_with_libm(void **state)
 	}
 }
 
-static void bands_are_quarter_octaves(void **state)
+static double blurred(uint32_t hash)
+{
+	return 0.5 * log2(exp2(-0.25) + (hash * 40503u & 65535) / 65536.0 * (exp2(0.25) - exp2(-0.25)));
+}
+
+static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 {
 	(void)state;
 	struct eco_view view = view_of(45, 800, 600);
@@ -61,16 +66,50 @@ static void bands_are_quarter_octaves(void **state)
 	for (int i = 0; i < 20000; i++) {
 		double d = exp2(random_real(&source, -19.9, 19.9)), scale = exp2(random_real(&source, -3, 3));
 		double at[3] = { e.at[0] + d * scale, e.at[1], e.at[2] };
-		double exact = floor(4 * (log2((at[0] - e.at[0]) / scale) + 20)), fraction = 4 * (log2((at[0] - e.at[0]) / scale) + 20) - exact;
+		uint32_t hash = (uint32_t)random_real(&source, 0, 65536);
+		double bands = 4 * (log2((at[0] - e.at[0]) / scale) + blurred(hash) + 20), exact = floor(bands), fraction = bands - exact;
+		if (exact < 0 || exact >= ECO_BANDS)
+			continue;
 		if (fraction < 1e-9 || fraction > 1 - 1e-9)
 			continue;
-		uint8_t band = lod_eye_band(&e, at, scale);
+		uint8_t band = lod_eye_band(&e, at, scale, hash);
 		assert_int_equal(band, (int)exact);
-		assert_true(fabs(log2(lod_band_distance_m(band) / ((at[0] - e.at[0]) / scale))) <= 0.1251);
+		assert_true(fabs(log2(lod_band_distance_m(band) / ((at[0] - e.at[0]) / scale))) <= 0.2501);
 	}
-	assert_int_equal(lod_eye_band(&e, e.at, 1), 0);
+	assert_int_equal(lod_eye_band(&e, e.at, 1, 7), 0);
 	double far[3] = { 1e30, 0, 0 };
-	assert_int_equal(lod_eye_band(&e, far, 1), ECO_BANDS - 1);
+	assert_int_equal(lod_eye_band(&e, far, 1, 7), ECO_BANDS - 1);
+}
+
+/* As the eye comes nearer, plants leave a band one after the other: never more than their share of the way, whatever the share of hashes. */
+static void plants_cross_a_border_one_after_the_other(void **state)
+{
+	(void)state;
+	struct eco_view view = view_of(45, 800, 600);
+	struct lod_eye e;
+	enum { STEPS = 64, PLANTS = 4096 };
+	uint32_t before[2] = { 0 }, all[2] = { 0 };
+	lod_eye_make(&e, &view);
+	for (int step = 0; step <= STEPS; step++) {
+		double at[3] = { e.at[0] + 32 * exp2((step - STEPS / 2) * 0.25 / STEPS), e.at[1], e.at[2] };
+		uint32_t beyond[2] = { 0 };
+		all[0] = all[1] = 0;
+		for (uint32_t i = 0; i < PLANTS; i++) {
+			uint32_t hash = lod_share_hash(1, 2, i), part = hash < ECO_SHARE_ONE / 8;
+			all[part]++;
+			beyond[part] += lod_eye_band(&e, at, 1, hash) >= 100;    /* a border at 32 m */
+		}
+		for (int part = 0; part < 2; part++) {
+			assert_true(beyond[part] >= before[part]);
+			if (step > 0)
+				assert_true(beyond[part] - before[part] <= all[part] / 24);
+			before[part] = beyond[part];
+		}
+		if (step == 0)
+			assert_int_equal(beyond[0] + beyond[1], 0);
+	}
+	assert_int_equal(before[0], all[0]);
+	assert_int_equal(before[1], all[1]);
 }
 
 static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **state)
@@ -129,7 +168,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_frame_is_orthonormal_and_right_handed_for_any_up),
 		cmocka_unit_test(half_angles_agree_with_libm),
-		cmocka_unit_test(bands_are_quarter_octaves),
+		cmocka_unit_test(bands_are_quarter_octaves_blurred_by_the_hash),
+		cmocka_unit_test(plants_cross_a_border_one_after_the_other),
 		cmocka_unit_test(a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside),
 		cmocka_unit_test(a_placement_turns_then_scales_then_shifts),
 		cmocka_unit_test(shares_are_spread_evenly),

@@ -323,9 +323,9 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 					if (plan->gates[g].plant == s->lists[id].plant)
 						gate = plan->gates[g].band;
 				lod_place_instance(&place, placement, &s->lists[id], &at);
-				uint32_t count = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
-					plant->anchor_count, gate, seen);
 				uint32_t hash = lod_share_hash(placement->path, id, i);
+				uint32_t count = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
+					plant->anchor_count, gate, hash, seen);
 				*plants += count != 0;
 				for (uint32_t a = 0; a < count; a++)
 					for (uint32_t c = 0; c < plan->cut_count; c++) {
