@@ -81,8 +81,8 @@ static void scratch_free(struct scratch *s)
 
 static bool scratch_make(struct scratch *s, uint32_t count)
 {
-	*s = (struct scratch){ { malloc(36u * (size_t)count + 1), malloc(24u * (size_t)count + 1), malloc(4u * (size_t)count + 1),
-		malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1) };
+	*s = (struct scratch){ { .position = malloc(36u * (size_t)count + 1), .uv = malloc(24u * (size_t)count + 1),
+		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1) };
 	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice)
 		return true;
 	scratch_free(s);

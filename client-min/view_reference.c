@@ -65,8 +65,11 @@ static void bound_sphere(struct mesh *mesh, uint32_t vertices)
 		square += 0.25 * ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
 	}
 	mesh->radius = (float)(sqrt(square) * 1.0001);
+	float largest = mesh->geometry.size ? 0 : 1;
+	for (uint32_t i = 0; mesh->geometry.size && i < mesh->batch.count; i++)
+		largest = fmaxf(largest, mesh->geometry.size[i]);
 	if (mesh->kind == ECO_LIST_POINTS)
-		mesh->radius += sqrtf(mesh->batch.area);
+		mesh->radius += sqrtf(mesh->batch.area * largest);
 	for (uint32_t i = 0; mesh->kind == ECO_LIST_LINES && i < mesh->batch.count; i++)
 		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
 }
@@ -110,15 +113,17 @@ static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_jo
 	mesh->geometry.uv = cutout ? malloc(24u * (size_t)count + 1) : NULL;
 	mesh->geometry.width = mesh->kind == ECO_LIST_LINES ? malloc(4u * (size_t)count + 1) : NULL;
 	mesh->geometry.color = malloc(4u * (size_t)count + 1);
+	bool sized = list->list.attributes & ECO_ATTR_SIZE;
+	mesh->geometry.size = sized ? malloc(4u * (size_t)count + 1) : NULL;
 	mesh->rgb = malloc(3u * (size_t)count + 1);
-	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (cutout && !mesh->geometry.uv) ||
+	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (cutout && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
 		(mesh->kind == ECO_LIST_LINES && !mesh->geometry.width))
 		return no_memory(error);
 	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &mesh->geometry);
 	assert(written == count);
 	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position, .uv = mesh->geometry.uv,
 		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width, .area = list->list.unit_area * cut->scale,
-		.rgb = mesh->rgb };
+		.size = mesh->geometry.size, .rgb = mesh->rgb };
 	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
 	color_mesh(mesh, list, image);
 	bound_sphere(mesh, count * corners);
@@ -173,6 +178,7 @@ static void draw_summary(struct worker *w, const struct mesh *mesh, const struct
 		batch.count = end - i;
 		batch.position = mesh->batch.position + 3 * (size_t)i;
 		batch.rgb = mesh->batch.rgb + 3 * (size_t)i;
+		batch.size = mesh->batch.size ? mesh->batch.size + i : NULL;
 		lod_raster_points(&w->raster, &batch);
 		i = end;
 	}
@@ -252,6 +258,7 @@ static void scene_free(struct scene *scene)
 		free(m->geometry.uv);
 		free(m->geometry.width);
 		free(m->geometry.color);
+		free(m->geometry.size);
 		free(m->rgb);
 	}
 	free(scene->meshes);

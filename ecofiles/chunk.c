@@ -98,7 +98,7 @@ uint32_t eco_corners_primitives(uint8_t corners)
 bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners)
 {
 	if (list->kind == ECO_LIST_TRIANGLES)
-		return list->coder == ECO_CODER_MESH ? corners == 3 : corners >= 3 && corners <= ECO_CORNERS_MAX;
+		return corners >= 3 && corners <= (list->coder == ECO_CODER_MESH ? 3 : list->coder == ECO_CODER_FORM ? 4 : ECO_CORNERS_MAX);
 	return corners == (list->kind == ECO_LIST_LINES ? 2 : 1);
 }
 

@@ -35,6 +35,8 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 
 	if (payload->coder != list->coder && !plain_mesh)
 		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder, list->coder);
+	if (list->coder == ECO_CODER_FORM && payload->stream_count != 1)
+		return eco_fail(error, ECO_DAMAGED, "chunk: forms of %u corner counts, where all should have one", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
@@ -139,7 +141,8 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 static enum eco_code decode_streams(const struct eco_list *list, const struct eco_payload *payload, uint32_t ordinal,
 	struct eco_elements *elements, struct eco_error *error)
 {
-	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_PAIRED || list->coder == ECO_CODER_KD;
+	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_PAIRED || list->coder == ECO_CODER_KD
+		|| list->coder == ECO_CODER_FORM;
 	uint32_t row_count = 0;
 	struct place *places, *next;
 	enum eco_code code = ECO_OK;

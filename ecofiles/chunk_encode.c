@@ -215,7 +215,7 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 
 	*bytes = NULL;
 	*size_bytes = 0;
-	assert(input->list->coder != ECO_CODER_PAIRED && input->list->coder != ECO_CODER_BYTES);
+	assert(input->list->coder != ECO_CODER_PAIRED && input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
 	assert(order == NULL || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
 	code = check_input(input, error);
 	if (code == ECO_OK)
@@ -307,5 +307,57 @@ enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, con
 	eco_payload_free_streams(&payload);
 	free(point_at);
 	free(stored);
+	return code;
+}
+
+/* What the form's own values must fulfil; counts are those of the partner's input. */
+static enum eco_code check_forms(const struct eco_chunk_input *partner, const struct eco_list *list, const struct eco_elements *forms,
+	struct eco_error *error)
+{
+	if (list->coder != ECO_CODER_FORM || partner->list->coder != ECO_CODER_ELEMENTS || partner->list->kind != ECO_LIST_TRIANGLES)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: only fans have other forms, and only lists of coder FORM are forms",
+			partner->ordinal);
+	if (forms->element_count != partner->elements->element_count)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: %u forms for %u elements: one for each is needed", partner->ordinal,
+			forms->element_count, partner->elements->element_count);
+	for (uint32_t i = 0; i < forms->element_count; i++)
+		if (forms->corners[i] != forms->corners[0])
+			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: form %u has %u corners, the first has %u: all must have as many",
+				partner->ordinal, i, forms->corners[i], forms->corners[0]);
+	return ECO_OK;
+}
+
+enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const struct eco_list *list,
+	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
+{
+	const struct eco_chunk_input own = { list, forms, partner->first, partner->end, partner->ordinal };
+	const struct source source = { list, forms, partner->first, NULL };
+	struct eco_payload payload = { .coder = ECO_CODER_FORM };
+	uint32_t count = partner->end - partner->first;
+	struct stored *stored = NULL, *form = NULL;
+	enum eco_code code;
+
+	*bytes = NULL;
+	*size_bytes = 0;
+	code = check_input(partner, error);
+	if (code == ECO_OK)
+		code = check_forms(partner, list, forms, error);
+	if (code == ECO_OK)
+		code = check_input(&own, error);
+	if (code == ECO_OK)
+		code = find_elements(partner, &stored, error);
+	if (code == ECO_OK)
+		code = find_elements(&own, &form, error);
+	if (code == ECO_OK) {
+		qsort(stored, count, sizeof *stored, compare_stored);
+		for (uint32_t i = 0; i < count; i++)
+			stored[i] = form[stored[i].element];
+		code = add_stream(&payload, &source, stored, count, error);
+	}
+	if (code == ECO_OK)
+		code = eco_payload_write(&payload, bytes, size_bytes, error);
+	eco_payload_free_streams(&payload);
+	free(stored);
+	free(form);
 	return code;
 }

@@ -42,6 +42,14 @@ uint32_t eco_list_extra_count(const struct eco_list *list)
 		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u) + (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
 }
 
+/* Attributes come in the order of their bits. */
+uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute)
+{
+	const struct eco_list before = { .attributes = list->attributes & (attribute - 1) };
+	assert(list->attributes & attribute);
+	return eco_list_extra_count(&before);
+}
+
 uint32_t eco_list_vertices(const struct eco_list *list)
 {
 	switch (list->kind) {

@@ -64,7 +64,7 @@ struct eco_list {
 	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
-	uint32_t partner;            /* PAIRED: list id of the triangles; else ECO_NONE */
+	uint32_t partner;            /* PAIRED, FORM: list id of the triangles; else ECO_NONE */
 	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
@@ -82,7 +82,7 @@ struct eco_chunk {
 /* Elements in draw order: what a maker of lists hands to the encoder and what the decoder gives back. Owns its arrays. */
 struct eco_elements {
 	uint32_t element_count, corner_count, primitive_count;
-	uint32_t extra_count;        /* values per element in `extra`: COLOR 1 + WIDTH 1 + PLANT 2 + PLACE 2, as the list has them */
+	uint32_t extra_count;        /* values per element in `extra`: PLANT and PLACE 2, COLOR, WIDTH, GROWTH and SIZE 1, as the list has them */
 	uint8_t *corners;            /* per element */
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */
@@ -90,6 +90,8 @@ struct eco_elements {
 };
 void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);
+/* Where an attribute's values begin among an element's extra values; the list must have it. */
+uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute);
 
 /* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);

@@ -41,8 +41,12 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 		const int32_t *extra = e->extra + (size_t)e->extra_count * i;
 		if (color && !in_range(extra[0], list->palette_count))
 			return "names a colour outside its palette";
-		if (plant && !in_range(extra[e->extra_count - 2], s->plant_count))
+		if (plant && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_PLANT)], s->plant_count))
 			return "names a plant that is not there";
+		if (list->attributes & ECO_ATTR_GROWTH && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_GROWTH)], ECO_GROWTHS))
+			return "has a growth code that does not exist";
+		if (list->attributes & ECO_ATTR_SIZE && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
+			return "has a size code that does not exist";
 		if (place && (!in_range(extra[0], 65536) || extra[1] <= 0))
 			return "holds an impossible turn or scale";
 	}
@@ -125,7 +129,7 @@ static void verify_ladder(struct verify *v, uint32_t id)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	const struct eco_ladder *l = &s->ladders[id];
-	if (l->points != ECO_NONE && l->triangles != ECO_NONE
+	if (l->points != ECO_NONE && s->lists[l->points].coder == ECO_CODER_PAIRED
 			&& s->lists[l->points].primitive_count != 2ull * s->lists[l->triangles].primitive_count)
 		complain(v, "ladder %u: %u points (list %u) do not stand two by two for %u triangles (list %u)", id,
 			s->lists[l->points].primitive_count, l->points, s->lists[l->triangles].primitive_count, l->triangles);

@@ -65,7 +65,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 		return BAD("list: %u columns in kind %u", list->columns, list->kind);
 	if (list->columns != 0 && list->primitive_count % list->columns != 0)
 		return BAD("list: %u ground samples are not rows of %u", list->primitive_count, list->columns);
-	if ((list->coder == ECO_CODER_PAIRED) != (list->partner != ECO_NONE))
+	if ((list->coder == ECO_CODER_PAIRED || list->coder == ECO_CODER_FORM) != (list->partner != ECO_NONE))
 		return BAD("list: coder %u with partner %#x", list->coder, list->partner);
 	if ((list->kind == ECO_LIST_INSTANCES) != (list->plant != ECO_NONE))
 		return BAD("list: plant %#x in kind %u", list->plant, list->kind);
@@ -75,17 +75,25 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	    || (list->chunk_count == 0) != (list->primitive_count == 0))
 		return BAD("list: %u primitives of %u elements in %u chunks are impossible", list->primitive_count, list->element_count,
 			list->chunk_count);
+	if (list->coder == ECO_CODER_FORM && list->primitive_count != list->element_count
+	    && (list->kind != ECO_LIST_TRIANGLES || list->primitive_count != 2ull * list->element_count))
+		return BAD("list: %u forms cannot have %u primitives: all are points, triangles or quads", list->element_count,
+			list->primitive_count);
 	return ECO_OK;
 }
 
 enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error)
 {
 	uint64_t most = (uint64_t)chunk->element_count * (list->kind == ECO_LIST_TRIANGLES && list->coder != ECO_CODER_MESH ? 4 : 1);
+	bool form = list->coder == ECO_CODER_FORM;
 
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
 		return BAD("chunk: %u elements are not in 1..%u", chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
 	if (chunk->primitive_count < chunk->element_count || chunk->primitive_count > most)
 		return BAD("chunk: %u elements cannot have %u primitives", chunk->element_count, chunk->primitive_count);
+	if (form && (uint64_t)chunk->primitive_count * list->element_count != (uint64_t)list->primitive_count * chunk->element_count)
+		return BAD("chunk: %u forms of %u primitives in a list of %u of %u", chunk->element_count, chunk->primitive_count,
+			list->element_count, list->primitive_count);
 	if (chunk->size_bytes < 1 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
 		return BAD("chunk: %u bytes are not in 1..%u", chunk->size_bytes, ECO_CHUNK_BYTES_MAX);
 	if (list->coder == ECO_CODER_BYTES && chunk->element_count != 1)
@@ -143,16 +151,19 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 	return ECO_OK;
 }
 
-/* Two points for each triangle, chunk by chunk. The chunk ranges of both are known to be in range. */
+/* Two points for each triangle, or one form for each element, chunk by chunk. The chunk ranges of both are known to be in range. */
 static enum eco_code check_pairs(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->lists[id], *partner = &s->lists[list->partner];
 
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
-		uint64_t points = s->chunks[list->chunk_first + i].primitive_count;
-		uint64_t triangles = s->chunks[partner->chunk_first + i].primitive_count;
+		const struct eco_chunk *own = &s->chunks[list->chunk_first + i], *of = &s->chunks[partner->chunk_first + i];
+		uint64_t points = own->primitive_count, triangles = of->primitive_count;
 
-		if (points != 2 * triangles)
+		if (list->coder == ECO_CODER_FORM && own->element_count != of->element_count)
+			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i, own->element_count, of->element_count,
+				list->partner);
+		if (list->coder == ECO_CODER_PAIRED && points != 2 * triangles)
 			return BAD("list %u: chunk %u has %llu points for the %llu triangles of list %u", id, i, (unsigned long long)points,
 				(unsigned long long)triangles, list->partner);
 	}
@@ -203,6 +214,12 @@ static bool ladder_list_fits(const struct eco_scene *s, uint32_t list, uint8_t k
 		&& !(s->lists[list].attributes & ECO_ATTR_PLANT);
 }
 
+/* What has a partner stands for the ladder's triangles. */
+static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t triangles)
+{
+	return list == ECO_NONE || s->lists[list].partner == ECO_NONE || s->lists[list].partner == triangles;
+}
+
 static enum eco_code check_ladder_levels(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_ladder *l = &s->ladders[id];
@@ -240,9 +257,10 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 			l->lines, l->simple, l->triangles, l->plant);
 	if (l->points == ECO_NONE && l->lines == ECO_NONE && l->triangles == ECO_NONE)
 		return BAD("ladder %u: has no list", id);
-	if (l->points != ECO_NONE && s->lists[l->points].coder == ECO_CODER_PAIRED && s->lists[l->points].partner != l->triangles)
-		return BAD("ladder %u: points of list %u stand for list %u, not for %u", id, l->points, s->lists[l->points].partner,
-			l->triangles);
+	if (!ladder_form_fits(s, l->points, l->triangles) || !ladder_form_fits(s, l->simple, l->triangles))
+		return BAD("ladder %u: lists %#x and %#x are not both forms of list %#x", id, l->points, l->simple, l->triangles);
+	if (l->simple != ECO_NONE && s->lists[l->simple].coder != ECO_CODER_FORM)
+		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple, s->lists[l->simple].coder);
 	if (l->before > l->total)
 		return BAD("ladder %u: %u of %u before it", id, l->before, l->total);
 	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX) || !within(l->length, 0, AREA_MAX)

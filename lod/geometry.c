@@ -7,6 +7,17 @@
 
 struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out; double edge; };
 
+static double edge_of(float area_factor)
+{
+	return area_factor == 1 ? 1 : sqrt((double)area_factor);
+}
+
+/* Value of an attribute that an element has at most one of. */
+static uint32_t extra_of(const struct eco_list *list, const int32_t *extra, enum eco_attr attribute, uint32_t without)
+{
+	return list->attributes & attribute && extra ? (uint32_t)extra[eco_list_extra_at(list, attribute)] : without;
+}
+
 static double metres(const struct eco_list *list, int axis, int32_t value)
 {
 	return list->grid_origin[axis] + value * list->grid_step[axis];
@@ -48,15 +59,15 @@ static void put_line(const struct target *t, uint32_t written, const int32_t *po
 		put_corner(t, t->out->position + 6 * (size_t)written + 3 * k, position + 3 * k, center);
 	if (t->out->width == NULL)
 		return;
-	uint32_t at = t->list->attributes & ECO_ATTR_COLOR ? 1 : 0;
-	double width = t->list->attributes & ECO_ATTR_WIDTH && extra ? extra[at] * t->list->grid_step[0] : 0;
+	double width = (int32_t)extra_of(t->list, extra, ECO_ATTR_WIDTH, 0) * t->list->grid_step[0];
 	t->out->width[written] = (float)(width * t->edge);
 }
 
 uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
 	float scale, struct lod_geometry *out)
 {
-	struct target t = { list, elements, out, scale == 1 ? 1 : sqrt((double)scale) };
+	struct target t = { list, elements, out, edge_of(scale) };
+	bool growth = list->attributes & ECO_ATTR_GROWTH;
 	uint32_t primitive = 0, written = 0;
 	size_t corner = 0;
 	assert(first <= end && end <= elements->primitive_count);
@@ -65,6 +76,8 @@ uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_element
 		const int32_t *position = elements->position + 3 * corner, *uv = elements->uv ? elements->uv + 2 * corner : NULL;
 		const int32_t *extra = elements->extra ? elements->extra + (size_t)elements->extra_count * e : NULL;
 		double center[3] = { 0, 0, 0 };
+		if (growth)
+			t.edge = edge_of(eco_growth(extra_of(list, extra, ECO_ATTR_GROWTH, ECO_GROWTH_PLAIN), scale));
 		if (primitive + count > first && corners > 1 && t.edge != 1)
 			find_center(&t, position, corners, center);
 		for (uint32_t i = 0; i < count; i++, primitive++) {
@@ -76,6 +89,8 @@ uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_element
 				put_line(&t, written, position, extra, center);
 			else
 				put_triangle(&t, written, position, uv, i, center);
+			if (out->size)
+				out->size[written] = eco_size(extra_of(list, extra, ECO_ATTR_SIZE, ECO_SIZE_ONE));
 			if (out->color)
 				out->color[written] = list->attributes & ECO_ATTR_COLOR && extra ? extra[0] : -1;
 			written++;

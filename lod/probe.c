@@ -13,7 +13,8 @@
 struct lod_drawing {                 /* one cut, as triangles, lines or points; offsets into `floats` */
 	uint8_t kind;
 	uint32_t count;
-	size_t position, uv, width;
+	size_t position, uv, width, size;    /* width of lines, size of points; `sized`: points differ */
+	bool sized;
 	const struct eco_image *cutout;
 	float area;
 };
@@ -193,18 +194,21 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 	size_t count = cut->end - cut->first, corners = eco_list_vertices(list);
 	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image];
 	size_t positions = 3 * corners * count, uvs = holes ? 2 * corners * count : 0, widths = corners == 2 ? count : 0;
+	bool sized = list->attributes & ECO_ATTR_SIZE;
+	size_t sizes = sized ? count : 0;
 	if (!count)
 		return ECO_OK;
-	if (!reserve(probe, positions + uvs + widths))
+	if (!reserve(probe, positions + uvs + widths + sizes))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %zu primitives", count);
 	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
 	*drawing = (struct lod_drawing){ .kind = list->kind, .position = probe->float_count, .uv = probe->float_count + positions,
-		.width = probe->float_count + positions + uvs, .area = list->unit_area * cut->scale,
+		.width = probe->float_count + positions + uvs, .size = probe->float_count + positions + uvs + widths, .sized = sized,
+		.area = list->unit_area * cut->scale,
 		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
 	struct lod_geometry geometry = { probe->floats + drawing->position, holes ? probe->floats + drawing->uv : NULL,
-		widths ? probe->floats + drawing->width : NULL, NULL };
+		widths ? probe->floats + drawing->width : NULL, NULL, sized ? probe->floats + drawing->size : NULL };
 	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale, &geometry);
-	probe->float_count += positions + uvs + widths;
+	probe->float_count += positions + uvs + widths + sizes;
 	probe->primitive_count += drawing->count;
 	return ECO_OK;
 }
@@ -217,7 +221,8 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 		const struct lod_drawing *drawing = &probe->drawings[i];
 		struct lod_raster_batch batch = { .count = drawing->count, .position = probe->floats + drawing->position,
 			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
-			.width = probe->floats + drawing->width, .area = drawing->area, .owner = 1 };
+			.width = probe->floats + drawing->width, .area = drawing->area,
+			.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
 		if (drawing->kind == ECO_LIST_TRIANGLES)
 			lod_raster_triangles(raster, &batch);
 		else if (drawing->kind == ECO_LIST_LINES)

@@ -16,7 +16,7 @@
  *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left; rounded to 1/256
  *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|: the quad a-o, b-o, b+o, a+o
  *             (two triangles); nothing where |o| is 0
- *   point     h = sqrt(area) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its centre: the pixels whose centres
+ *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its centre: the pixels whose centres
  *             lie in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at the depth of the centre. May be none.
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the image's top left; opaque where
  *             alpha >= 128; u, v perspective-correct
@@ -56,6 +56,7 @@ struct lod_raster_batch {
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are not there; NULL: opaque */
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* points: area of the square in object units^2 */
+	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
 	const uint8_t *rgb;          /* 3 per primitive or NULL */
 	uint64_t owner;              /* 0 draws ground: it hides, and is not covered */
 };

@@ -380,12 +380,15 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
 		const float *position = batch->position + 3 * (size_t)first;
 		uint32_t here = batch->count - first < 4 ? batch->count - first : 4;
 		float padded[12] = { 0 };
+		lod_f4 side = lod_f4_all(1);         /* of the square, over that of `area` */
+		for (uint32_t i = 0; batch->size && i < here; i++)
+			side[i] = sqrtf(batch->size[first + i]);
 		if (here < 4)
 			position = memcpy(padded, position, 3 * here * sizeof(float));
 		lod_f4 c[3];
 		struct four_boxes boxes;
 		load_points(position, c);
-		project_points(&screen, c, half_w, &boxes);
+		project_points(&screen, c, half_w * side, &boxes);
 		for (unsigned draw = boxes.draw & ((1u << here) - 1); draw; draw &= draw - 1) {
 			unsigned lane = (unsigned)__builtin_ctz(draw);
 			if (batch->rgb)

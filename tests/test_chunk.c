@@ -338,6 +338,52 @@ static void paired_points_follow_their_triangles(void **state)
 	}
 }
 
+/* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */
+static void forms_follow_their_elements(void **state)
+{
+	static const struct { uint8_t low, high, form; } cases[] = {
+		{ 3, 3, 1 }, { 3, 6, 1 }, { 6, 6, 1 }, { 3, 6, 3 }, { 5, 6, 4 }, { 4, 4, 4 },
+	};
+	enum { COUNT = 300, FIRST = 20, END = 270 };
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		const struct kind fan = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, COUNT, 0,
+			4095, SCATTERED };
+		const struct kind form = { "forms", cases[i].form == 1 ? ECO_LIST_POINTS : ECO_LIST_TRIANGLES, ECO_CODER_FORM,
+			cases[i].form == 1 ? ECO_ATTR_COLOR | ECO_ATTR_SIZE : ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0,
+			4095, SCATTERED };
+		const struct eco_list fans = list_of(&fan), forms = list_of(&form);
+		struct eco_elements in = make(&fan, COUNT, i), other = make(&form, COUNT, i + 50), out;
+		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
+		uint32_t order[END - FIRST];
+		struct eco_error error = { 0 };
+		struct eco_chunk chunk;
+		uint8_t *bytes;
+		size_t size;
+
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, &error), ECO_OK);
+		free(bytes);
+		if (eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		chunk = describe(&other, FIRST, END, size);
+		if (eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		assert_same(&form, &other, FIRST, END, &out, order);
+		eco_elements_free(&out);
+		free(bytes);
+		/* one form too few, one of another shape */
+		other.element_count--;
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error), ECO_BAD_INPUT);
+		other.element_count++;
+		other.corners[100] = (uint8_t)(7 - cases[i].form);
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, NULL), ECO_BAD_INPUT);
+		assert_null(bytes);
+		eco_elements_free(&in);
+		eco_elements_free(&other);
+	}
+}
+
 /* Smooth ground costs a few bits a sample, wherever the chunk begins in a row. */
 static void ground_is_predicted_from_its_neighbours(void **state)
 {
@@ -723,6 +769,7 @@ int main(void)
 		cmocka_unit_test(what_goes_in_comes_out),
 		cmocka_unit_test(the_same_elements_give_the_same_bytes),
 		cmocka_unit_test(paired_points_follow_their_triangles),
+		cmocka_unit_test(forms_follow_their_elements),
 		cmocka_unit_test(ground_is_predicted_from_its_neighbours),
 		cmocka_unit_test(connected_wood_is_small_and_keeps_its_texture),
 		cmocka_unit_test(no_wood_triangle_is_lost),
