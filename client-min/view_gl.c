@@ -207,6 +207,10 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
 	glUniform1i(s->uniform[VIEW_U_SHADE], 5);
 	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, f->job->tint == VIEW_TINT_KIND);
+	float sides[ECO_SIZES];
+	for (uint32_t code = 0; code < ECO_SIZES; code++)
+		sides[code] = sqrtf(eco_size(code));
+	glUniform1fv(s->uniform[VIEW_U_SIDES], ECO_SIZES, sides);
 }
 
 static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
@@ -335,10 +339,14 @@ static void set_tint(const struct view_shader *s, enum view_role role)
 	glUniform4f(s->uniform[VIEW_U_TINT], colors[role][0], colors[role][1], colors[role][2], 1);
 }
 
-/* Scale as the vertex shader wants it: of edges, or half the side of a point's square. */
-static float shader_scale(const struct eco_list *list, float scale)
+/* Scale as the vertex shader wants it: of edges, by growth code or of a line, or half the side of a point's square. */
+static void set_scale(const struct view_shader *s, const struct eco_list *list, float scale)
 {
-	return list->kind == ECO_LIST_POINTS ? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale);
+	float edges[ECO_GROWTHS];
+	for (uint32_t code = 0; code < ECO_GROWTHS; code++)
+		edges[code] = sqrtf(eco_growth(code, scale));
+	glUniform1fv(s->uniform[VIEW_U_EDGES], ECO_GROWTHS, edges);
+	glUniform1f(s->uniform[VIEW_U_SCALE], list->kind == ECO_LIST_POINTS ? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale));
 }
 
 static enum eco_code bind_images(struct frame *f, const struct view_list *list)
@@ -382,7 +390,7 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 		return code;
 	bind(0, GL_TEXTURE_BUFFER, records);
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
-	glUniform1f(s->uniform[VIEW_U_SCALE], shader_scale(&list->list, cut->scale));
+	set_scale(s, &list->list, cut->scale);
 	if (which == VIEW_PROGRAM_SUMMARY)
 		glUniform1ui(s->uniform[VIEW_U_PATH], view_record_path(selection->instances[selection->members[first_member]].path));
 	if (f->job->tint == VIEW_TINT_KIND)

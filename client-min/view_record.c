@@ -68,7 +68,7 @@ static void put_point(uint32_t **out, const float *p, uint32_t w)
 	put(out, bits(p[0]), bits(p[1]), bits(p[2]), w);
 }
 
-struct scratch { struct lod_geometry g; float *twice; };
+struct scratch { struct lod_geometry g; float *twice; uint8_t *code; };
 
 static void scratch_free(struct scratch *s)
 {
@@ -77,16 +77,35 @@ static void scratch_free(struct scratch *s)
 	free(s->g.width);
 	free(s->g.color);
 	free(s->twice);
+	free(s->code);
 }
 
 static bool scratch_make(struct scratch *s, uint32_t count)
 {
 	*s = (struct scratch){ { .position = malloc(36u * (size_t)count + 1), .uv = malloc(24u * (size_t)count + 1),
-		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1) };
-	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice)
+		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1),
+		malloc((size_t)count + 1) };
+	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice && s->code)
 		return true;
 	scratch_free(s);
 	return false;
+}
+
+/* Codes of elements, one a primitive. */
+static void find_codes(const struct eco_list *list, const struct eco_elements *e, uint8_t *code)
+{
+	bool point = list->kind == ECO_LIST_POINTS, has = list->attributes & (point ? ECO_ATTR_SIZE : ECO_ATTR_GROWTH);
+	uint32_t at = has ? eco_list_extra_at(list, point ? ECO_ATTR_SIZE : ECO_ATTR_GROWTH) : 0;
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		uint32_t count = e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
+		memset(code, has ? e->extra[(size_t)e->extra_count * i + at] : (int)(point ? ECO_SIZE_ONE : ECO_GROWTH_PLAIN), count);
+		code += count;
+	}
+}
+
+static uint32_t color_word(const struct view_list *list, const struct scratch *s, uint32_t i)
+{
+	return packed_color(list, s->g.color[i]) | (uint32_t)s->code[i] << 24;
 }
 
 static void write_triangle(const struct view_list *list, const struct scratch *s, uint32_t i, uint32_t texels, uint32_t **out)
@@ -95,7 +114,7 @@ static void write_triangle(const struct view_list *list, const struct scratch *s
 	float center[3];
 	for (int k = 0; k < 3; k++)
 		center[k] = 2 * p[k] - twice[k];
-	put_point(out, p, packed_color(list, s->g.color[i]));
+	put_point(out, p, color_word(list, s, i));
 	put_point(out, p + 3, bits(center[0]));
 	put_point(out, p + 6, bits(center[1]));
 	if (texels == 4) {
@@ -146,10 +165,13 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 	if (!scratch_make(&s, count))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of list %u", list->id);
 	struct lod_geometry twice = { .position = s.twice };
+	struct eco_list plain = list->list;              /* whose elements all grow by the factor */
+	plain.attributes &= (uint8_t)~ECO_ATTR_GROWTH;
 	uint32_t written = lod_list_geometry(&list->list, &e, 0, count, 1, &s.g);
 	assert(written == count);
 	if (list->list.kind == ECO_LIST_TRIANGLES)
-		lod_list_geometry(&list->list, &e, 0, count, 4, &twice);
+		lod_list_geometry(&plain, &e, 0, count, 4, &twice);
+	find_codes(&list->list, &e, s.code);
 	uint32_t first_point = first_chunk ? list->marks[first_chunk - 1].elements : 0;
 	for (uint32_t i = 0; i < count; i++) {
 		if (list->list.kind == ECO_LIST_TRIANGLES) {
@@ -158,7 +180,7 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 			put_point(&words, s.g.position + 6 * (size_t)i, bits(s.g.width[i]));
 			put_point(&words, s.g.position + 6 * (size_t)i + 3, packed_color(list, s.g.color[i]));
 		} else {
-			put_point(&words, s.g.position + 3 * (size_t)i, packed_color(list, s.g.color[i]));
+			put_point(&words, s.g.position + 3 * (size_t)i, color_word(list, &s, i));
 			if (texels == 2) {
 				uint64_t owner = view_summary_owner(list, first_point + i, 0);
 				put(&words, (uint32_t)owner, (uint32_t)(owner >> 32), key_mask(), 0);

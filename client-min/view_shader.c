@@ -2,7 +2,8 @@
  *
  * Geometry: positions are taken to view space (right, up, forward; metres from the eye) by one float matrix an instance, made in
  * doubles, as lod/raster.h does; y points down in the picture, so that row 0 is the top and the same corner rule applies; depth is
- * near / distance. Elements are scaled about their centre by the root of the cut's area factor.
+ * near / distance. Elements are scaled about their centre by the root of their area factor: what each growth code comes to at the cut's
+ * scale is a uniform, as is the side of a point of each size code.
  *
  * Light: a sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the visible side; a
  * crown shades itself towards its dark side and its inside. A point or line stands for leaves of every direction, so it gets
@@ -11,6 +12,11 @@
 
 #include <epoxy/gl.h>
 #include <stdio.h>
+
+#include "ecofiles/list.h"
+
+#define TEXT(macro) TEXT_OF(macro)
+#define TEXT_OF(value) #value
 
 static const char head_desktop[] = "#version 450 core\n";
 static const char head_es[] = "#version 320 es\n"
@@ -99,6 +105,7 @@ static const char vertex_common[] =
 	"}\n";
 
 static const char vertex_triangles[] =
+	"uniform float u_edges[" TEXT(ECO_GROWTHS) "];\n"
 	"void main() {\n"
 	"	Plant p = plant_of(texelFetch(u_members, u_first_member + gl_InstanceID).x);\n"
 	"	int corner = gl_VertexID % 3, at = gl_VertexID / 3 * TEXELS;\n"
@@ -106,7 +113,8 @@ static const char vertex_triangles[] =
 	"	uvec4 t3 = texelFetch(u_records, at + 3);\n"
 	"	vec3 a = xyz(t0), b = xyz(t1), c = xyz(t2), center = uintBitsToFloat(uvec3(t1.w, t2.w, t3.x));\n"
 	"	vec3 at_corner = corner == 0 ? a : corner == 1 ? b : c;\n"
-	"	if (u_scale != 1.0) at_corner = center + (at_corner - center) * u_scale;\n"
+	"	float edge = u_edges[t0.w >> 24];\n"
+	"	if (edge != 1.0) at_corner = center + (at_corner - center) * edge;\n"
 	"	vec3 n = cross(b - a, c - a), view = view_of(p, at_corner);\n"
 	"	shade(p, at_corner, view, turned(p, n / max(length(n), 1e-20)), 0.0, color_of(t0.w));\n"
 	"#if TEXELS == 5\n"
@@ -138,6 +146,7 @@ static const char vertex_lines[] =
 
 /* The clip-space square is the picture-space square: x and y offsets of one size in pixels need one focal length. */
 static const char vertex_points[] =
+	"uniform float u_sides[" TEXT(ECO_SIZES) "];\n"
 	"void main() {\n"
 	"	Plant p = plant_of(texelFetch(u_members, u_first_member + gl_InstanceID).x);\n"
 	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * TEXELS;\n"
@@ -153,7 +162,7 @@ static const char vertex_points[] =
 	"#endif\n"
 	"	shade(p, local, view, u_forward, 1.0, color_of(t0.w));\n"
 	"	gl_Position = project(view);\n"
-	"	gl_Position.xy += sign * (u_scale * p.scale) * u_lens.xy;\n"
+	"	gl_Position.xy += sign * (u_scale * u_sides[t0.w >> 24] * p.scale) * u_lens.xy;\n"
 	"}\n";
 
 static const char vertex_ground[] =
@@ -295,7 +304,7 @@ static const struct { const char *name, *defines, *vertex, *fragment; bool bare;
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens", "u_origin", "u_first_member",
 	"u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members", "u_alpha", "u_texture", "u_shade", "u_shade_box",
-	"u_path", "u_anchor", "u_step", "u_inner", "u_seam" };
+	"u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name, struct eco_error *error)
 {

@@ -244,9 +244,27 @@ static enum eco_code list_reserve(struct view_store *store, struct view_list *li
 	return ECO_OK;
 }
 
-/* What every user of decoded elements relies on: colours lie in the palette, widths are not negative. */
+static enum eco_code check_codes(const struct view_list *list, const struct eco_elements *more, enum eco_attr attribute, uint32_t codes,
+	struct eco_error *error)
+{
+	const int32_t *extra = more->extra;
+	if (!(list->list.attributes & attribute))
+		return ECO_OK;
+	for (uint32_t i = 0, at = eco_list_extra_at(&list->list, attribute); i < more->element_count; i++, extra += more->extra_count)
+		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
+			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: %s code %d is not below %u", list->id, list->chunk_count,
+				attribute == ECO_ATTR_SIZE ? "size" : "growth", extra[at], codes);
+	return ECO_OK;
+}
+
+/* What every user of decoded elements relies on: colours lie in the palette, codes exist, widths are not negative. */
 static enum eco_code check_values(const struct view_list *list, const struct eco_elements *more, struct eco_error *error)
 {
+	enum eco_code code = check_codes(list, more, ECO_ATTR_GROWTH, ECO_GROWTHS, error);
+	if (!code)
+		code = check_codes(list, more, ECO_ATTR_SIZE, ECO_SIZES, error);
+	if (code)
+		return code;
 	bool color = list->list.attributes & ECO_ATTR_COLOR, width = list->list.attributes & ECO_ATTR_WIDTH;
 	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
 		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
