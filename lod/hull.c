@@ -239,10 +239,10 @@ static bool hidden(const struct lod_hull_sight *sight, const double d[3])
 
 double lod_hull_visible(const struct lod_hull_sample *samples, uint32_t count, const struct lod_hull_sight *sight)
 {
-	const struct lod_place *place = sight->place;
 	uint32_t facing = 0, visible = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const float *n = samples[i].normal;
+		const struct lod_place *place = sight->place;
 		double world[3], d[3], normal[3] = { place->cosine * n[0] - place->sine * n[1], place->sine * n[0] + place->cosine * n[1], n[2] };
 		lod_place_point(place, samples[i].at, world);
 		for (int k = 0; k < 3; k++)
