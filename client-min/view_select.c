@@ -14,7 +14,8 @@
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
 
-const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "lines", "points", "blend triangles", "blend points", "summary" };
+const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "simple", "lines", "points", "blend triangles", "blend simple",
+	"blend points", "summary" };
 
 struct walk {
 	struct view_selection *out;
@@ -81,19 +82,44 @@ static enum eco_code index_cuts(struct walk *w)
 	return ECO_OK;
 }
 
+static const struct eco_list *list_of(const struct walk *w, const struct eco_cut *cut)
+{
+	return &view_store_list(w->store, cut->list)->list;
+}
+
 static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut)
 {
-	switch (view_store_list(w->store, cut->list)->list.kind) {
+	switch (list_of(w, cut)->kind) {
 	case ECO_LIST_LINES:
 		return VIEW_ROLE_LINES;
 	case ECO_LIST_POINTS:
-		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : cut->first ? VIEW_ROLE_BLEND_POINTS : VIEW_ROLE_POINTS;
+		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : VIEW_ROLE_POINTS;
 	default:
-		return VIEW_ROLE_TRIANGLES;
+		return list_of(w, cut)->partner == ECO_NONE ? VIEW_ROLE_TRIANGLES : VIEW_ROLE_SIMPLE;
 	}
 }
 
-/* Triangles [0,m) belong to a blend if points [2m, ...) of the same anchor, bands and share take over where they end. */
+static uint8_t blend_role(uint8_t role)
+{
+	static const uint8_t blend[VIEW_ROLE_COUNT] = { [VIEW_ROLE_TRIANGLES] = VIEW_ROLE_BLEND_TRIANGLES,
+		[VIEW_ROLE_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [VIEW_ROLE_POINTS] = VIEW_ROLE_BLEND_POINTS };
+	return blend[role] ? blend[role] : role;
+}
+
+/* The list whose elements a cut draws, in one form or another. */
+static uint32_t elements_of(const struct walk *w, const struct eco_cut *cut)
+{
+	uint32_t partner = list_of(w, cut)->partner;
+	return partner == ECO_NONE ? cut->list : partner;
+}
+
+static bool same_plants(const struct eco_cut *a, const struct eco_cut *b)
+{
+	return a->anchor == b->anchor && a->band_first == b->band_first && a->band_end == b->band_end && a->share_first == b->share_first
+		&& a->share_end == b->share_end;
+}
+
+/* Two cuts are a blend if one draws the first elements of a list and the other, in another form, those from some element on. */
 static void find_roles(struct walk *w)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
@@ -101,15 +127,16 @@ static void find_roles(struct walk *w)
 	for (uint32_t i = 0; i < n; i++)
 		w->out->roles[i] = (uint8_t)plain_role(w, &cuts[i]);
 	for (uint32_t i = 0; i < n; i++) {
-		const struct eco_cut *points = &cuts[w->sorted[i]];
-		if (w->out->roles[w->sorted[i]] != VIEW_ROLE_BLEND_POINTS)
+		const struct eco_cut *rest = &cuts[w->sorted[i]];
+		if (rest->anchor == ECO_NONE || !rest->first)
 			continue;
-		uint32_t from = view_table_get(&w->anchors, points->anchor);
-		for (uint32_t j = from; j < n && cuts[w->sorted[j]].anchor == points->anchor; j++) {
-			const struct eco_cut *t = &cuts[w->sorted[j]];
-			if (w->out->roles[w->sorted[j]] == VIEW_ROLE_TRIANGLES && t->first == 0 && 2 * (uint64_t)t->end == points->first &&
-				t->band_first == points->band_first && t->band_end == points->band_end && t->share_first == points->share_first)
-				w->out->roles[w->sorted[j]] = VIEW_ROLE_BLEND_TRIANGLES;
+		uint32_t from = view_table_get(&w->anchors, rest->anchor);
+		for (uint32_t j = from; j < n && cuts[w->sorted[j]].anchor == rest->anchor; j++) {
+			const struct eco_cut *front = &cuts[w->sorted[j]];
+			if (front->first || front->list == rest->list || !same_plants(front, rest) || elements_of(w, front) != elements_of(w, rest))
+				continue;
+			w->out->roles[w->sorted[i]] = blend_role(w->out->roles[w->sorted[i]]);
+			w->out->roles[w->sorted[j]] = blend_role(w->out->roles[w->sorted[j]]);
 		}
 	}
 }

@@ -13,6 +13,7 @@
 #include "ecofiles/chunk.h"
 #include "ecofiles/image.h"
 
+#define FORMS_MAX 8u                     /* of one list: each of its chunks is compared with each */
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
 
 struct view_store {
@@ -26,6 +27,7 @@ struct view_store {
 	struct view_list **lists;        uint32_t list_count, list_room;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table list_table, plant_table;
+	struct view_table form_table;    /* list with other forms -> index of one of them; the others by view_list.next_form */
 	struct eco_plan plan;
 };
 
@@ -69,6 +71,7 @@ void view_store_free(struct view_store *store)
 	}
 	view_table_free(&store->list_table);
 	view_table_free(&store->plant_table);
+	view_table_free(&store->form_table);
 	eco_plan_free(&store->plan);
 	free(store->lists);
 	free(store->plants);
@@ -174,6 +177,64 @@ static bool same_record(const struct eco_list *a, const struct eco_list *b)
 	return same;
 }
 
+/* ---- Forms: element i of one list is element i of the other, whichever comes first ---- */
+
+/* As both are described. */
+static enum eco_code check_form(const struct view_list *form, const struct view_list *of, struct eco_error *error)
+{
+	if (of->list.kind != ECO_LIST_TRIANGLES || of->list.coder != ECO_CODER_ELEMENTS)
+		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u, which is not one of fans", form->id, of->id);
+	if (form->list.chunk_count != of->list.chunk_count ||
+		(form->list.coder == ECO_CODER_FORM && form->list.element_count != of->list.element_count))
+		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u: %u elements in %u chunks for %u in %u", form->id, of->id,
+			form->list.element_count, form->list.chunk_count, of->list.element_count, of->list.chunk_count);
+	return ECO_OK;
+}
+
+/* Up to the end of a chunk, of which one is held and one (`list`) is about to be. */
+static enum eco_code check_form_chunk(const struct view_list *list, uint32_t ordinal, uint32_t elements, const struct view_list *other,
+	struct eco_error *error)
+{
+	if (ordinal < other->chunk_count && elements != other->marks[ordinal].elements)
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u ends at element %u, that of list %u at %u: they are forms of the same", ordinal,
+			list->id, elements, other->id, other->marks[ordinal].elements);
+	return ECO_OK;
+}
+
+static const struct view_list *form_of(const struct view_store *store, const struct view_list *list)
+{
+	return list->list.coder == ECO_CODER_FORM ? view_store_list(store, list->list.partner) : NULL;
+}
+
+static enum eco_code check_form_chunks(const struct view_store *store, const struct view_list *list, uint32_t ordinal, uint32_t elements,
+	struct eco_error *error)
+{
+	const struct view_list *of = form_of(store, list);
+	enum eco_code code = of ? check_form_chunk(list, ordinal, elements, of, error) : ECO_OK;
+	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code; i = store->lists[i]->next_form)
+		code = check_form_chunk(list, ordinal, elements, store->lists[i], error);
+	return code;
+}
+
+/* Checks a list that is about to be the `index`-th against those that it is a form of, or that are forms of it. */
+static enum eco_code bind_forms(struct view_store *store, struct view_list *list, uint32_t index, struct eco_error *error)
+{
+	const struct view_list *of = form_of(store, list);
+	enum eco_code code = of ? check_form(list, of, error) : ECO_OK;
+	uint32_t first = view_table_get(&store->form_table, list->list.partner), count = 0;
+	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code; i = store->lists[i]->next_form)
+		code = check_form(store->lists[i], list, error);
+	list->next_form = UINT32_MAX;
+	if (code || list->list.coder != ECO_CODER_FORM)
+		return code;
+	for (uint32_t i = first; i < store->list_count; i = store->lists[i]->next_form)
+		count++;
+	if (count == FORMS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "list %u has more than %u forms", list->list.partner, FORMS_MAX);
+	list->next_form = first;
+	return view_table_put(&store->form_table, list->list.partner, index) ? ECO_OK : no_memory(error, "a list");
+}
+
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
 	struct eco_error *error)
 {
@@ -195,10 +256,15 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	copy->list = *list;
 	copy->palette = malloc(palette_bytes ? palette_bytes : 1);
 	copy->marks = calloc(list->chunk_count ? list->chunk_count : 1, sizeof *copy->marks);
-	if (!copy->palette || !copy->marks || !room_for_pointer((void ***)&store->lists, store->list_count, &store->list_room) ||
-		!view_table_put(&store->list_table, id, store->list_count)) {
+	if (!copy->palette || !copy->marks || !room_for_pointer((void ***)&store->lists, store->list_count, &store->list_room))
+		code = no_memory(error, "a list");
+	if (!code)
+		code = bind_forms(store, copy, store->list_count, error);
+	if (!code && !view_table_put(&store->list_table, id, store->list_count))
+		code = no_memory(error, "a list");
+	if (code) {
 		list_free(copy);
-		return no_memory(error, "a list");
+		return code;
 	}
 	if (palette_bytes)
 		memcpy(copy->palette, palette, palette_bytes);
@@ -359,8 +425,15 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	if (chunk->primitive_count > list->list.primitive_count - before.primitives ||
 		chunk->element_count > list->list.element_count - before.elements)
 		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u holds more than the list declares", ordinal, id);
+	struct eco_error cause = { 0 };
+	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
+	if (code)
+		return eco_fail(error, code, "list %u, chunk %u: %s", id, ordinal, cause.text);
+	code = check_form_chunks(store, list, ordinal, before.elements + chunk->element_count, error);
+	if (code)
+		return code;
 	double start = view_clock_ms();
-	enum eco_code code = list->list.kind == ECO_LIST_IMAGE ? decode_image(store, list, chunk, payload, error)
+	code = list->list.kind == ECO_LIST_IMAGE ? decode_image(store, list, chunk, payload, error)
 		: decode_elements(store, list, chunk, payload, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)

@@ -8,7 +8,7 @@
  *   view_store_free(store);
  *
  * Everything a stream says is checked against what is already held: a chunk sent twice, a chunk out of order, a count that does
- * not fit or a colour outside the palette is ECO_DAMAGED. One thread at a time. */
+ * not fit (its own list's, or that of the list it is a form of) or a colour outside the palette is ECO_DAMAGED. One thread at a time. */
 #ifndef VIEW_STORE_H
 #define VIEW_STORE_H
 
@@ -22,6 +22,7 @@ struct view_list {                       /* owned by the store; address is stabl
 	uint32_t id;
 	struct eco_list list;            /* as the stream described it */
 	uint8_t (*palette)[3];           /* list.palette_count colours, sRGB */
+	uint32_t next_form;              /* index of another form of the same list, or UINT32_MAX */
 	uint32_t chunk_count;            /* chunks held: a prefix */
 	struct view_mark *marks;         /* one per chunk held */
 	struct eco_elements elements;    /* of all chunks held, in draw order */

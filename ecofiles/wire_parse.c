@@ -160,11 +160,24 @@ static bool grid_sound(const struct eco_list *list)
 	return isfinite(list->unit_area) && list->unit_area >= 0;
 }
 
+/* What a form's record says by itself; that its partner has as many elements is for who holds both. */
+static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct eco_error *e)
+{
+	bool points = list->kind == ECO_LIST_POINTS, triangles = list->kind == ECO_LIST_TRIANGLES;
+	if (list->partner == ECO_NONE || list->partner == id)
+		return eco_fail(e, ECO_DAMAGED, "list %u holds forms of the elements of list %#x, which is no other list", id, list->partner);
+	if ((!points && !triangles) || (list->primitive_count != list->element_count &&
+		(points || list->primitive_count != 2 * (uint64_t)list->element_count)))
+		return eco_fail(e, ECO_DAMAGED, "list %u: %u forms of kind %u cannot have %u primitives", id, list->element_count, list->kind,
+			list->primitive_count);
+	return ECO_OK;
+}
+
 static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list, struct eco_error *e)
 {
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know", id, list->kind);
-	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
+	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_FORM)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know", id, list->coder);
 	if ((list->attributes & ~ATTRIBUTES_ALL) || (list->level && list->kind != ECO_LIST_GROUND) || list->level >= ECO_GROUND_LEVELS)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this program does not know", id,
@@ -180,6 +193,8 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	if ((list->image != ECO_NONE && list->image >= p->list_count) || (list->partner != ECO_NONE && list->partner >= p->list_count))
 		return eco_fail(e, ECO_DAMAGED, "list %u names image %u and partner %u of %u lists", id, list->image, list->partner,
 			p->list_count);
+	if (list->coder == ECO_CODER_FORM && check_form(id, list, e) != ECO_OK)
+		return ECO_DAMAGED;
 	if (list->element_count > list->primitive_count && list->kind != ECO_LIST_IMAGE)
 		return eco_fail(e, ECO_DAMAGED, "list %u: %u elements with %u primitives", id, list->element_count,
 			list->primitive_count);
