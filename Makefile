@@ -19,6 +19,9 @@ PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-d
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev jq curl xz-utils
 
+# What programs keep from one run to the next stays in here: demonstrations and tests leave the user's own cache alone.
+export XDG_CACHE_HOME := $(CURDIR)/build/cache
+
 CC ?= gcc
 CXX ?= g++
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla $(if $(CI),-Werror)
@@ -96,7 +99,7 @@ $(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_EC
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
-$(B)/tests/test_make $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
+$(B)/tests/test_make $(B)/tests/test_cache $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
 $(B)/tests/test_%: $(B)/obj/tests/test_%.o $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \

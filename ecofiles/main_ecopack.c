@@ -27,21 +27,44 @@ static void print_times(bool by_stage)
 		printf("built in %.2f s with at most %.0f MB of memory\n", elapsed_s, most_mb);
 }
 
+static enum eco_code find_order(const char *name, enum lod_order_method *order, struct eco_error *error)
+{
+	char known[256] = "";
+	for (int i = 0; i < LOD_ORDER_COUNT; i++) {
+		if (strcmp(lod_order_names[i], name) == 0) {
+			*order = (enum lod_order_method)i;
+			return ECO_OK;
+		}
+		eco_phrase_add(known, sizeof known, lod_order_names[i]);
+	}
+	return eco_fail(error, ECO_BAD_USAGE, "--order %.100s: the orders are %s", name, known);
+}
+
 static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 {
+	char folder[MAIN_CACHE_PATH] = "";
 	struct make_options make = { 0 };
-	uint64_t jobs = 0;
-	const char *order = NULL;
-	bool times = false;
+	uint64_t jobs = 0, cache_mb = MAIN_CACHE_LIMIT_MB;
+	const char *order = lod_order_names[LOD_ORDER_GREEDY];
+	bool times = false, uncached = false;
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &make.pack, 0, 0, 0, NULL },
 		{ "times", 0, MAIN_FLAG, &times, 0, 0, 0, NULL },
-		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL }, { 0 } };
+		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
+		{ "cache", 0, MAIN_TEXT, &make.cache, 0, 0, 0, NULL }, { "no-cache", 0, MAIN_FLAG, &uncached, 0, 0, 0, NULL },
+		{ "cache-mb", 0, MAIN_COUNT, &cache_mb, 1, 1048576, 0, NULL }, { 0 } };
 	enum eco_code code = main_arguments(argc, argv, "make", options, "the scene file", &make.scene, 1, NULL, error);
 	if (!code && !make.pack)
 		code = eco_fail(error, ECO_BAD_USAGE, "ecopack make: -o OUT.eco is missing");
-	if (!code && order && strcmp(order, "combined") != 0)
-		code = eco_fail(error, ECO_BAD_USAGE, "--order %s: the only order is combined", order);
+	if (!code)
+		code = find_order(order, &make.order, error);
+	if (!code && make.cache && (!make.cache[0] || strlen(make.cache) > sizeof folder / 2))
+		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder", make.cache);
 	make.jobs = (uint32_t)jobs;
+	make.cache_bytes = cache_mb << 20;
+	if (uncached)
+		make.cache = NULL;
+	else if (!make.cache && main_cache_default(folder))
+		make.cache = folder;
 	main_times_memory(times);
 	if (!code)
 		code = make_pack(&make, error);
@@ -53,12 +76,16 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [--order combined] [--jobs N] [--times]",
+const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | --no-cache]",
 	"builds a pack; every field of SCENE.json is described in ecofiles/README.md",
 	"  -o, --output PATH   the pack, which appears complete or not at all and replaces nothing but a pack\n"
-	"      --order NAME    priority order of leaves: combined (the default)\n"
+	"      --order NAME    which leaves come first: greedy (the default: those that make most pixels right), or a method to compare with:\n"
+	"                      stochastic, density, orientation, combined\n"
 	"      --jobs N        threads; as many as there are processors if not given\n"
-	"      --times         where the time went, and the memory, by stage\n", run_make };
+	"      --times         where the time went, and the memory, by stage\n"
+	"      --cache DIR     finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given\n"
+	"      --no-cache      every plant is built\n"
+	"      --cache-mb N    the plants used least recently leave the cache beyond this size; 2048 if not given\n", run_make };
 
 /* ---- info, verify ---- */
 

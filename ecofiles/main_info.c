@@ -144,7 +144,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 			"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m", list->grid_step[2],
 			"tiles", (json_int_t)s->ground_count, "levels", (json_int_t)top->level + 1));
 	}
-	static const char *const copied[] = { "generator", "crs", "origin", "eco_files", "off_ground", "rows" };
+	static const char *const copied[] = { "generator", "order", "crs", "origin", "eco_files", "off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -229,7 +229,9 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 		if (t->kind[i].lists)
 			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i], t->kind[i].lists, t->kind[i].chunks,
 				t->kind[i].primitives, bytes_text(t->kind[i].bytes, text));
-	fprintf(out, "%u ladders with %u curve samples\n", s->ladder_count, s->curve_count);
+	const char *order = json_string_value(json_object_get(meta, "order"));
+	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count, order ? ", leaves in order " : "",
+		order ? order : "");
 	if (json_integer_value(json_object_get(meta, "off_ground")))
 		fprintf(out, "%lld beyond the ground's border\n", (long long)json_integer_value(json_object_get(meta, "off_ground")));
 	if (json_integer_value(json_object_get(rows, "read"))) {

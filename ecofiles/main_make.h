@@ -3,6 +3,7 @@
  *   sources     eco_sources_load: the scene file and what it nests, each once
  *   ground      eco_ground_import, brought to the pack's grid, cut into tiles                       main_make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
+ *               or, where the same was built before, what is kept of it                           main_make_cache.c
  *   places      instances and inventories, put on the ground, scaled to their heights             main_make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c
  *   commit      tables, META, rename                                                              main_make_meta.c
@@ -12,6 +13,7 @@
 #define ECO_MAIN_MAKE_H
 
 #include "ecofiles/ground.h"
+#include "ecofiles/main_cache.h"
 #include "ecofiles/pack.h"
 #include "ecofiles/scene.h"
 #include "lod/plant.h"
@@ -20,6 +22,9 @@
 struct make_options {
 	const char *scene, *pack;
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
+	enum lod_order_method order; /* of leaves */
+	const char *cache;           /* folder of finished plants; NULL or "": none. The pack is the same with and without */
+	uint64_t cache_bytes;        /* at most so much is left in it; 0: 2 GiB */
 };
 
 /* Builds options->pack. On failure the target is untouched. */
@@ -63,6 +68,7 @@ struct make {
 	struct eco_error *error;
 	struct eco_sources sources;
 	struct make_plant *plants;   uint32_t plant_count;
+	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	struct eco_ground ground;    bool has_ground;
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
@@ -95,6 +101,16 @@ enum eco_code make_ground_pack(struct make *m);
 void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
+
+/* To be called before any library is loaded at need, as those that are there count. */
+void make_cache_begin(void);
+/* False where the program cannot be read: then nothing is to be kept. */
+bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options);
+/* The plant that lod_plant_measure left, with that name, if it is in the cache. */
+bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model, const char *name,
+	struct lod_plant *plant);
+void make_cache_put(struct main_cache *cache, const struct main_cache_key *key, const struct lod_plant *plant);
+
 enum eco_code make_places_check(struct make *m);     /* opens every inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
 void make_places_drop(struct make *m);               /* of m->ecos all that only tiles are made of */

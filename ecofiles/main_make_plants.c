@@ -200,7 +200,7 @@ static void enter(void *ctx, enum lod_plant_stage stage)
 
 /* ---- Parts of a plant's work, shared out to idle threads ---- */
 
-struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; atomic_uint next; };
+struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage; atomic_uint next; };
 
 static void *take_pieces(void *ctx)
 {
@@ -212,7 +212,7 @@ static void *take_pieces(void *ctx)
 
 static void *help(void *ctx)
 {
-	main_times_stage(MAIN_STAGE_CURVES);
+	main_times_stage(((struct shared *)ctx)->stage);
 	take_pieces(ctx);
 	main_times_stage(MAIN_STAGE_NONE);
 	return NULL;
@@ -221,7 +221,7 @@ static void *help(void *ctx)
 static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
 {
 	struct work *work = ((struct job *)ctx)->work;
-	struct shared shared = { .piece = piece, .pieces = pieces, .count = count };
+	struct shared shared = { .piece = piece, .pieces = pieces, .count = count, .stage = main_times_now() };
 	pthread_t helpers[64];
 	uint32_t started = 0;
 	pthread_mutex_lock(&work->lock);
@@ -238,12 +238,36 @@ static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t
 	pthread_mutex_unlock(&work->lock);
 }
 
+/* Builds and measures a plant, or takes it from the cache. */
+static enum eco_code build_or_recall(struct job *job, const struct eco_model *model, struct eco_error *error)
+{
+	struct make *m = job->work->m;
+	struct make_plant *plant = &m->plants[job->plant];
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order, .progress = tell, .stage = enter,
+		.each = each, .ctx = job };
+	struct main_cache_key key;
+	memcpy(options.importance, plant->source->importance, sizeof options.importance);
+	main_times_stage(MAIN_STAGE_CACHE);
+	bool cached = m->cache.folder[0] && make_cache_key(&key, model, &options);
+	if (cached && make_cache_get(&m->cache, &key, model, plant->name, &plant->built))
+		return ECO_OK;
+	job->from = IMPORTED;
+	job->to = BUILT;
+	enum eco_code code = lod_plant_build(&plant->built, model, &options, error);
+	job->from = BUILT;
+	job->to = 1;
+	if (!code)
+		code = lod_plant_measure(&plant->built, model, &options, error);
+	main_times_stage(MAIN_STAGE_CACHE);
+	if (!code && cached)
+		make_cache_put(&m->cache, &key, &plant->built);
+	return code;
+}
+
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
 	struct eco_model model = { 0 };
-	struct lod_plant_options options = { .name = plant->name, .seed = 1, .progress = tell, .stage = enter, .each = each, .ctx = job };
-	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	job->from = 0;
 	job->to = IMPORTED;
 	if (!tell(job, 0))
@@ -262,13 +286,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
 	memcpy(plant->foot, model.foot, sizeof plant->foot);
 	plant->scale = model.scale;
-	job->from = IMPORTED;
-	job->to = BUILT;
-	code = lod_plant_build(&plant->built, &model, &options, error);
-	job->from = BUILT;
-	job->to = 1;
-	if (!code)
-		code = lod_plant_measure(&plant->built, &model, &options, error);
+	code = build_or_recall(job, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_TEXTURES);

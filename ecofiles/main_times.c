@@ -2,14 +2,15 @@
  * leaves. Memory is the process's: its peak since the last change is a peak of every stage that was being worked on. */
 #include "ecofiles/main_times.h"
 
+#include <inttypes.h>
 #include <pthread.h>
-#include <stdint.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
 static const char *const names[MAIN_STAGE_COUNT] = { [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
-	[MAIN_STAGE_MODELS] = "reading models", [MAIN_STAGE_ELEMENTS] = "organs and elements", [MAIN_STAGE_ORDERS] = "orders",
+	[MAIN_STAGE_MODELS] = "reading models", [MAIN_STAGE_CACHE] = "cache",
+	[MAIN_STAGE_ELEMENTS] = "organs and elements", [MAIN_STAGE_ORDERS] = "orders",
 	[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_CURVES] = "curves and scales", [MAIN_STAGE_TEXTURES] = "textures",
 	[MAIN_STAGE_PACKING] = "packing plants", [MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
 	[MAIN_STAGE_SUMMARIES] = "summaries", [MAIN_STAGE_WRITING] = "writing" };
@@ -18,6 +19,7 @@ static struct { double elapsed_s, cpu_s, peak_mb; uint32_t threads; } stages[MAI
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static double start_s, total_mb;
 static bool by_stage;
+static struct { char folder[1024]; uint64_t hits, misses; } cache;
 
 static _Thread_local struct { enum main_stage stage; double since_s, cpu_s, readers_s, readers_mb; } mine;
 
@@ -101,12 +103,22 @@ enum main_stage main_times_now(void) { return mine.stage; }
 
 void main_times_memory(bool wanted) { by_stage = wanted; }
 
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
+{
+	snprintf(cache.folder, sizeof cache.folder, "%s", folder);
+	cache.hits = hits;
+	cache.misses = misses;
+}
+
 void main_times_print(FILE *out)
 {
 	fprintf(out, "\n%-22s %9s %9s %9s\n", "stage", "elapsed", "processor", "memory");
 	for (int i = 1; i < MAIN_STAGE_COUNT; i++)
 		if (stages[i].elapsed_s > 0)
 			fprintf(out, "%-22s %7.2f s %7.2f s %6.0f MB\n", names[i], stages[i].elapsed_s, stages[i].cpu_s, stages[i].peak_mb);
+	if (cache.folder[0])
+		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n", cache.hits, cache.hits + cache.misses,
+			cache.folder);
 }
 
 void main_times_total(double *elapsed_s, double *most_mb)

@@ -3,6 +3,7 @@
 #define ECO_MAIN_TIMES_H
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 enum main_stage {
@@ -10,6 +11,7 @@ enum main_stage {
 	MAIN_STAGE_SCENE,            /* scene files, inventories opened */
 	MAIN_STAGE_GROUND,
 	MAIN_STAGE_MODELS,           /* the readers' own time and memory included */
+	MAIN_STAGE_CACHE,            /* plants of earlier builds */
 	MAIN_STAGE_ELEMENTS,         /* welding, organs, elements */
 	MAIN_STAGE_ORDERS,
 	MAIN_STAGE_LISTS,            /* cells, points, lines, levels */
@@ -29,6 +31,9 @@ enum main_stage main_times_now(void);        /* of the calling thread */
 
 /* Memory by stage needs the kernel's peak to be reset between stages, after which other tools read too little: only if asked for. */
 void main_times_memory(bool wanted);
+
+/* How many plants were in the cache (a folder; "": there is none) and how many were not: for the line under the table. */
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses);
 
 /* A table: elapsed and processor seconds by stage, and the most memory while it ran. */
 void main_times_print(FILE *out);
