@@ -335,7 +335,8 @@ static void set_tint(const struct view_shader *s, enum view_role role)
 		[VIEW_ROLE_TRIANGLES] = { 0.10f, 0.62f, 0.16f }, [VIEW_ROLE_LINES] = { 0.86f, 0.10f, 0.10f },
 		[VIEW_ROLE_SIMPLE] = { 0.42f, 0.80f, 0.10f }, [VIEW_ROLE_POINTS] = { 0.12f, 0.28f, 0.95f },
 		[VIEW_ROLE_BLEND_TRIANGLES] = { 1.0f, 0.86f, 0.10f }, [VIEW_ROLE_BLEND_SIMPLE] = { 1.0f, 0.68f, 0.08f },
-		[VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f }, [VIEW_ROLE_SUMMARY] = { 0.45f, 0.62f, 1.0f },
+		[VIEW_ROLE_BLEND_LINES] = { 0.95f, 0.32f, 0.10f }, [VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f },
+		[VIEW_ROLE_SUMMARY] = { 0.45f, 0.62f, 1.0f },
 	};
 	glUniform4f(s->uniform[VIEW_U_TINT], colors[role][0], colors[role][1], colors[role][2], 1);
 }

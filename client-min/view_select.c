@@ -15,7 +15,7 @@
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
 
 const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "simple", "lines", "points", "blend triangles", "blend simple",
-	"blend points", "summary" };
+	"blend lines", "blend points", "summary" };
 
 struct walk {
 	struct view_selection *out;
@@ -102,7 +102,7 @@ static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut
 static uint8_t blend_role(uint8_t role)
 {
 	static const uint8_t blend[VIEW_ROLE_COUNT] = { [VIEW_ROLE_TRIANGLES] = VIEW_ROLE_BLEND_TRIANGLES,
-		[VIEW_ROLE_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [VIEW_ROLE_POINTS] = VIEW_ROLE_BLEND_POINTS };
+		[VIEW_ROLE_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [VIEW_ROLE_LINES] = VIEW_ROLE_BLEND_LINES, [VIEW_ROLE_POINTS] = VIEW_ROLE_BLEND_POINTS };
 	return blend[role] ? blend[role] : role;
 }
 

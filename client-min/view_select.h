@@ -25,7 +25,8 @@ struct view_instance {
 /* What a cut shows, for pictures that tell representations apart. */
 enum view_role {
 	VIEW_ROLE_TRIANGLES, VIEW_ROLE_SIMPLE, VIEW_ROLE_LINES, VIEW_ROLE_POINTS,        /* simple: triangles that are forms of others */
-	VIEW_ROLE_BLEND_TRIANGLES, VIEW_ROLE_BLEND_SIMPLE, VIEW_ROLE_BLEND_POINTS,       /* the first elements in one form, the rest in another */
+	VIEW_ROLE_BLEND_TRIANGLES, VIEW_ROLE_BLEND_SIMPLE, VIEW_ROLE_BLEND_LINES, VIEW_ROLE_BLEND_POINTS,
+	                                                          /* the first elements of a list in one form, those after them in another */
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
 extern const char *const view_role_names[VIEW_ROLE_COUNT];

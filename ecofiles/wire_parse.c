@@ -163,11 +163,11 @@ static bool grid_sound(const struct eco_list *list)
 /* What a form's record says by itself; that its partner has as many elements is for who holds both. */
 static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct eco_error *e)
 {
-	bool points = list->kind == ECO_LIST_POINTS, triangles = list->kind == ECO_LIST_TRIANGLES;
+	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES || list->kind == ECO_LIST_POINTS;
 	if (list->partner == ECO_NONE || list->partner == id)
 		return eco_fail(e, ECO_DAMAGED, "list %u holds forms of the elements of list %#x, which is no other list", id, list->partner);
-	if ((!points && !triangles) || (list->primitive_count != list->element_count &&
-		(points || list->primitive_count != 2 * (uint64_t)list->element_count)))
+	if (!drawn || (list->primitive_count != list->element_count &&
+		(!triangles || list->primitive_count != 2 * (uint64_t)list->element_count)))
 		return eco_fail(e, ECO_DAMAGED, "list %u: %u forms of kind %u cannot have %u primitives", id, list->element_count, list->kind,
 			list->primitive_count);
 	return ECO_OK;

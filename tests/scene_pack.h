@@ -1,5 +1,5 @@
-/* A small pack with every table and every kind of list, for tests and fuzz targets of what reads packs: one plant with a cell, paired
- * leaves, wood in two levels, a texture, ground, a summary, instances in a tile of a nested eco file. */
+/* A small pack with every table and every kind of list, for tests and fuzz targets of what reads packs: one plant with a cell, leaves
+ * in three forms, wood in two levels, a texture, ground, a summary, instances in a tile of a nested eco file. */
 #ifndef TESTS_SCENE_PACK_H
 #define TESTS_SCENE_PACK_H
 
@@ -28,6 +28,7 @@ struct scene_pack {
 #define SCENE_PACK_PLANTS 7u
 #define SCENE_PACK_QUADS 40u
 #define SCENE_PACK_GROUND 3u
+#define SCENE_PACK_SIMPLE 11u            /* id of the leaves as triangles */
 
 static inline struct eco_list scene_pack_list(uint8_t kind, uint8_t coder, uint8_t attributes, uint32_t owner)
 {
@@ -74,22 +75,22 @@ static inline enum eco_code scene_pack_add(struct eco_pack_writer *w, struct eco
 	return code;
 }
 
-/* Lists of the plant, ids 0 to 5: image, leaves, their points, wood, its lines, leaves of the cell. */
+/* Lists of the plant, ids 0 to 5: image, leaves, a point for each, wood, its lines, leaves of the cell. */
 static inline enum eco_code scene_pack_plant(struct scene_pack *p, struct eco_pack_writer *w, struct eco_error *error)
 {
-	struct eco_elements quads = scene_pack_elements(SCENE_PACK_QUADS, 4, 1, 1);
+	struct eco_elements quads = scene_pack_elements(SCENE_PACK_QUADS, 4, 2, 1);
 	struct eco_list list = scene_pack_list(ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 0);
 	uint32_t id[6] = { 0 };
 	enum eco_code code = eco_pack_add_bytes(w, &list, "not really a PNG", 16, &id[0], error);
 
-	list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV, 0);
+	list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH, 0);
 	list.image = id[0];
 	if (code == ECO_OK)
-		code = scene_pack_add(w, list, scene_pack_elements(SCENE_PACK_QUADS, 4, 1, 1), NULL, &id[1], error);
-	list = scene_pack_list(ECO_LIST_POINTS, ECO_CODER_PAIRED, ECO_ATTR_COLOR, 0);
+		code = scene_pack_add(w, list, scene_pack_elements(SCENE_PACK_QUADS, 4, 2, 1), NULL, &id[1], error);
+	list = scene_pack_list(ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 0);
 	list.partner = id[1];
 	if (code == ECO_OK)
-		code = scene_pack_add(w, list, scene_pack_elements(4 * SCENE_PACK_QUADS, 1, 1, 0), &quads, &id[2], error);
+		code = scene_pack_add(w, list, scene_pack_elements(SCENE_PACK_QUADS, 1, 2, 0), &quads, &id[2], error);
 	list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 0);
 	if (code == ECO_OK)
 		code = scene_pack_add(w, list, scene_pack_elements(30, 3, 1, 0), NULL, &id[3], error);
@@ -109,7 +110,8 @@ static inline enum eco_code scene_pack_plant(struct scene_pack *p, struct eco_pa
 	p->ladders[0].organ = p->ladders[1].organ = ECO_ORGAN_FOLIAGE;
 	p->ladders[0].points = id[2];
 	p->ladders[0].triangles = id[1];
-	p->ladders[0].total = 160;
+	p->ladders[0].simple = SCENE_PACK_SIMPLE;
+	p->ladders[0].total = SCENE_PACK_QUADS;
 	p->ladders[0].curve_count = 3;
 	p->ladders[1].triangles = id[3];
 	p->ladders[1].lines = id[4];
@@ -157,6 +159,20 @@ static inline enum eco_code scene_pack_ground(struct scene_pack *p, struct eco_p
 		code = eco_pack_add_list(w, &list, &e, &end, 1, NULL, &t->list, error);
 		eco_elements_free(&e);
 	}
+	return code;
+}
+
+/* The leaves as one triangle each, id 11: forms need not follow what they are forms of. */
+static inline enum eco_code scene_pack_simple(struct eco_pack_writer *w, struct eco_error *error)
+{
+	struct eco_list list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR, 0);
+	struct eco_elements quads = scene_pack_elements(SCENE_PACK_QUADS, 4, 2, 1);
+	uint32_t id;
+	enum eco_code code;
+
+	list.partner = 1;
+	code = scene_pack_add(w, list, scene_pack_elements(SCENE_PACK_QUADS, 3, 1, 0), &quads, &id, error);
+	eco_elements_free(&quads);
 	return code;
 }
 
@@ -210,6 +226,8 @@ static inline enum eco_code scene_pack_write(struct scene_pack *p, const char *p
 	code = scene_pack_plant(p, w, error);
 	if (code == ECO_OK)
 		code = scene_pack_tiles(p, w, error);
+	if (code == ECO_OK)
+		code = scene_pack_simple(w, error);
 	if (code != ECO_OK) {
 		eco_pack_abort(w);
 		return code;

@@ -1,5 +1,5 @@
-/* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood, lines, leaves, points that
- * pair with them and two cells; a bush of textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary. */
+/* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood, lines, leaves that grow
+ * by codes, a point for each, and two cells, one with simple forms too; a bush of textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary. */
 #ifndef TESTS_VIEW_SCENE_H
 #define TESTS_VIEW_SCENE_H
 
@@ -14,7 +14,7 @@
 #include "ecofiles/wire.h"
 
 enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE, L_TREES, L_BUSHES, L_GROUND,
-	L_SUMMARY, L_COUNT };
+	L_SUMMARY, L_SIMPLE, L_COUNT };
 enum { A_TREE, A_LOW, A_HIGH, A_BUSH, A_COUNT };
 
 struct view_scene {
@@ -77,24 +77,32 @@ static inline void scene_leaves(struct view_scene *s, uint32_t id, uint32_t coun
 		scene_put(s, id, 4 * i + 1, x - b[0], y - b[1], z - b[2]);
 		scene_put(s, id, 4 * i + 2, x + a[0], y + a[1], z + a[2]);
 		scene_put(s, id, 4 * i + 3, x + b[0], y + b[1], z + b[2]);
-		s->elements[id].extra[i] = (int32_t)(scene_random(s) * 3.999);
+		s->elements[id].extra[2 * i] = (int32_t)(scene_random(s) * 3.999);
+		s->elements[id].extra[2 * i + 1] = (int32_t)(scene_random(s) * 7.999);
 	}
 }
 
-/* Two points on each of the two triangles of a leaf, in the leaves' order. */
+/* A point in each leaf's middle, of sizes that differ. */
 static inline void scene_points(struct view_scene *s, uint32_t id, uint32_t leaves)
 {
 	const struct eco_elements *from = &s->elements[leaves];
-	static const int fan[2][3] = { { 0, 1, 2 }, { 0, 2, 3 } };
-	scene_elements(s, id, 4 * from->element_count, 1);
-	for (uint32_t i = 0; i < 4 * from->element_count; i++) {
-		double u = 0.2 + 0.3 * scene_random(s), v = 0.2 + 0.3 * scene_random(s);
-		const int32_t *p = from->position + 12 * (size_t)(i / 4);
-		const int *t = fan[i / 2 % 2];
+	scene_elements(s, id, from->element_count, 1);
+	for (uint32_t i = 0; i < from->element_count; i++) {
 		for (int k = 0; k < 3; k++)
-			s->elements[id].position[3 * i + k] = (int32_t)(p[3 * t[0] + k] * (1 - u - v) + p[3 * t[1] + k] * u + p[3 * t[2] + k] * v);
-		s->elements[id].extra[i] = from->extra[i / 4];
+			s->elements[id].position[3 * i + k] = (from->position[12 * i + k] + from->position[12 * i + 6 + k]) / 2;
+		s->elements[id].extra[2 * i] = from->extra[2 * i];
+		s->elements[id].extra[2 * i + 1] = (int32_t)(ECO_SIZE_ONE + scene_random(s) * 12) - 6;
 	}
+}
+
+/* Each leaf as one triangle that grows by the leaf's code. */
+static inline void scene_simple(struct view_scene *s, uint32_t id, uint32_t leaves)
+{
+	const struct eco_elements *from = &s->elements[leaves];
+	scene_elements(s, id, from->element_count, 3);
+	for (uint32_t i = 0; i < from->element_count; i++)
+		memcpy(s->elements[id].position + 9 * i, from->position + 12 * i, 9 * sizeof(int32_t));
+	memcpy(s->elements[id].extra, from->extra, 2 * from->element_count * sizeof(int32_t));
 }
 
 static inline void scene_wood(struct view_scene *s)
@@ -194,11 +202,13 @@ static inline void scene_make_lists(struct view_scene *s)
 	scene_list(s, L_WOOD, ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, color, 0);
 	scene_list(s, L_LINES, ECO_LIST_LINES, ECO_CODER_ELEMENTS, color | ECO_ATTR_WIDTH, 0);
 	for (uint32_t id = L_LEAVES; id <= L_HIGH; id += 2) {
-		scene_list(s, id, ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, color, 0);
-		scene_list(s, id + 1, ECO_LIST_POINTS, ECO_CODER_PAIRED, color, 0);
+		scene_list(s, id, ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, color | ECO_ATTR_GROWTH, 0);
+		scene_list(s, id + 1, ECO_LIST_POINTS, ECO_CODER_FORM, color | ECO_ATTR_SIZE, 0);
 		s->lists[id + 1].partner = id;
-		s->lists[id + 1].unit_area = 0.02f;
+		s->lists[id + 1].unit_area = 0.06f;
 	}
+	scene_list(s, L_SIMPLE, ECO_LIST_TRIANGLES, ECO_CODER_FORM, color | ECO_ATTR_GROWTH, 0);
+	s->lists[L_SIMPLE].partner = L_HIGH;
 	scene_list(s, L_BUSH, ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, color | ECO_ATTR_UV, 1);
 	s->lists[L_BUSH].image = s->png ? L_IMAGE : ECO_NONE;
 	scene_list(s, L_IMAGE, ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 1);
@@ -212,7 +222,7 @@ static inline void scene_make_lists(struct view_scene *s)
 
 static inline uint32_t scene_encode(struct view_scene *s, uint32_t id, uint32_t chunk)
 {
-	uint32_t ends[64], count = 0, like = s->lists[id].coder == ECO_CODER_PAIRED ? s->lists[id].partner : id;
+	uint32_t ends[64], count = 0, like = s->lists[id].coder == ECO_CODER_FORM ? s->lists[id].partner : id;
 	struct eco_list *l = &s->lists[id];
 	l->chunk_first = chunk;
 	if (s->elements[like].element_count)
@@ -221,12 +231,12 @@ static inline uint32_t scene_encode(struct view_scene *s, uint32_t id, uint32_t 
 		struct eco_chunk_input input = { &s->lists[like], &s->elements[like], i ? ends[i - 1] : 0, ends[i], i };
 		size_t size = 0;
 		enum eco_code code = like == id ? eco_chunk_encode(&input, &s->payloads[chunk], &size, NULL, NULL)
-			: eco_chunk_encode_paired(&input, l, &s->elements[id], 4 * input.first, &s->payloads[chunk], &size, NULL);
+			: eco_chunk_encode_form(&input, l, &s->elements[id], &s->payloads[chunk], &size, NULL);
 		if (code)
 			abort();
-		uint32_t elements = (ends[i] - input.first) * (like == id ? 1 : 4), corners = s->elements[like].corners[0];
+		uint32_t elements = ends[i] - input.first, corners = s->elements[id].corners[0];
 		s->chunks[chunk] = (struct eco_chunk){ eco_chunk_hash(s->payloads[chunk], size), 0, (uint32_t)size,
-			like == id && corners > 2 ? elements * (corners - 2) : elements, elements };
+			corners > 2 ? elements * (corners - 2) : elements, elements };
 		chunk++;
 	}
 	l->chunk_count = count;
@@ -267,6 +277,7 @@ static inline void scene_make(struct view_scene *s, const uint8_t *png, size_t p
 	scene_leaves(s, L_HIGH, 260, 4.5, 7);
 	for (uint32_t id = L_LEAVES; id <= L_HIGH; id += 2)
 		scene_points(s, id + 1, id);
+	scene_simple(s, L_SIMPLE, L_HIGH);
 	scene_bush(s);
 	scene_instances(s, L_TREES, 14, 14);
 	scene_instances(s, L_BUSHES, 40, 14);
@@ -338,13 +349,13 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 	return vertices;
 }
 
-/* Near trees in cells (triangles below, a blend above), far ones as points; wood as triangles or lines; half the bushes by share; a
+/* Near trees in cells (leaves and points below, simple forms and points above), far ones as points; wood as triangles or lines; half the bushes by share; a
  * nested placement of everything further back; a summary beyond it. `end_share` shortens prefixes. */
 static inline void scene_plan(const struct view_scene *s, const struct eco_view *view, double end_share, struct eco_plan *plan)
 {
 	struct lod_eye eye;
 	lod_eye_make(&eye, view);
-	uint32_t high = s->lists[L_HIGH].primitive_count, m = (uint32_t)(high / 3 * end_share);
+	uint32_t cell = s->lists[L_HIGH].element_count, m = (uint32_t)(cell / 3 * end_share);
 	const uint8_t near = 97, middle = 99;            /* about 20 and 28 m */
 	struct eco_cut cuts[] = {
 		{ .list = L_GROUND, .end = 17 * 15, .scale = 1, .anchor = ECO_NONE },
@@ -352,13 +363,14 @@ static inline void scene_plan(const struct view_scene *s, const struct eco_view 
 		scene_rule(A_TREE, L_WOOD, 0, s->lists[L_WOOD].primitive_count, 1, 0, middle),
 		scene_rule(A_TREE, L_LINES, 0, 24, 1, middle, ECO_BANDS),
 		scene_rule(A_TREE, L_LEAVES, 0, (uint32_t)(500 * end_share), 1.6f, 0, near),
-		scene_rule(A_TREE, L_POINTS, 0, (uint32_t)(1100 * end_share), 1.4f, near, ECO_BANDS),
-		scene_rule(A_LOW, L_LOW, 0, (uint32_t)(500 * end_share), 1.1f, 0, ECO_BANDS),
-		scene_rule(A_HIGH, L_HIGH, 0, m, 1, 0, ECO_BANDS),
-		scene_rule(A_HIGH, L_HIGH_POINTS, 2 * m, 2 * high, 1.2f, 0, ECO_BANDS),
+		scene_rule(A_TREE, L_POINTS, 0, (uint32_t)(280 * end_share), 1.4f, near, ECO_BANDS),
+		scene_rule(A_LOW, L_LOW, 0, 4 * m, 1.1f, 0, ECO_BANDS),
+		scene_rule(A_LOW, L_LOW_POINTS, 2 * m, cell, 0.9f, 0, ECO_BANDS),
+		scene_rule(A_HIGH, L_SIMPLE, 0, m, 1.7f, 0, ECO_BANDS),
+		scene_rule(A_HIGH, L_HIGH_POINTS, m, cell, 1.2f, 0, ECO_BANDS),
 		scene_rule(A_BUSH, L_BUSH, 0, 80, 1, 0, ECO_BANDS),
 	};
-	cuts[9].share_end = ECO_SHARE_ONE / 2;
+	cuts[10].share_end = ECO_SHARE_ONE / 2;
 	struct eco_placement placements[] = {
 		{ .scale = 1 }, { .at = { 12, 16, 1 }, .turn = 9000, .scale = 0.8, .path = eco_owner_child(1) },
 		{ .at = { 20, 25, 0.5 }, .turn = 40000, .scale = 1.2, .path = eco_owner_child(2) },
