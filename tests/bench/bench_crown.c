@@ -1,0 +1,86 @@
+/* Shoots fill the lobes of a round crown, twigs fan out from them, leaves stand around the twigs and face the light. */
+#include "tests/bench/bench_crown.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/generate_plants.h"
+
+#define SHOOTS 246u
+#define TWIGS 5u
+#define LEAVES 5u                /* on a twig: 6,150, of which the last twigs bear a few less */
+
+static void grow_leaves(struct gen_mesh *mesh, uint8_t bark, uint8_t leaf, const struct gen_shoot *shoot, struct gen_random *random,
+	uint32_t *left)
+{
+	for (uint32_t t = 0; t < TWIGS; t++) {
+		struct gen_v3 way = gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), 0.9), gen_v3(0, 0, 0.15)));
+		double length = gen_random_in(random, 0.5, 0.9), radius[2] = { 0.006, 0 };
+		struct gen_v3 points[2] = { shoot->at, gen_mad(shoot->at, way, length) }, across = gen_across(way);
+		gen_tube(mesh, bark, &(struct gen_tube){ points, radius, 2, 3 });
+		for (uint32_t i = 0; i < LEAVES && *left; i++, --*left) {
+			struct gen_v3 side = gen_turned(across, way, 137.5 * i + gen_random_in(random, -30, 30));
+			struct gen_v3 along = gen_add(side, gen_mul(way, 0.7));
+			along.z -= 0.25;
+			double size = gen_random_in(random, 0.8, 1.15);
+			gen_leaf(mesh, leaf, &(struct gen_leaf){ .at = gen_mad(shoot->at, way, length * (i + 1.0) / LEAVES), .along = along,
+				.face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7), gen_mul(gen_random_way(random), 0.6)),
+				.length = 0.36 * size, .width = 0.24 * size, .shape = GEN_LEAF_RHOMB });
+		}
+	}
+}
+
+static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
+{
+	uint32_t triangles = 0;
+	for (uint32_t i = 0; i < mesh->face_count; i++)
+		triangles += mesh->faces[i].corners - 2u;
+	model->position = calloc(mesh->count, 3 * sizeof(float));
+	model->index = calloc(triangles, 3 * sizeof(uint32_t));
+	model->material = calloc(triangles, sizeof(uint32_t));
+	model->materials = calloc(mesh->material_count, sizeof *model->materials);
+	if (!model->position || !model->index || !model->material || !model->materials)
+		return false;
+	model->vertex_count = mesh->count;
+	model->material_count = mesh->material_count;
+	for (uint32_t i = 0; i < mesh->count; i++) {
+		const struct gen_v3 *p = &mesh->position[i];
+		const float position[3] = { (float)p->x, (float)p->y, (float)p->z };
+		memcpy(model->position + 3 * (size_t)i, position, sizeof position);
+	}
+	for (uint32_t i = 0; i < mesh->material_count; i++) {
+		struct eco_material *to = &model->materials[i];
+		to->image = ECO_NONE;
+		memcpy(to->name, mesh->materials[i].name, sizeof mesh->materials[i].name);
+		memcpy(to->rgb, mesh->materials[i].rgb, sizeof to->rgb);
+	}
+	for (uint32_t i = 0; i < mesh->face_count; i++)
+		for (uint32_t k = 0; k + 2 < mesh->faces[i].corners; k++) {
+			const uint32_t *corner = mesh->faces[i].corner, triangle[3] = { corner[0], corner[k + 1], corner[k + 2] };
+			memcpy(model->index + 3 * (size_t)model->triangle_count, triangle, sizeof triangle);
+			model->material[model->triangle_count++] = mesh->faces[i].material;
+		}
+	model->triangles_in = model->triangle_count;
+	model->scale = 1;
+	return true;
+}
+
+enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
+{
+	struct gen_mesh mesh = { 0 };
+	struct gen_random random = { .state = 6143 };
+	struct gen_shoot shoots[SHOOTS];
+	uint8_t bark = gen_material(&mesh, "bark", 88, 72, 56, NULL), leaf = gen_material(&mesh, "leaf", 76, 110, 40, NULL);
+	uint32_t left = BENCH_CROWN_LEAVES;
+	memset(model, 0, sizeof *model);
+	gen_tree(&mesh, bark, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3, .lean = 0.4, .lobes = 15,
+		.shoots = SHOOTS }, &random, shoots);
+	for (uint32_t i = 0; i < SHOOTS; i++)
+		grow_leaves(&mesh, bark, leaf, &shoots[i], &random, &left);
+	bool made = !mesh.failed && convert(model, &mesh);
+	gen_mesh_free(&mesh);
+	if (made)
+		return ECO_OK;
+	eco_model_free(model);
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for a crown of %u leaves", BENCH_CROWN_LEAVES);
+}

@@ -1,0 +1,35 @@
+/* A plant of ecobench as leaves over wood: what subsets of its leaves cover, and whose pixels they are.
+ *
+ *   bench_leaves_open(&leaves, &model, pixels, &error);          takes the model over
+ *   bench_leaves_compare(&leaves, &sights, view, &drawing, &sum);
+ *   bench_leaves_close(&leaves); */
+#ifndef TESTS_BENCH_LEAVES_H
+#define TESTS_BENCH_LEAVES_H
+
+#include "lod/foliage.h"
+
+struct bench_leaves {
+	struct lod_arena arena;
+	struct eco_model model;
+	struct lod_foliage foliage;
+	struct lod_raster cover, ids;        /* silhouettes; owners and colours */
+	uint64_t *mask;
+	uint32_t pixels;
+};
+
+/* ECO_BAD_INPUT for a plant without leaves; the model is freed then too. */
+enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels, struct eco_error *error);
+void bench_leaves_close(struct bench_leaves *leaves);
+
+/* Adds what is wrong in one view. */
+struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */
+void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);
+double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
+double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
+
+/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood; colours by how a leaf faces the eye. NULL draws all. */
+#define BENCH_WOOD (UINT64_C(1) << 40)
+void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing);
+
+#endif
