@@ -229,6 +229,107 @@ static void wrong_streams_are_refused_with_a_reason(void **state)
 	}
 }
 
+/* ---- Forms that are not those of their list ---- */
+
+enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH, FORM_SIZE, FORM_MANY, FORM_FAULTS };
+
+/* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`. */
+static void forge_chunk(struct view_scene *other, uint32_t list, uint32_t count, int32_t code, uint8_t **payload)
+{
+	struct eco_list l = other->lists[list];
+	struct eco_elements e = other->elements[list], *of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
+	struct eco_chunk_input input = { &other->lists[l.partner == ECO_NONE ? list : l.partner], of, 0, count, 0 };
+	struct eco_chunk *chunk = &other->chunks[l.chunk_first];
+	size_t size;
+	int32_t kept = e.extra[1];
+	e.extra[1] = code;
+	assert_int_equal(l.partner == ECO_NONE ? eco_chunk_encode(&input, payload, &size, NULL, NULL)
+		: eco_chunk_encode_form(&input, &l, &e, payload, &size, NULL), ECO_OK);
+	e.extra[1] = kept;
+	*chunk = (struct eco_chunk){ eco_chunk_hash(*payload, size), 0, (uint32_t)size, count * (l.kind == ECO_LIST_TRIANGLES ? e.corners[0] - 2u : 1),
+		count };
+	other->payloads[l.chunk_first] = *payload;
+}
+
+/* Leaves, then their points, or the other way round. */
+static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
+{
+	static struct view_scene other;
+	uint32_t number = 0, order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
+	uint8_t *payload = NULL;
+	uint32_t first = scene.chunks[scene.lists[L_POINTS].chunk_first].element_count;
+	other = scene;
+	other.scene.lists = other.lists;
+	other.scene.chunks = other.chunks;
+	*w = (struct eco_writer){ 0 };
+	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
+	other.lists[L_POINTS].primitive_count = other.lists[L_POINTS].element_count;
+	other.lists[L_POINTS].chunk_count += fault == FORM_CHUNKS;
+	other.lists[L_POINTS].partner = fault == FORM_PARTNER ? L_LINES : L_LEAVES;
+	other.lists[L_LEAVES].coder = fault == FORM_SHAPE ? ECO_CODER_MESH : ECO_CODER_ELEMENTS;
+	if (fault == FORM_SPLIT)
+		forge_chunk(&other, L_POINTS, first - 1, ECO_SIZE_ONE, &payload);
+	else if (fault == FORM_GROWTH || fault == FORM_SIZE)
+		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH ? (int32_t)ECO_GROWTHS : -1, &payload);
+	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
+	if (fault == FORM_PARTNER)
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LINES, 0);
+	for (int i = 0; i < 2; i++) {
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, order[i], 0);
+		if (fault != FORM_SHAPE)
+			scene_frame(w, &other, ECO_FRAME_CHUNK, &number, order[i], 0);
+	}
+	for (uint32_t id = L_LOW_POINTS; fault == FORM_MANY && id < L_LOW_POINTS + 9; id++) {
+		other.lists[id] = other.lists[L_POINTS];
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, id, 0);
+	}
+	struct eco_plan plan = { .placements = &(struct eco_placement){ .scale = 1 }, .placement_count = 1 };
+	scene_plan_frame(w, &plan, &number);
+	scene_end_frame(w, 0, &number);
+	free(payload);
+}
+
+static void forms_that_do_not_pair_are_refused(void **state)
+{
+	(void)state;
+	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2", "which is not one of fans",
+		"forms of the same", "which is not one of fans", "growth code 8", "size code -1", "more than 8 forms" };
+	for (int fault = 0; fault < FORM_FAULTS; fault++)
+		for (int order = 0; order < 2; order++) {
+			struct view_store *store;
+			struct view_store_options options = { 0 };
+			struct eco_error error = { 0 };
+			struct eco_writer w;
+			assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+			write_forms((enum form_fault)fault, order == 1, &w);
+			enum eco_code code = scene_feed(store, &w, &error);
+			if (code != (fault ? ECO_DAMAGED : ECO_OK) || !strstr(error.text, reasons[fault]))
+				fail_msg("fault %d, order %d: code %d, '%s'", fault, order, code, error.text);
+			view_store_free(store);
+			eco_writer_free(&w);
+		}
+}
+
+/* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
+static void forms_pair_with_their_elements(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	const struct eco_elements *leaves = &view_store_list(store, L_LOW)->elements, *points = &view_store_list(store, L_LOW_POINTS)->elements;
+	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
+	for (uint32_t i = 0; i < leaves->element_count; i++) {
+		const int32_t *leaf = leaves->position + 12 * (size_t)i;
+		for (int k = 0; k < 3; k++)
+			assert_int_equal(points->position[3 * i + k], (leaf[k] + leaf[6 + k]) / 2);
+		assert_int_equal(points->extra[2 * i], leaves->extra[2 * i]);
+	}
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
 static void chunk_that_is_held_is_refused(void **state)
 {
 	(void)state;
@@ -389,6 +490,7 @@ int main(void)
 		cmocka_unit_test(table_keeps_what_was_put), cmocka_unit_test(stream_fills_the_store),
 		cmocka_unit_test(ground_and_instances_come_back_in_order), cmocka_unit_test(second_stream_extends_the_first),
 		cmocka_unit_test(wrong_streams_are_refused_with_a_reason), cmocka_unit_test(chunk_that_is_held_is_refused),
+		cmocka_unit_test(forms_that_do_not_pair_are_refused), cmocka_unit_test(forms_pair_with_their_elements),
 		cmocka_unit_test(memory_is_bounded),
 		cmocka_unit_test(selection_draws_what_the_plan_says), cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
 		cmocka_unit_test(blends_are_recognised), cmocka_unit_test(no_plan_selects_nothing),

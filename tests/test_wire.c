@@ -457,7 +457,8 @@ static void lost_repeated_and_swapped_frames_are_found(void **state)
 
 /* Streams whose hashes are right and whose contents are not. */
 enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_PLANT_ID, FAULT_ANCHOR, FAULT_LIST_KIND, FAULT_LIST_CODER,
-	FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID, FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_PALETTE, FAULT_CHUNK_ID, FAULT_CHUNK_SKIPS,
+	FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID, FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER, FAULT_FORM_ITSELF,
+	FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_ID, FAULT_CHUNK_SKIPS,
 	FAULT_CHUNK_AGAIN, FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING, FAULT_NO_PLAN, FAULT_END_EARLY,
 	FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE, FAULT_COUNT };
 
@@ -466,7 +467,13 @@ static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault f
 	struct eco_list list = wire_random_list(3);
 	list.kind = fault == FAULT_LIST_KIND ? 9 : list.kind;
 	list.coder = fault == FAULT_LIST_CODER ? ECO_CODER_BYTES : list.coder;
-	list.attributes = fault == FAULT_LIST_ATTRIBUTES ? 64 : list.attributes;
+	list.attributes = fault == FAULT_LIST_ATTRIBUTES ? 128 : list.attributes;
+	if (fault >= FAULT_FORM_KIND && fault <= FAULT_FORM_COUNT) {
+		list.coder = ECO_CODER_FORM;
+		list.kind = fault == FAULT_FORM_KIND ? ECO_LIST_INSTANCES : ECO_LIST_POINTS;
+		list.partner = fault == FAULT_FORM_PARTNER ? ECO_NONE : fault == FAULT_FORM_ITSELF ? 3 : 1;
+		list.primitive_count += fault == FAULT_FORM_COUNT;
+	}
 	list.grid_step[1] = fault == FAULT_LIST_GRID ? NAN : list.grid_step[1];
 	list.plant = fault == FAULT_LIST_PLANT ? WIRE_RANDOM_PLANTS : list.plant;
 	list.image = fault == FAULT_LIST_IMAGE ? WIRE_RANDOM_LISTS : list.image;
@@ -586,12 +593,12 @@ static void events_without_a_callback_are_checked_and_ignored(void **state)
 	eco_writer_free(&w);
 }
 
-/* The bytes themselves: this must never change within version 2. */
+/* The bytes themselves: this must never change within version 3. */
 static void golden_stream(void **state)
 {
 	static const char expected[] =
-		"010000003a0000001723e222e15b6c24"
-		"02000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
+		"010000003a00000083416181eec2f433"
+		"03000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
 		"0500000035000000edca6d74f1f7299d"
 		"4d0000000000000000000000000000000000000000000000000000000000000000000107000000010d000001013c00010b00025a08"
 		"06000000100000002c590a0eb809d814"
