@@ -54,7 +54,7 @@ enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, con
 
 /* Encodes another form of elements [first, end) of the partner: `partner` is the input that the partner's chunk was encoded from, `list`
  * the form's (coder FORM), and element i of `forms` the form of the partner's INPUT element i, all with the same number of corners (1
- * for points, 3 or 4 for triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any number of
+ * for points, 2 for lines, 3 or 4 for triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any number of
  * forms may share a partner; each is encoded and decoded without the others. */
 enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const struct eco_list *list,
 	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);

@@ -32,7 +32,7 @@ enum eco_list_kind {
  * PAIRED    points that stand two by two for the triangles of list `partner`: stored in the stored order of the partner's chunk of
  *           the same ordinal, and permuted by the same permutation in groups of 2 (n-2) points an element.
  * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners (1: a
- *           point, 3, or 4: a quad), stored in the stored order of the partner's chunk of the same ordinal and permuted by the same
+ *           point, 2: a line, 3, or 4: a quad) and never dearer than it, stored in the stored order of the partner's chunk of the same ordinal and permuted by the same
  *           permutation: element i of one list is element i of the other, drawn in another way.
  * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
  * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).

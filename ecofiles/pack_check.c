@@ -77,7 +77,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			list->chunk_count);
 	if (list->coder == ECO_CODER_FORM && list->primitive_count != list->element_count
 	    && (list->kind != ECO_LIST_TRIANGLES || list->primitive_count != 2ull * list->element_count))
-		return BAD("list: %u forms cannot have %u primitives: all are points, triangles or quads", list->element_count,
+		return BAD("list: %u forms cannot have %u primitives: all are points, lines, triangles or quads", list->element_count,
 			list->primitive_count);
 	return ECO_OK;
 }
@@ -163,6 +163,9 @@ static enum eco_code check_pairs(const struct eco_scene *s, uint32_t id, struct 
 		if (list->coder == ECO_CODER_FORM && own->element_count != of->element_count)
 			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i, own->element_count, of->element_count,
 				list->partner);
+		if (list->coder == ECO_CODER_FORM && eco_list_vertices(list) * points > 3 * triangles)
+			return BAD("list %u: chunk %u has %llu primitives where list %u has %llu triangles: a form may not be dearer", id, i,
+				(unsigned long long)points, list->partner, (unsigned long long)triangles);
 		if (list->coder == ECO_CODER_PAIRED && points != 2 * triangles)
 			return BAD("list %u: chunk %u has %llu points for the %llu triangles of list %u", id, i, (unsigned long long)points,
 				(unsigned long long)triangles, list->partner);
@@ -257,8 +260,9 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 			l->lines, l->simple, l->triangles, l->plant);
 	if (l->points == ECO_NONE && l->lines == ECO_NONE && l->triangles == ECO_NONE)
 		return BAD("ladder %u: has no list", id);
-	if (!ladder_form_fits(s, l->points, l->triangles) || !ladder_form_fits(s, l->simple, l->triangles))
-		return BAD("ladder %u: lists %#x and %#x are not both forms of list %#x", id, l->points, l->simple, l->triangles);
+	if (!ladder_form_fits(s, l->points, l->triangles) || !ladder_form_fits(s, l->lines, l->triangles)
+	    || !ladder_form_fits(s, l->simple, l->triangles))
+		return BAD("ladder %u: of lists %#x, %#x and %#x not all are forms of list %#x", id, l->points, l->lines, l->simple, l->triangles);
 	if (l->simple != ECO_NONE && s->lists[l->simple].coder != ECO_CODER_FORM)
 		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple, s->lists[l->simple].coder);
 	if (l->before > l->total)

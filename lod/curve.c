@@ -1,4 +1,4 @@
-/* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one primitive up, the area factor s_opt that minimises the
+/* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor s_opt that minimises the
  * distance of (Precision, Recall) to (1, 1), and the wrong pixels that are left.
  *
  * What is measured is what will be drawn: the cut sets of lod/ladder.h, over views all around (probe.h), against the organ's own
@@ -6,9 +6,13 @@
  * of log lambda, so the search starts from the neighbouring share's answer, walks an eighth of an octave at a time and ends with
  * a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
  *
+ * Leaves come in several forms, and the same vertices show many elements as points or few as they are: at each share some reaches
+ * between these ends are tried, next to what was best at the neighbouring share, and the way through them is the one of least loss
+ * on which nothing that was drawn is dropped or coarsened again (dynamic programming over the shares).
+ *
  * A complex plant's organ is a coarse list for the whole plant and the rest of the same order in cells. Its curve is measured over
- * the whole: at density D the coarse list shows its part of the D n points and each cell its own, as when all cells stand at one
- * distance. All these ladders share the curve.
+ * the whole: each ladder draws its part of the elements that the share reaches, as when all cells stand at one distance. All these
+ * ladders share the curve.
  *
  * Two touches make curves fit for a planner. The scales are smoothed over neighbouring shares, as a scale that jumps would be seen;
  * and the error is made non-increasing by the least-squares monotone fit (pool adjacent violators), as more vertices must never
@@ -23,18 +27,27 @@
 #include "lod/ladder.h"
 #include "lod/probe.h"
 
-#define SAMPLES_FIRST_MAX 38u        /* of the first stage: points, lines or plain triangles */
-#define BLEND_SAMPLES 6u
+#define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the rest is for levels */
 #define STEP_LOW -16                 /* scales are 2^(step/8) times Cook's: 1/4 to 4. Up to 64 was tried: sparse crowns become balloons
 				      * of a few leaves, and a forest at 100,000 vertices falls from skill 0.86 to 0.77 (a meadow wins 0.02) */
 #define STEP_HIGH 16
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
+#define NOT_ASCENDING 0.05           /* loss that a way must save to be chosen though it drops or coarsens what was drawn; the ladder then holds on
+				      * to what it had */
+#define REACHES 9                    /* tried at a share: from all in full detail (0) to all in the coarsest form */
+
+struct way {                         /* one reach at one share */
+	double reach, step, loss;    /* step: scale is 2^(step/8) times Cook's */
+	double simple, full;         /* elements in a finer form than the coarsest, and in the finest */
+	bool tried;
+};
 
 struct sample {
 	double share;                /* of the organ's vertices */
-	double step;                 /* scale is 2^(step/8) */
+	double reach, step;
 	double fp, fn;
 	bool free;                   /* its scale is there to be chosen */
+	struct way ways[REACHES];
 };
 
 struct organ_curve {                 /* ladders that share one curve */
@@ -42,8 +55,10 @@ struct organ_curve {                 /* ladders that share one curve */
 	uint32_t *members, member_count;         /* indices of ladders; [0] leads: the whole plant's where there is one */
 	bool far_only;               /* FAR ladders: measured against what the organ's others draw */
 	bool scaled;                 /* not wood */
-	uint32_t unit;               /* vertices of a first-stage primitive */
-	uint64_t first_stage, full;  /* primitives of the first stage, vertices of full detail; all members */
+	bool forms;                  /* leaves in several forms */
+	double unit[3];              /* forms: mean vertices of an element, coarsest first */
+	uint32_t units;
+	double elements, full;       /* of all members; vertices */
 	struct sample samples[LOD_CURVE_SAMPLES_MAX];
 	uint32_t sample_count;
 };
@@ -76,44 +91,20 @@ static uint64_t primitives(const struct organ_curve *curve, uint32_t list)
 	return list == ECO_NONE ? 0 : curve->probe->lists[list].primitive_count;
 }
 
-/* The list of a ladder's first stage. */
-static uint32_t first_list(const struct organ_curve *curve, const struct eco_ladder *ladder)
-{
-	return primitives(curve, ladder->points) ? ladder->points : primitives(curve, ladder->lines) ? ladder->lines : ladder->triangles;
-}
-
-/* Share of the organ's vertices that all of the first stage is. */
-static double first_stage_share(const struct organ_curve *curve)
-{
-	return (double)curve->unit * (double)curve->first_stage / (double)curve->full;
-}
-
-/* Vertices of one ladder where the first stage shows the density `density` of its region: what the whole plant's list does not. */
-static uint64_t first_stage_vertices(const struct organ_curve *curve, const struct eco_ladder *ladder, double density)
-{
-	uint64_t all = primitives(curve, first_list(curve, ladder)), region = all + ladder->before;
-	if (ladder->total > region)
-		region = ladder->total;
-	double shown = density * (double)region - ladder->before + 0.5;
-	uint64_t count = shown >= (double)all ? all : shown >= 1 ? (uint64_t)shown : 0;
-	return lod_ladder_floor(&curve->probe->scene, ladder, curve->unit * count);
-}
-
-static enum eco_code add_member(const struct organ_curve *curve, const struct eco_ladder *ladder, double share, double scale,
+static enum eco_code add_member(const struct organ_curve *curve, const struct eco_ladder *ladder, const struct eco_curve *sample,
 	struct eco_error *error)
 {
 	struct lod_probe *probe = curve->probe;
-	double first_share = first_stage_share(curve);
-	double density = share < first_share ? share / first_share : 1;
-	uint64_t full = lod_ladder_full(&probe->scene, ladder), vertices = share < first_share
-		? first_stage_vertices(curve, ladder, density)
-		: lod_ladder_floor(&probe->scene, ladder, (uint64_t)(share * (double)full + 0.5));
-	struct eco_curve sample = { .share = 1, .scale = (float)scale };
+	struct eco_curve samples[2] = { *sample, { .share = 1, .scale = 1, .reach = 1 } };
 	struct eco_ladder measured = *ladder;
 	measured.curve_first = 0;
-	measured.curve_count = 1;
-	probe->scene.curves = &sample;
-	probe->scene.curve_count = 1;
+	measured.curve_count = sample->share < 1 ? 2 : 1;
+	probe->scene.curves = samples;
+	probe->scene.curve_count = 2;
+	uint64_t vertices = lod_ladder_vertices(&probe->scene, &measured, sample->share);
+	double density = lod_ladder_density(&probe->scene, &measured, vertices);
+	if (curve->forms && density < sample->reach)         /* a whole-plant list: the cells show the rest */
+		density = sample->reach;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	uint32_t count = lod_ladder_cuts(&probe->scene, &measured, vertices, density, cuts);
 	probe->scene.curves = probe->plant->curves;
@@ -124,24 +115,25 @@ static enum eco_code add_member(const struct organ_curve *curve, const struct ec
 	return code;
 }
 
-static enum eco_code draw(const struct organ_curve *curve, double share, double scale, struct eco_error *error)
+static enum eco_code draw(const struct organ_curve *curve, double share, double reach, double step, struct eco_error *error)
 {
+	struct eco_curve sample = { .share = (float)share, .scale = (float)scale_of(step), .reach = (float)reach };
 	enum eco_code code = ECO_OK;
 	lod_probe_clear(curve->probe);
 	for (uint32_t i = 0; i < curve->member_count && !code; i++)
-		code = add_member(curve, member(curve, i), share, scale, error);
+		code = add_member(curve, member(curve, i), &sample, error);
 	return code;
 }
 
 /* ---- Searching the scale ---- */
 
-struct search { const struct organ_curve *curve; double share; uint32_t stride; double loss[STEPS]; };
+struct search { const struct organ_curve *curve; double share, reach; uint32_t stride; double loss[STEPS]; };
 
 static enum eco_code loss_at(struct search *search, int step, double *loss, struct eco_error *error)
 {
 	double *known = &search->loss[step - STEP_LOW];
 	if (*known < 0) {
-		enum eco_code code = draw(search->curve, search->share, scale_of(step), error);
+		enum eco_code code = draw(search->curve, search->share, search->reach, step, error);
 		if (code)
 			return code;
 		struct lod_probe_result result;
@@ -176,13 +168,14 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 }
 
 /* Vertex of the parabola through a step and its neighbours. */
-static enum eco_code refine(struct search *search, int best, double *step, struct eco_error *error)
+static enum eco_code refine(struct search *search, int best, double *step, double *loss, struct eco_error *error)
 {
-	double low, middle, high;
+	double low = 0, middle = 0, high = 0;
 	*step = best;
-	if (best == STEP_LOW || best == STEP_HIGH)
-		return ECO_OK;
-	enum eco_code code = loss_at(search, best, &middle, error);
+	enum eco_code code = loss_at(search, best, loss, error);
+	middle = *loss;
+	if (code || best == STEP_LOW || best == STEP_HIGH)
+		return code;
 	if (!code)
 		code = loss_at(search, best - 1, &low, error);
 	if (!code)
@@ -195,17 +188,110 @@ static enum eco_code refine(struct search *search, int best, double *step, struc
 	return ECO_OK;
 }
 
-static enum eco_code best_step(const struct organ_curve *curve, struct sample *sample, double start, bool warm,
-	struct eco_error *error)
+/* The best scale for one reach, from step `start` on; `warm`: that is near the answer. */
+static enum eco_code try_way(const struct organ_curve *curve, double share, struct way *way, double start, bool warm, struct eco_error *error)
 {
-	struct search search = { .curve = curve, .share = sample->share, .stride = curve->probe->views >= 8 ? 2 : 1 };
+	struct search search = { .curve = curve, .share = share, .reach = way->reach, .stride = curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - STEP_LOW + 0.5) + STEP_LOW;
 	enum eco_code code = ECO_OK;
 	for (int stride = warm ? 2 : 8; stride > 0 && !code; stride /= 2)
 		code = walk(&search, stride, &best, error);
-	return code ? code : refine(&search, best, &sample->step, error);
+	way->tried = true;
+	return code ? code : refine(&search, best, &way->step, &way->loss, error);
+}
+
+/* ---- Reaches ---- */
+
+static double root(double x, int times)
+{
+	while (times-- > 0)
+		x = sqrt(x);
+	return x;
+}
+
+/* Reach number i of REACHES at a share: a geometric sequence from all in the finest form to all in the coarsest. */
+static void place_way(const struct organ_curve *curve, double share, uint32_t i, struct way *way)
+{
+	double vertices = share * curve->full, last = curve->unit[curve->units - 1];
+	double low = vertices / last, high = vertices / curve->unit[0], e;
+	low = low > 1 ? low : 1;
+	high = high < curve->elements ? high : curve->elements;
+	low = low < high ? low : high;
+	double eighth = root(high / low, 3);
+	for (e = low; i > 0; i--)
+		e *= eighth;
+	e = e < high ? e : high;
+	*way = (struct way){ .reach = e / curve->elements };
+	uint32_t stage = 0;
+	while (stage + 2 < curve->units && e * curve->unit[stage + 1] <= vertices)
+		stage++;
+	double f = curve->units > 1 ? (vertices - e * curve->unit[stage]) / (curve->unit[stage + 1] - curve->unit[stage]) : 0;
+	f = f < 0 ? 0 : f < e ? f : e;
+	way->simple = stage + 2 < curve->units ? f : curve->units > 2 ? e : f;
+	way->full = stage + 2 < curve->units ? 0 : f;
+}
+
+/* Tries the reach that was best at the larger share, then walks from it while that lowers the loss. */
+static enum eco_code try_ways(const struct organ_curve *curve, struct sample *sample, uint32_t *best, double *step, bool warm,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < REACHES; i++)
+		place_way(curve, sample->share, i, &sample->ways[i]);
+	code = try_way(curve, sample->share, &sample->ways[*best], *step, warm, error);
+	for (int way = -1; way <= 1 && !code; way += 2)
+		for (uint32_t at = *best; !code;) {
+			uint32_t next = at + (uint32_t)way;
+			if (next >= REACHES || sample->ways[next].tried || sample->ways[next].reach == sample->ways[at].reach)
+				break;
+			code = try_way(curve, sample->share, &sample->ways[next], sample->ways[at].step, true, error);
+			if (!code && !(sample->ways[next].loss < sample->ways[*best].loss))
+				break;
+			*best = at = next;
+		}
+	*step = sample->ways[*best].step;
+	return code;
+}
+
+/* What it costs to have `after` behind `before`: nothing unless something would be dropped or coarsened. */
+static double step_loss(const struct way *before, const struct way *after)
+{
+	const double slack = 0.99;
+	bool ascends = after->reach >= before->reach * slack && after->simple >= before->simple * slack && after->full >= before->full * slack;
+	return ascends ? 0 : NOT_ASCENDING;
+}
+
+/* The way of least loss in all through what was tried. */
+static void choose_ways(struct organ_curve *curve, uint32_t count)
+{
+	static const double never = 1e30;
+	double sum[LOD_CURVE_SAMPLES_MAX][REACHES];
+	uint8_t next[LOD_CURVE_SAMPLES_MAX][REACHES];
+	uint32_t at = 0;
+	for (uint32_t i = count; i-- > 0;)
+		for (uint32_t k = 0; k < REACHES; k++) {
+			const struct way *way = &curve->samples[i].ways[k];
+			double least = i + 1 == count ? 0 : never;
+			next[i][k] = 0;
+			for (uint32_t n = 0; n < REACHES && i + 1 < count; n++) {
+				const struct way *after = &curve->samples[i + 1].ways[n];
+				double loss = after->tried ? step_loss(way, after) + sum[i + 1][n] : never;
+				next[i][k] = loss < least ? (uint8_t)n : next[i][k];
+				least = loss < least ? loss : least;
+			}
+			sum[i][k] = way->tried ? way->loss + least : never;
+		}
+	for (uint32_t k = 1; k < REACHES && count; k++)
+		at = sum[0][k] < sum[0][at] ? k : at;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct way *way = &curve->samples[i].ways[at];
+		double least = i ? curve->samples[i - 1].reach : 0;
+		curve->samples[i].reach = way->reach > least ? way->reach : least;
+		curve->samples[i].step = way->step;
+		at = next[i][at];
+	}
 }
 
 /* ---- Which shares ---- */
@@ -216,47 +302,46 @@ static void add_sample(struct organ_curve *curve, double share, bool scale_is_fr
 	scale_is_free &= share < 1;
 	if (!(share > 0 && share <= 1) || curve->sample_count == LOD_CURVE_SAMPLES_MAX || (last && !((float)share > (float)last->share)))
 		return;
-	curve->samples[curve->sample_count++] = (struct sample){ .share = share, .free = scale_is_free };
+	curve->samples[curve->sample_count++] = (struct sample){ .share = share, .free = scale_is_free, .reach = 1 };
 }
 
-/* Numbers of primitives from one element to all, four an octave, or fewer where that were too many. */
-static void sample_first_stage(struct organ_curve *curve)
+static double grown(double n, double factor)
+{
+	return n * factor > n + 1 ? n * factor : n + 1;
+}
+
+/* Shares of the numbers of primitives from one to `all`, four an octave, or fewer where that were too many; `per`: share of one. */
+static void sample_geometrically(struct organ_curve *curve, double all, double per)
 {
 	static const double factors[] = { 1.189207115002721, 1.2599210498948732, 1.4142135623730951, 2 };
-	double all = (double)curve->first_stage;
 	size_t f = 0;
 	for (; f + 1 < sizeof factors / sizeof factors[0]; f++) {
 		uint32_t count = 1;
 		for (double n = 1; n < all; count++)
-			n = n * factors[f] > n + 1 ? n * factors[f] : n + 1;
-		if (count <= SAMPLES_FIRST_MAX)
+			n = grown(n, factors[f]);
+		if (count <= SAMPLES_MOST)
 			break;
 	}
-	double per = (double)curve->unit / (double)curve->full;
-	for (double n = 1; n < all; n = n * factors[f] > n + 1 ? n * factors[f] : n + 1) {
-		double whole = (double)(uint64_t)(n + 0.5);
-		if (whole < all)
-			add_sample(curve, whole * per, curve->scaled);
-	}
-	add_sample(curve, all * per, curve->scaled);
+	for (double n = 1; n < all; n = grown(n, factors[f]))
+		if ((double)(uint64_t)(n + 0.5) < all)
+			add_sample(curve, (double)(uint64_t)(n + 0.5) * per, curve->scaled);
 }
 
-/* Beyond the first stage: along the blend, or where a level of the largest ladder begins. */
-static void sample_later_stages(struct organ_curve *curve)
+/* Lines or points one by one, then where each level of the largest ladder begins. */
+static void sample_levels(struct organ_curve *curve)
 {
 	const struct eco_scene *scene = &curve->probe->scene;
-	double from = first_stage_share(curve);
-	if (curve->unit == 1) {
-		for (uint32_t i = 1; i < BLEND_SAMPLES; i++)
-			add_sample(curve, from + (1 - from) * i / BLEND_SAMPLES, false);
-	} else {
-		const struct eco_ladder *largest = member(curve, 0);
-		for (uint32_t i = 1; i < curve->member_count; i++)
-			if (lod_ladder_full(scene, member(curve, i)) > lod_ladder_full(scene, largest))
-				largest = member(curve, i);
-		uint64_t full = lod_ladder_full(scene, largest), v = lod_ladder_floor(scene, largest, (uint64_t)(from * (double)full));
-		for (int i = 0; i < ECO_LEVELS_MAX && (v = lod_ladder_next(scene, largest, v)) < full; i++)
-			add_sample(curve, (double)v / (double)full, false);
+	const struct eco_ladder *largest = member(curve, 0);
+	for (uint32_t i = 1; i < curve->member_count; i++)
+		if (lod_ladder_full(scene, member(curve, i)) > lod_ladder_full(scene, largest))
+			largest = member(curve, i);
+	uint64_t first = lod_ladder_stage_end(scene, largest), full = lod_ladder_full(scene, largest), unit = lod_ladder_next(scene, largest, 0);
+	if (first)
+		sample_geometrically(curve, (double)first / (double)unit, lod_ladder_share(scene, largest, unit));
+	add_sample(curve, lod_ladder_share(scene, largest, first), curve->scaled);
+	for (uint64_t v = first; v < full;) {
+		v = lod_ladder_next(scene, largest, v);
+		add_sample(curve, lod_ladder_share(scene, largest, v), false);
 	}
 	add_sample(curve, 1, false);
 }
@@ -264,8 +349,12 @@ static void sample_later_stages(struct organ_curve *curve)
 static void choose_samples(struct organ_curve *curve)
 {
 	curve->sample_count = 0;
-	sample_first_stage(curve);
-	sample_later_stages(curve);
+	if (!curve->forms) {
+		sample_levels(curve);
+		return;
+	}
+	sample_geometrically(curve, curve->full / curve->unit[0], curve->unit[0] / curve->full);
+	add_sample(curve, 1, false);
 }
 
 /* ---- Smoothing ---- */
@@ -322,16 +411,15 @@ static enum eco_code keep_reference(struct organ_curve *curve, bool *any, struct
 	const struct lod_plant *plant = curve->probe->plant;
 	enum eco_code code = ECO_OK;
 	if (!curve->far_only) {
-		code = draw(curve, 1, 1, error);
+		code = draw(curve, 1, 1, 0, error);
 	} else {
 		const struct eco_ladder *far = member(curve, 0);
+		const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
 		lod_probe_clear(curve->probe);
 		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
 			const struct eco_ladder *ladder = &plant->ladders[i];
-			if (ladder->organ == far->organ && !(ladder->flags & ECO_LADDER_FAR)) {
-				struct organ_curve one = { .probe = curve->probe, .unit = 1, .first_stage = 1, .full = 2 };
-				code = add_member(&one, ladder, 1, 1, error);
-			}
+			if (ladder->organ == far->organ && !(ladder->flags & ECO_LADDER_FAR))
+				code = add_member(curve, ladder, &all, error);
 		}
 	}
 	*any = !code && lod_probe_keep(curve->probe);
@@ -349,35 +437,42 @@ static enum eco_code advance(struct progress *progress, struct eco_error *error)
 	return ECO_OK;
 }
 
-static enum eco_code measure_steps(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_ways(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
 {
 	double step = 0;
+	uint32_t best = REACHES - 1, chosen = 0;
 	bool warm = false;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
 		struct sample *sample = &curve->samples[i];
 		if (sample->free) {
-			code = best_step(curve, sample, step, warm, error);
-			step = sample->step;
+			chosen = chosen ? chosen : i + 1;
+			if (curve->forms && curve->units > 1) {
+				code = try_ways(curve, sample, &best, &step, warm, error);
+			} else {
+				struct way way = { .reach = sample->share };
+				code = try_way(curve, sample->share, &way, step, warm, error);
+				sample->step = step = way.step;
+				sample->reach = curve->forms ? way.reach : 1;
+			}
 			warm = true;
 		}
 		if (!code)
 			code = advance(progress, error);
 	}
+	if (!code && curve->forms && curve->units > 1)
+		choose_ways(curve, chosen);
 	return code;
 }
 
 static enum eco_code measure_errors(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
 {
-	double step = 0, drawn_first = first_stage_share(curve);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < curve->sample_count && !code; i++) {
 		struct sample *sample = &curve->samples[i];
-		if (sample->free)
-			step = sample->step;
-		else
-			sample->step = drawn_first < 1 ? step : 0;      /* a blend's points keep the scale of all points */
-		code = draw(curve, sample->share, scale_of(sample->step), error);
+		if (!sample->free)
+			sample->step = 0;
+		code = draw(curve, sample->share, sample->reach, sample->step, error);
 		if (code)
 			break;
 		struct lod_probe_result result;
@@ -396,7 +491,7 @@ static enum eco_code measure_curve(struct organ_curve *curve, struct progress *p
 	if (!code && !any)
 		curve->sample_count = 0;
 	if (!code)
-		code = measure_steps(curve, progress, error);
+		code = measure_ways(curve, progress, error);
 	smooth_steps(curve);
 	if (!code)
 		code = measure_errors(curve, progress, error);
@@ -418,26 +513,36 @@ static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a
 	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR) && (far || image_of(plant, a) == image_of(plant, b));
 }
 
+static bool is_form(const struct organ_curve *curve, uint32_t list)
+{
+	return primitives(curve, list) && curve->probe->lists[list].coder == ECO_CODER_FORM;
+}
+
+static void add_unit(struct organ_curve *curve, uint32_t list)
+{
+	const struct eco_list *l = &curve->probe->lists[list];
+	curve->unit[curve->units++] = eco_list_vertices(l) * (double)l->primitive_count / l->element_count;
+}
+
 static void sum_up(struct organ_curve *curve)
 {
-	curve->first_stage = curve->full = 0;
-	curve->unit = 3;
+	const struct eco_ladder *first = member(curve, 0);
+	curve->forms = first->organ != ECO_ORGAN_WOOD && first->level_count == 0 && primitives(curve, first->triangles);
 	for (uint32_t i = 0; i < curve->member_count; i++) {
 		const struct eco_ladder *ladder = member(curve, i);
-		uint32_t list = first_list(curve, ladder);
-		if (list == ECO_NONE)
-			continue;
-		uint32_t unit = eco_list_vertices(&curve->probe->lists[list]);
-		if (i == 0 || unit < curve->unit)
-			curve->unit = unit;
+		curve->full += (double)lod_ladder_full(&curve->probe->scene, ladder);
+		if (curve->forms)
+			curve->elements += curve->probe->lists[ladder->triangles].element_count;
 	}
-	for (uint32_t i = 0; i < curve->member_count; i++) {
-		const struct eco_ladder *ladder = member(curve, i);
-		uint32_t list = first_list(curve, ladder);
-		bool leveled = ladder->level_count && list == ladder->triangles;
-		curve->first_stage += leveled ? 0 : primitives(curve, list);
-		curve->full += lod_ladder_full(&curve->probe->scene, ladder);
-	}
+	if (!curve->forms)
+		return;
+	if (is_form(curve, first->points))
+		add_unit(curve, first->points);
+	else if (is_form(curve, first->lines))
+		add_unit(curve, first->lines);
+	if (is_form(curve, first->simple))
+		add_unit(curve, first->simple);
+	curve->unit[curve->units++] = curve->full / curve->elements;
 }
 
 /* Ladders from `first` on that share its curve and have none yet; `done` marks them. */
@@ -454,7 +559,7 @@ static void gather(struct organ_curve *curve, struct lod_probe *probe, uint32_t 
 	curve->far_only = plant->ladders[first].flags & ECO_LADDER_FAR;
 	curve->scaled = plant->ladders[first].organ != ECO_ORGAN_WOOD;
 	sum_up(curve);
-	if (curve->full)
+	if (curve->full > 0)
 		choose_samples(curve);
 }
 
@@ -471,7 +576,7 @@ static enum eco_code append(struct lod_plant *plant, const struct organ_curve *c
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
 		const struct sample *s = &curve->samples[i];
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
-			.scale = curve->scaled ? (float)scale_of(s->step) : 1, .fp = (float)s->fp, .fn = (float)s->fn };
+			.scale = curve->scaled ? (float)scale_of(s->step) : 1, .reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
 	}
 	return ECO_OK;
 }

@@ -93,7 +93,8 @@ static uint32_t finish_in_chunks(struct lod_draft *draft, struct lod_list_draft 
 
 /* ---- Leaves ---- */
 
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, uint32_t count, uint32_t image)
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
+	uint32_t image)
 {
 	uint32_t corners = 0;
 	if (count == 0)
@@ -101,45 +102,73 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 	for (uint32_t i = 0; i < count; i++)
 		corners += items[i]->corners;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
-		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, count, corners, image });
+		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count, corners, image });
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, items[i]->corners);
 		lod_element_uv(items[i], draft->mesh, uv);
 		for (uint32_t k = 0; k < items[i]->corners; k++)
 			put_corner(&list->elements, draft->mesh->grid + 3 * (size_t)items[i]->vertex[k], uv + 2 * k);
-		if (extra) {
+		if (image == ECO_NONE) {
 			uint8_t rgb[3];
 			lod_organs_mean(draft->organs, items[i]->triangle, items[i]->corners - 2u, rgb);
-			extra[0] = (int32_t)lod_palette_index(draft->palette, rgb);
+			*extra++ = (int32_t)lod_palette_index(draft->palette, rgb);
 		}
+		if (growth)
+			*extra = growth[i];
 	}
 	return finish_in_chunks(draft, list);
 }
 
-/* Points [2i, 2i + 2) stand for triangle i, so the chunks of the points end where those of the triangles do. */
+/* ---- Other forms ---- */
+
+static struct lod_list_draft *add_form(struct lod_draft *draft, uint32_t partner, uint8_t kind, uint8_t attributes, uint32_t corners)
+{
+	uint32_t count = draft->plant->lists[partner].elements.element_count;
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ kind, ECO_CODER_FORM, attributes, count, corners * count, ECO_NONE });
+	list->list.partner = partner;
+	return list;
+}
+
+/* Its chunks end where the partner's do. */
+static uint32_t finish_form(struct lod_draft *draft, struct lod_list_draft *list)
+{
+	const struct lod_list_draft *of = &draft->plant->lists[list->list.partner];
+	assert(list->elements.element_count == of->elements.element_count);
+	return finish(draft, list, of->ends, of->end_count);
+}
+
 uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
-	uint32_t triangles = draft->plant->lists[partner].elements.primitive_count;
-	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_POINTS, ECO_CODER_PAIRED, ECO_ATTR_COLOR, 2 * triangles,
-		2 * triangles, ECO_NONE });
-	const struct lod_list_draft *fans = &draft->plant->lists[partner];
-	list->list.partner = partner;
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_POINTS, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1);
+	uint32_t count = draft->plant->lists[partner].elements.element_count;
 	list->list.unit_area = unit_area;
-	for (uint32_t e = 0; e < fans->elements.element_count; e++)
-		for (uint32_t i = 0; i < 2 * (fans->elements.corners[e] - 2u); i++) {
-			int32_t *extra = begin_element(&list->elements, 1);
-			put_corner(&list->elements, points[e][i].position, NULL);
-			extra[0] = (int32_t)lod_palette_index(draft->palette, points[e][i].rgb);
-		}
-	uint32_t *ends = lod_arena_take(draft->arena, fans->end_count, sizeof *ends);
-	for (uint32_t c = 0, e = 0, n = 0; c < fans->end_count; c++) {
-		for (; e < fans->ends[c]; e++)
-			n += 2 * (fans->elements.corners[e] - 2u);
-		ends[c] = n;
+	for (uint32_t i = 0; i < count; i++) {
+		int32_t *extra = begin_element(&list->elements, 1);
+		put_corner(&list->elements, points[i]->position, NULL);
+		extra[0] = (int32_t)lod_palette_index(draft->palette, points[i]->rgb);
+		extra[1] = points[i]->size;
 	}
-	return finish(draft, list, ends, fans->end_count);
+	return finish_form(draft, list);
+}
+
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets, uint32_t corners,
+	const uint8_t *growth)
+{
+	if (partner == ECO_NONE)
+		return ECO_NONE;
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_TRIANGLES, ECO_ATTR_COLOR | (growth ? ECO_ATTR_GROWTH : 0), corners);
+	uint32_t count = draft->plant->lists[partner].elements.element_count;
+	for (uint32_t i = 0; i < count; i++) {
+		int32_t *extra = begin_element(&list->elements, corners);
+		for (uint32_t k = 0; k < corners; k++)
+			put_corner(&list->elements, facets[i]->corner[k], NULL);
+		extra[0] = (int32_t)lod_palette_index(draft->palette, facets[i]->rgb);
+		if (growth)
+			extra[1] = growth[i];
+	}
+	return finish_form(draft, list);
 }
 
 /* ---- Lines ---- */
@@ -150,37 +179,56 @@ static void to_grid(const struct lod_mesh *mesh, struct lod_v3 p, int32_t grid[3
 		grid[a] = (int32_t)floor((lod_v3_axis(p, a) - mesh->origin[a]) / mesh->step + 0.5);
 }
 
+/* `owed`: area that rounding gave to lines so far, grid steps times metres. Twigs may be a fraction of a step wide: what rounding adds to
+ * one line, the next ones get less. */
+static void put_line(struct lod_draft *draft, struct lod_list_draft *list, const struct lod_line *line, double *owed)
+{
+	double length = lod_v3_distance(line->end[0], line->end[1]), width = line->width / draft->mesh->step;
+	double rounded = length > 0 ? floor(width - *owed / length + 0.5) : 1;
+	int32_t *extra = begin_element(&list->elements, 2), at[3];
+	rounded = rounded < 1 ? 1 : rounded;
+	*owed += (rounded - width) * length;
+	for (int i = 0; i < 2; i++) {
+		to_grid(draft->mesh, line->end[i], at);
+		put_corner(&list->elements, at, NULL);
+	}
+	extra[0] = (int32_t)lod_palette_index(draft->palette, line->rgb);
+	extra[1] = (int32_t)rounded;
+}
+
+static bool has_length(const struct lod_mesh *mesh, const struct lod_line *line)
+{
+	int32_t a[3], b[3];
+	to_grid(mesh, line->end[0], a);
+	to_grid(mesh, line->end[1], b);
+	return memcmp(a, b, sizeof a) != 0;
+}
+
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count)
 {
-	double step = draft->mesh->step, owed = 0;
+	double owed = 0;
 	uint32_t kept = 0;
-	int32_t a[3], b[3];
-	for (uint32_t i = 0; i < count; i++) {
-		to_grid(draft->mesh, lines[i].end[0], a);
-		to_grid(draft->mesh, lines[i].end[1], b);
-		kept += memcmp(a, b, sizeof a) != 0;
-	}
+	for (uint32_t i = 0; i < count; i++)
+		kept += has_length(draft->mesh, &lines[i]);
 	if (kept == 0)
 		return ECO_NONE;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH,
 		kept, 2 * kept, ECO_NONE });
-	for (uint32_t i = 0; i < count; i++) {
-		double length = lod_v3_distance(lines[i].end[0], lines[i].end[1]);
-		to_grid(draft->mesh, lines[i].end[0], a);
-		to_grid(draft->mesh, lines[i].end[1], b);
-		if (memcmp(a, b, sizeof a) == 0)
-			continue;
-		/* Twigs may be a fraction of a step wide. What rounding adds to one line's area, the next ones get less. */
-		double wanted = lines[i].width / step - owed / length, rounded = floor(wanted + 0.5);
-		rounded = rounded < 1 ? 1 : rounded;
-		owed += (rounded - lines[i].width / step) * length;
-		int32_t *extra = begin_element(&list->elements, 2);
-		put_corner(&list->elements, a, NULL);
-		put_corner(&list->elements, b, NULL);
-		extra[0] = (int32_t)lod_palette_index(draft->palette, lines[i].rgb);
-		extra[1] = (int32_t)rounded;
-	}
+	for (uint32_t i = 0; i < count; i++)
+		if (has_length(draft->mesh, &lines[i]))
+			put_line(draft, list, &lines[i], &owed);
 	return finish_in_chunks(draft, list);
+}
+
+uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines)
+{
+	double owed = 0;
+	if (partner == ECO_NONE)
+		return ECO_NONE;
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_LINES, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2);
+	for (uint32_t i = 0; i < draft->plant->lists[partner].elements.element_count; i++)
+		put_line(draft, list, lines[i], &owed);
+	return finish_form(draft, list);
 }
 
 /* ---- Wood ---- */

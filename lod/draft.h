@@ -25,15 +25,26 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
 
 /* Each writes a list and returns its index, or ECO_NONE where it would have no elements. `image`: of the plant, or ECO_NONE. */
 
-/* Elements items[0..count) as fans, with texture coordinates where there is an image, else with colours. */
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, uint32_t count, uint32_t image);
+/* Elements items[0..count) as fans, with texture coordinates where there is an image, else with colours; `growth`: a code each, or NULL. */
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
+	uint32_t image);
 
-/* Two points per triangle of those elements, in their order; position and rgb hold 2 points for each of their triangles. */
-struct lod_point { int32_t position[3]; uint8_t rgb[3]; };
+/* Other forms of the elements of list `partner`, in its order, one each. */
+
+/* Points; their areas are given as codes for eco_size, times unit_area. */
+struct lod_point { int32_t position[3]; uint8_t rgb[3], size; };
 uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area);
 
-/* Lines. Those that are a point on the grid are left out. */
+/* Lines. */
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
+uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines);
+
+/* Triangles or quads in one colour, all with as many corners (3 or 4). */
+struct lod_facet { int32_t corner[4][3]; uint8_t rgb[3]; };
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets, uint32_t corners,
+	const uint8_t *growth);
+
+/* Lines that are nobody's form. Those that are a point on the grid are left out. */
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);
 
 /* Fills `shade` and `shaded`, from which simplified levels take their colours; to be called before lod_draft_wood. */

@@ -233,15 +233,12 @@ static void make_palette(struct lod_build *b)
 		}
 	for (uint32_t i = 0; i < b->elements.count; i++) {
 		const struct lod_element *e = &b->elements.items[i];
-		uint32_t points = b->points[i] ? 2 * (e->corners - 2u) : 1;
 		if (image_of(b, mesh->material[e->triangle[0]]) == ECO_NONE) {
 			lod_organs_mean(&b->organs, e->triangle, e->corners - 2u, rgb[count]);
 			weights[count++] = (uint32_t)(b->area[i] * unit);
 		}
-		for (uint32_t k = 0; k < points; k++) {
-			memcpy(rgb[count], b->points[i] ? b->points[i][k].rgb : b->blade[i].rgb, 3);
-			weights[count++] = (uint32_t)(b->area[i] / points * unit);
-		}
+		memcpy(rgb[count], b->point[i].rgb, 3);
+		weights[count++] = (uint32_t)(b->area[i] * unit);
 	}
 	lod_palette_make(&b->palette, (const uint8_t (*)[3])rgb, weights, count, &b->arena);
 	lod_arena_release(&b->arena, mark);

@@ -1,10 +1,12 @@
-/* Leaves and flowers: fans with two points a triangle, or with one line each where they are blades.
+/* Leaves and flowers: one order, and several forms of each element. A point at the middle of what can be seen of it, as large as that;
+ * or, where a group is one of blades, a line; a simpler triangle or quad, where elements have more triangles than that; and the fan
+ * itself. Coarse forms give way to finer ones from the front of the order (struct eco_ladder).
  *
- * All points of a group are drawn at one size, unit_area: its opaque projected area over its points. Where triangles differ much in
- * area, small ones are drawn too large and large ones too small; the sum is right, and points as many as the area asks would lose
- * the correspondence that the blend from points to triangles needs (Deussen 2002, 4.1). */
+ * Deussen 2002, 4.1, has two points a triangle, all of one size. A leaf of four triangles then takes eight vertices before anything
+ * of the next leaf is seen, and small leaves are drawn too large. One point a leaf with a size of its own shows eight times as many. */
 #include <string.h>
 
+#include "lod/light.h"
 #include "lod/order.h"
 #include "lod/plant_state.h"
 #include "lod/sample.h"
@@ -102,58 +104,69 @@ static bool is_blade(const struct lod_build *b, uint32_t number)
 
 /* ---- Points ---- */
 
-/* `texels` are of the group's image, opaque and cut out, opened when first needed. */
-static struct lod_point *sample_element(struct lod_build *b, uint32_t number, struct lod_texels texels[2], struct lod_point *to)
+static uint8_t size_code(double ratio)
+{
+	uint8_t code = 0;
+	while (code + 1u < ECO_SIZES && ratio > (double)eco_size(code) * 1.0905077326652577)     /* half of a step */
+		code++;
+	return code;
+}
+
+/* `texels` are of the group's image, opaque and cut out, opened when first needed. `mean`: area of the group's elements. */
+static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean, struct lod_point *point)
 {
 	const struct lod_element *e = &b->elements.items[number];
-	for (uint32_t i = 0; i + 2 < e->corners; i++) {
-		uint32_t t = e->triangle[i];
-		const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
-		const struct eco_image *image = lod_mesh_image(b->model, b->mesh.material[t]);
-		if (image && !texels[material->cutout].image)
-			lod_texels_open(&texels[material->cutout], image, material->cutout, &b->arena);
-		struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t,
-			.texels = image ? &texels[material->cutout] : NULL,
-			.tint = image ? material->rgb : b->organs.rgb[t], .seed = lod_mix(lod_mix(b->options->seed) + t) };
-		int32_t position[2][3];
-		uint8_t rgb[2][3];
-		for (uint32_t k = 0; k < 3; k++)
-			in.corner[k] = b->mesh.grid + 3 * (size_t)b->mesh.index[3 * (size_t)t + k];
-		lod_sample_triangle(&in, position, rgb);
-		for (int k = 0; k < 2; k++, to++) {
-			memcpy(to->position, position[k], sizeof to->position);
-			memcpy(to->rgb, rgb[k], sizeof to->rgb);
+	struct lod_light light = { { 0, 0, 0 }, 0 };
+	double at[3] = { 0, 0, 0 };
+	for (uint32_t pass = 0; pass < 2 && light.weight <= 0; pass++)       /* then without regard to what is opaque */
+		for (uint32_t i = 0; i + 2 < e->corners; i++) {
+			uint32_t t = e->triangle[i];
+			const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
+			const struct eco_image *image = lod_mesh_image(b->model, b->mesh.material[t]);
+			if (image && !texels[material->cutout].image)
+				lod_texels_open(&texels[material->cutout], image, material->cutout, &b->arena);
+			struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t, .texels = image ? &texels[material->cutout] : NULL,
+				.tint = image ? material->rgb : b->organs.rgb[t] };
+			struct lod_sample sample;
+			for (uint32_t k = 0; k < 3; k++)
+				in.corner[k] = b->mesh.grid + 3 * (size_t)b->mesh.index[3 * (size_t)t + k];
+			lod_sample_triangle(&in, &sample);
+			double weight = pass ? 1 : sample.area;
+			lod_light_add(&light, sample.rgb, weight);
+			for (int k = 0; k < 3; k++)
+				at[k] += weight * sample.at[k];
 		}
+	lod_light_mean(&light, point->rgb);
+	for (int k = 0; k < 3; k++)
+		point->position[k] = (int32_t)floor(at[k] / light.weight + 0.5);
+	point->size = size_code(mean > 0 ? b->area[number] / mean : 1);
+}
+
+static void measure_group(struct lod_build *b, struct lod_group *group)
+{
+	double thin = 0;
+	for (uint32_t i = group->first; i < group->end; i++) {
+		thin += is_blade(b, b->order[i]) ? b->area[b->order[i]] : 0;
+		group->area += b->area[b->order[i]];
 	}
-	return to;
+	group->blades = thin > BLADE_SHARE * group->area;
 }
 
 void lod_leaves_represent(struct lod_build *b)
 {
 	b->blade = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade);
 	b->blade_error = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade_error);
-	b->points = lod_arena_take(&b->arena, b->elements.count, sizeof *b->points);
+	b->point = lod_arena_take(&b->arena, b->elements.count, sizeof *b->point);
 	for (uint32_t g = 0; g < b->group_count; g++) {
 		struct lod_group *group = &b->groups[g];
-		double thin = 0;
-		size_t triangles = 0;
-		for (uint32_t i = group->first; i < group->end; i++) {
-			thin += is_blade(b, b->order[i]) ? b->area[b->order[i]] : 0;
-			group->area += b->area[b->order[i]];
-			triangles += b->elements.items[b->order[i]].corners - 2u;
-		}
-		group->blades = thin > BLADE_SHARE * group->area;
-		struct lod_point *points = group->blades ? NULL : lod_arena_take(&b->arena, 2 * triangles, sizeof *points);
 		struct lod_arena_piece *mark = b->arena.last;
 		struct lod_texels texels[2] = { { 0 }, { 0 } };
+		measure_group(b, group);
 		for (uint32_t i = group->first; i < group->end; i++) {
 			uint32_t number = b->order[i];
-			if (group->blades) {
+			make_point(b, number, texels, group->area / (group->end - group->first), &b->point[number]);
+			if (group->blades)
 				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
-			} else {
-				b->points[number] = points;
-				points = sample_element(b, number, texels, points);
-			}
 		}
 		lod_arena_release(&b->arena, mark);
 	}
@@ -169,30 +182,21 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);
 	for (uint32_t i = 0; i < count; i++)
 		fans[i] = &b->elements.items[items[i]];
-	ladder->triangles = lod_draft_fans(&b->draft, fans, count, group->image);
+	ladder->triangles = lod_draft_fans(&b->draft, fans, NULL, count, group->image);
 	if (group->blades) {
-		struct lod_line *lines = lod_arena_take(&b->arena, count, sizeof *lines);
+		const struct lod_line **lines = lod_arena_take(&b->arena, count, sizeof *lines);
 		for (uint32_t i = 0; i < count; i++) {
-			lines[i] = b->blade[items[i]];
+			lines[i] = &b->blade[items[i]];
 			ladder->epsilon = fmaxf(ladder->epsilon, (float)b->blade_error[items[i]]);
 		}
-		ladder->lines = lod_draft_lines(&b->draft, lines, count);
+		ladder->lines = lod_draft_blades(&b->draft, ladder->triangles, lines);
 	} else {
 		const struct lod_point **points = lod_arena_take(&b->arena, count, sizeof *points);
-		uint64_t all = 0;
 		for (uint32_t i = 0; i < count; i++)
-			points[i] = b->points[items[i]];
-		for (uint32_t i = group->first; i < group->end; i++)
-			all += 2 * (b->elements.items[b->order[i]].corners - 2u);
-		ladder->points = lod_draft_points(&b->draft, ladder->triangles, points, (float)(group->area / 2 / (double)all));
+			points[i] = &b->point[items[i]];
+		ladder->points = lod_draft_points(&b->draft, ladder->triangles, points, (float)(group->area / 2 / (group->end - group->first)));
 	}
 	lod_arena_release(&b->arena, mark);
-}
-
-/* Points or lines of an element. */
-static uint32_t samples(const struct lod_build *b, const struct lod_group *group, uint32_t number)
-{
-	return group->blades ? 1 : 2 * (b->elements.items[number].corners - 2u);
 }
 
 static void count_in(const struct lod_build *b, const struct lod_group *group, uint32_t number, double *area, double *length)
@@ -215,7 +219,7 @@ static void whole_ladder(struct lod_build *b, const struct lod_group *group)
 	struct eco_ladder *ladder = lod_build_ladder(b, group, 0, 0);
 	double area = 0, length = 0;
 	for (uint32_t i = group->first; i < group->end; i++) {
-		ladder->total += samples(b, group, b->order[i]);
+		ladder->total++;
 		count_in(b, group, b->order[i], &area, &length);
 	}
 	ladder->area = (float)area;
@@ -235,10 +239,10 @@ static void cell_ladders(struct lod_build *b, const struct lod_group *group)
 			uint32_t number = b->order[group->first + i];
 			if (lod_build_cell(b, b->center[number]) != cell)
 				continue;
-			total += samples(b, group, number);
+			total++;
 			count_in(b, group, number, &area, &length);
 			if (i < coarse)
-				before += samples(b, group, number);
+				before++;
 			else
 				own[count++] = number;
 		}

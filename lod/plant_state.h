@@ -37,7 +37,7 @@ struct lod_build {
 	uint32_t *order;             /* by group, in each the one worth most first */
 	struct lod_line *blade;      /* of groups of blades */
 	double *blade_error;
-	struct lod_point **points;   /* of other groups: two per triangle */
+	struct lod_point *point;
 };
 
 bool lod_build_whole(const struct lod_component *component);     /* wood that goes to one cell as a whole */

@@ -109,7 +109,26 @@ static bool allocate(struct lod_probe *probe)
 	probe->scores = calloc(probe->views, sizeof *probe->scores);
 	probe->lists = calloc(plant->list_count + 1, sizeof *probe->lists);
 	probe->cut = calloc(plant->image_count + 1, sizeof *probe->cut);
-	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists && probe->cut;
+	size_t chunks = 0;
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		chunks += plant->lists[i].end_count;
+	probe->chunks = calloc(chunks + 1, sizeof *probe->chunks);
+	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists && probe->cut
+		&& probe->chunks;
+}
+
+/* Chunks as the pack will have them: ladders ask how many triangles some elements have. */
+static void count_chunks(struct lod_probe *probe, struct eco_list *list, const struct lod_list_draft *draft)
+{
+	const struct eco_elements *e = &draft->elements;
+	list->chunk_first = probe->scene.chunk_count;
+	list->chunk_count = draft->end_count;
+	for (uint32_t c = 0, i = 0; c < draft->end_count; c++) {
+		struct eco_chunk *chunk = &probe->chunks[probe->scene.chunk_count++];
+		chunk->element_count = draft->ends[c] - i;
+		for (; i < draft->ends[c]; i++)
+			chunk->primitive_count += e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
+	}
 }
 
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
@@ -130,12 +149,14 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels", options->views, options->pixels,
 			options->pixels);
 	}
-	for (uint32_t i = 0; i < plant->list_count; i++)
+	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count, .ladders = plant->ladders,
+		.ladder_count = plant->ladder_count, .curves = plant->curves, .curve_count = plant->curve_count, .chunks = probe->chunks };
+	for (uint32_t i = 0; i < plant->list_count; i++) {
 		probe->lists[i] = plant->lists[i].list;
+		count_chunks(probe, &probe->lists[i], &plant->lists[i]);
+	}
 	for (uint32_t i = 0; i < plant->image_count; i++)
 		probe->cut[i] = has_holes(&model->images[plant->images[i]]);
-	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count, .ladders = plant->ladders,
-		.ladder_count = plant->ladder_count, .curves = plant->curves, .curve_count = plant->curve_count };
 	bounds(probe, model);
 	place_eyes(probe);
 	return ECO_OK;
@@ -152,6 +173,7 @@ void lod_probe_free(struct lod_probe *probe)
 	free(probe->reference_pixels);
 	free(probe->lists);
 	free(probe->cut);
+	free(probe->chunks);
 	free(probe->drawings);
 	free(probe->floats);
 	memset(probe, 0, sizeof *probe);

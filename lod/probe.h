@@ -29,6 +29,7 @@ struct lod_probe {
 	const struct eco_model *model;
 	struct eco_scene scene;          /* the plant's lists, ladders and curves as a scene */
 	struct eco_list *lists;
+	struct eco_chunk *chunks;
 	bool *cut;                       /* per image of the plant: some of it is transparent */
 	uint32_t views;
 	double center[3], radius;
