@@ -225,6 +225,8 @@ static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, 
 		srv_json_key_count(json, "first", cut->first);
 		srv_json_key_count(json, "end", cut->end);
 		srv_json_key_count(json, "of", scene->lists[cut->list].primitive_count);
+		if (scene->lists[cut->list].partner != ECO_NONE)
+			srv_json_key_count(json, "form_of", scene->lists[cut->list].partner);
 		srv_json_key_number(json, "scale", (double)cut->scale);
 		describe_who(json, scene, cut);
 		srv_json_close(json, '}');

@@ -62,6 +62,16 @@ static const struct kind kinds[] = {
 	{ "far instances", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 90, -VALUE_MAX, VALUE_MAX, EXTREME },
 	{ "ground", ECO_LIST_GROUND, ECO_CODER_ROWS, 0, 1, 1, 600, 0, 4095, SCATTERED },
 	{ "far ground", ECO_LIST_GROUND, ECO_CODER_ROWS, 0, 1, 1, 100, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "one point form", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_SIZE, 1, 1, 1, -9, 9, SCATTERED },
+	{ "point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 500, 0, 4095, SCATTERED },
+	{ "textured point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_UV, 1, 1, 40, 0, 4095, SCATTERED },
+	{ "line forms", ECO_LIST_LINES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2, 2, 300, -2000, 2000, SCATTERED },
+	{ "triangle forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 3, 300, 0, 4095, LEAVES },
+	{ "quad forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_UV | ECO_ATTR_GROWTH, 4, 4, 300, 0, 4095, LEAVES },
+	{ "far quad forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, 0, 4, 4, 90, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "growing fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 6, 400, 0, 4095, LEAVES },
+	{ "sized points", ECO_LIST_POINTS, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 400, 0, 4095, SCATTERED },
+	{ "sized summary", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT | ECO_ATTR_SIZE, 1, 1, 400, 0, 4095, SCATTERED },
 	{ "one wood triangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, 0, 3, 3, 1, 0, 50, SCATTERED },
 	{ "wood soup", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 200, 0, 4095, SCATTERED },
 	{ "tangled wood", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 400, 0, 5, SCATTERED },
@@ -135,6 +145,25 @@ static struct eco_chunk describe(const struct eco_elements *e, uint32_t first, u
 	for (uint32_t i = first; i < end; i++)
 		chunk.primitive_count += e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
 	return chunk;
+}
+
+/* Forms are coded as those of triangles that all lie in one place, which keeps their order. */
+static enum eco_code encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order, struct eco_error *error)
+{
+	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
+	uint32_t count = input->elements->element_count;
+	struct eco_elements of = { .element_count = count, .corner_count = 3 * count, .primitive_count = count };
+	const struct eco_chunk_input partner = { &fans, &of, input->first, input->end, input->ordinal };
+	enum eco_code code;
+
+	if (input->list->coder != ECO_CODER_FORM)
+		return eco_chunk_encode(input, bytes, size, order, error);
+	of.corners = malloc(count);
+	of.position = calloc(count, 36);
+	memset(of.corners, 3, count);
+	code = eco_chunk_encode_form(&partner, input->list, input->elements, bytes, size, error);
+	eco_elements_free(&of);
+	return code;
 }
 
 static uint32_t corner_at(const struct eco_elements *e, uint32_t element)
@@ -230,7 +259,7 @@ static void what_goes_in_comes_out(void **state)
 		uint8_t *bytes;
 		size_t size;
 
-		if (eco_chunk_encode(&input, &bytes, &size, order, &error) != ECO_OK)
+		if (encode(&input, &bytes, &size, order, &error) != ECO_OK)
 			fail_msg("%s: %s", k->name, error.text);
 		chunk = describe(&in, first, end, size);
 		if (eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, &error) != ECO_OK)
@@ -255,7 +284,7 @@ static void the_same_elements_give_the_same_bytes(void **state)
 		size_t size[2];
 
 		for (int pass = 0; pass < 2; pass++)
-			assert_int_equal(eco_chunk_encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
+			assert_int_equal(encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
 		assert_int_equal(size[0], size[1]);
 		assert_memory_equal(bytes[0], bytes[1], size[0]);
 		free(bytes[0]);
@@ -518,7 +547,7 @@ static void every_truncation_is_refused(void **state)
 		uint8_t *bytes, *copy;
 		size_t size;
 
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 		chunk = describe(&in, 0, count, size);
 		for (size_t cut = 0; cut < size; cut++) {
 			struct eco_chunk shorter = chunk;
@@ -561,7 +590,7 @@ static void every_flipped_bit_is_refused_or_bounded(void **state)
 		uint8_t *bytes;
 		size_t size;
 
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 		chunk = describe(&in, 0, count, size);
 		for (size_t bit = 0; bit < 8 * size; bit++) {
 			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);

@@ -27,6 +27,20 @@ static void check(const struct eco_list *list, const struct eco_chunk *chunk, co
 		assert(e->extra[i] <= bound && e->extra[i] >= -bound);
 }
 
+/* As forms of triangles that all lie in one place. */
+static void encode_form(const struct eco_list *list, const struct eco_elements *e, uint8_t **bytes, size_t *size)
+{
+	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
+	struct eco_elements of = { .element_count = e->element_count, .corner_count = 3 * e->element_count,
+		.primitive_count = e->element_count, .corners = malloc(e->element_count), .position = calloc(e->element_count, 36) };
+	const struct eco_chunk_input input = { &fans, &of, 0, e->element_count, 3 };
+
+	assert(of.corners != NULL && of.position != NULL);
+	memset(of.corners, 3, e->element_count);
+	assert(eco_chunk_encode_form(&input, list, e, bytes, size, NULL) == ECO_OK);
+	eco_elements_free(&of);
+}
+
 static void encode_again(const struct eco_list *list, const struct eco_elements *e)
 {
 	const struct eco_chunk_input input = { list, e, 0, e->element_count, 3 };
@@ -36,7 +50,9 @@ static void encode_again(const struct eco_list *list, const struct eco_elements 
 
 	if (list->coder == ECO_CODER_PAIRED)
 		return;
-	if (eco_chunk_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
+	if (list->coder == ECO_CODER_FORM)
+		encode_form(list, e, &bytes, &size);
+	else if (eco_chunk_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
 		/* A forged mesh may have triangles whose corners coincide. */
 		assert(list->coder == ECO_CODER_MESH && error.code == ECO_BAD_INPUT);
 	free(bytes);
