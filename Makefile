@@ -146,7 +146,7 @@ survey: deps
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/mutants $(B)/bench/convert
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 
 clean:

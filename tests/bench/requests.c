@@ -1,65 +1,148 @@
-/* Random views and budgets against a real pack, through everything but the socket: plan, stream, parse, decode, select. And damage:
- * flipped bits and cut ends of the pack and of a stream.
+/* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode, select. What must hold
+ * whatever is asked for is checked for each:
  *
- *   requests PACK REQUESTS DAMAGES [SEED]
+ *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the plan says: in every state that
+ *                a stream passes through, each with what has come until then
+ *   bytes        the body is within its budget
+ *   twice        no chunk is sent to who holds it
+ *   same         the same request has the same answer
+ *   rises        more vertices never predict more wrong pixels
+ *   unused       budget is left over only where nothing more can be gained: no plan of a greater budget is better and would have
+ *                fitted, and what is left buys no step, however large steps may be in this scene
+ *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
- * Counts violations (more vertices or bytes than asked for, other vertices drawn than planned, a chunk sent twice), differing answers to
- * the same request, and damages that went unnoticed with another result. Prints the counts; exit 1 if one of them is not 0. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+ *   requests [--json] [--seed S] [--only NUMBER] COUNT PACK...      COUNT requests, shared among the packs
+ *
+ * Prints a line a pack, or JSON; the first violations are described. Exit 1 if there was one. */
+#include <getopt.h>
+#include <stdarg.h>
 #include <xxhash.h>
 
 #include "client-min/view_select.h"
-#include "server/store.h"
-#include "server/stream.h"
+#include "lod/ladder.h"
+#include "lod/planner.h"
+#include "tests/bench/random_request.h"
 
-static uint64_t state;
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, SENSELESS, FAILED, VIOLATION_COUNT };
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "senseless", "failed" };
 
-static uint64_t bits(void)
+#define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
+#define TWICE_EVERY 10
+#define CHAIN_EVERY 4            /* planning for many budgets takes its time */
+#define CHAIN 10u
+#define DESCRIBED_MOST 8
+/* Sums of many doubles in another order. */
+#define ROUNDING 1e-9
+
+struct run {
+	const struct srv_scene *scene;
+	const char *pack;
+	uint64_t seed, number;       /* of the request at hand */
+	struct eco_request request;
+	struct view_store *store;
+	uint64_t largest_step;       /* vertices that a single step of any plan may need */
+	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, described;
+	double unused_most;          /* share of a budget that was left over while something was to be gained */
+};
+
+/* ---- What went wrong ---- */
+
+static void violated(struct run *run, enum violation what, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void violated(struct run *run, enum violation what, const char *format, ...)
 {
-	uint64_t z = state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	const struct eco_request *q = &run->request;
+	va_list args;
+	run->count[what]++;
+	if (run->described++ >= DESCRIBED_MOST)
+		return;
+	fprintf(stderr, "%s: %s: ", run->pack, violation_names[what]);
+	va_start(args, format);
+	vfprintf(stderr, format, args);
+	va_end(args);
+	fprintf(stderr, "\n    --seed %llu --only %llu: eye=%.17g,%.17g,%.17g&target=%.17g,%.17g,%.17g&up=%.17g,%.17g,%.17g&fov_y_deg=%.17g"
+		"&width=%u&height=%u&vertices=%llu", (unsigned long long)run->seed, (unsigned long long)run->number, q->view.eye[0], q->view.eye[1],
+		q->view.eye[2], q->view.target[0], q->view.target[1], q->view.target[2], q->view.up[0], q->view.up[1], q->view.up[2],
+		q->view.fov_y_deg, q->view.width, q->view.height, (unsigned long long)q->vertices);
+	if (q->bytes != ECO_BYTES_UNBOUNDED)
+		fprintf(stderr, "&bytes=%llu", (unsigned long long)q->bytes);
+	fputc('\n', stderr);
 }
 
-static double real(double low, double high)
-{
-	return low + (high - low) * (double)(bits() >> 11) / 9007199254740992.0;
-}
+/* ---- A stream, state by state ---- */
 
-static void stop(const char *what, const struct eco_error *error)
+static void check_state(struct run *run)
 {
-	fprintf(stderr, "requests: %s: %s\n", what, error->text);
-	exit(1);
-}
-
-/* Near and far, from inside the plants to high above; budgets from 0 to 10^8, each power of ten as likely. */
-static struct eco_request random_request(const struct eco_scene *scene)
-{
-	const struct eco_tile *root = &scene->tiles[scene->root];
-	static const uint32_t sizes[] = { 1, 64, 320, 800, 1600 };
-	struct eco_request r = { .bytes = ECO_BYTES_UNBOUNDED };
-	double reach = pow(10, real(-1, 1.5));
-	for (int i = 0; i < 3; i++) {
-		double middle = (root->low[i] + root->high[i]) / 2, half = (root->high[i] - root->low[i]) / 2 + 1e-3;
-		r.view.target[i] = middle + half * real(-1, 1);
-		r.view.eye[i] = r.view.target[i] + half * reach * real(-1, 1);
-		r.view.up[i] = i == 2;
+	struct lod_eye eye;
+	struct view_selection selection;
+	struct eco_error error = { 0 };
+	const struct eco_plan *plan = view_store_plan(run->store);
+	lod_eye_make(&eye, &run->request.view);
+	if (view_select_make(&selection, run->store, &eye, &error)) {
+		violated(run, FAILED, "the client cannot draw it: %s", error.text);
+		return;
 	}
-	r.view.fov_y_deg = real(0.5, 150);
-	r.view.width = sizes[bits() % 5];
-	r.view.height = sizes[bits() % 5];
-	r.vertices = bits() % 20 == 0 ? bits() % 4 : (uint64_t)pow(10, real(0, 8));
-	if (bits() % 4 == 0)
-		r.bytes = (uint64_t)pow(10, real(1, 7));
-	return r;
+	run->states++;
+	if (selection.vertices > run->request.vertices)
+		violated(run, OVER_VERTICES, "%llu vertices drawn", (unsigned long long)selection.vertices);
+	if (plan && selection.vertices != plan->vertices)
+		violated(run, OVER_VERTICES, "%llu vertices drawn, %llu planned", (unsigned long long)selection.vertices,
+			(unsigned long long)plan->vertices);
+	view_select_free(&selection);
 }
 
-struct counts { uint64_t vertices, bytes, drawn, twice, differ, empty, ended; };
+static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
+{
+	struct run *run = ctx;
+	enum eco_code code = view_store_events.plan(run->store, plan, error);
+	if (!code)
+		check_state(run);
+	return code;
+}
+
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *error)
+{
+	return view_store_events.scene(((struct run *)ctx)->store, scene, id, error);
+}
+
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors, struct eco_error *error)
+{
+	return view_store_events.plant(((struct run *)ctx)->store, id, plant, anchors, error);
+}
+
+static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *error)
+{
+	return view_store_events.list(((struct run *)ctx)->store, id, list, palette, error);
+}
+
+static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
+	struct eco_error *error)
+{
+	return view_store_events.chunk(((struct run *)ctx)->store, list, ordinal, chunk, payload, error);
+}
+
+static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *error)
+{
+	return view_store_events.end(((struct run *)ctx)->store, vertices, error);
+}
+
+static bool receive(struct run *run, const struct srv_body *body)
+{
+	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+	struct eco_wire_parser *parser;
+	struct eco_error error = { 0 };
+	view_store_begin(run->store);
+	if (eco_wire_parser_new(&parser, &events, run, &error))
+		random_stop("parser", &error);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < body->piece_count && !code; i++)
+		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, &error);
+	if (!code)
+		code = eco_wire_finish(parser, &error);
+	eco_wire_parser_free(parser);
+	if (code)
+		violated(run, FAILED, "%s", error.text);
+	return !code;
+}
 
 static uint64_t body_hash(const struct srv_body *body)
 {
@@ -72,209 +155,234 @@ static uint64_t body_hash(const struct srv_body *body)
 	return h;
 }
 
-/* The body of the answer; fits false: 204. */
-static bool answer(const struct srv_scene *scene, const struct eco_request *request, const struct eco_holdings *holdings,
-	struct srv_body *body)
+static void new_client(struct run *run)
 {
-	struct srv_stream stream;
 	struct eco_error error = { 0 };
-	*body = (struct srv_body){ 0 };
-	if (srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene, .request = request, .holdings = holdings }, &error))
-		stop("planning", &error);
-	bool fits = stream.fits;
-	if (fits && srv_stream_write(&stream, body, &error))
-		stop("writing", &error);
-	srv_stream_free(&stream);
-	return fits;
+	if (run->store && view_store_stats(run->store)->chunks_twice)
+		violated(run, SENT_TWICE, "%llu chunks of one of the requests before", (unsigned long long)view_store_stats(run->store)->chunks_twice);
+	view_store_free(run->store);
+	run->store = NULL;
+	if (view_store_new(&run->store, &(struct view_store_options){ 0 }, &error))
+		random_stop("store", &error);
 }
 
-static void receive(struct view_store *store, const struct srv_body *body)
+static void check_stream(struct run *run)
 {
-	struct eco_wire_parser *parser;
-	struct eco_error error = { 0 };
-	view_store_begin(store);
-	if (eco_wire_parser_new(&parser, &view_store_events, store, &error))
-		stop("parser", &error);
-	for (uint32_t i = 0; i < body->piece_count; i++)
-		if (eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, &error))
-			stop("stream", &error);
-	if (eco_wire_finish(parser, &error))
-		stop("stream", &error);
-	eco_wire_parser_free(parser);
-}
-
-static void one_request(const struct srv_scene *scene, struct view_store *store, struct counts *counts, bool twice)
-{
-	struct eco_request request = random_request(&scene->pack->scene);
 	struct eco_holdings holdings;
 	struct eco_error error = { 0 };
 	struct srv_body body, again;
-	if (eco_view_check(&request.view, NULL))
-		return;
-	if (view_store_holdings(store, &holdings, &error))
-		stop("holdings", &error);
-	bool fits = answer(scene, &request, &holdings, &body);
-	if (twice) {
-		bool also = answer(scene, &request, &holdings, &again);
-		counts->differ += also != fits || (fits && body_hash(&body) != body_hash(&again));
+	if (view_store_holdings(run->store, &holdings, &error))
+		random_stop("holdings", &error);
+	bool fits = random_answer(run->scene, &run->request, &holdings, &body);
+	if (run->number % TWICE_EVERY == 0) {
+		bool also = random_answer(run->scene, &run->request, &holdings, &again);
+		if (also != fits || (fits && body_hash(&body) != body_hash(&again)))
+			violated(run, NOT_SAME, "another answer the second time");
 		srv_body_free(&again);
 	}
 	free(holdings.items);
-	counts->empty += !fits;
-	if (fits) {
-		struct lod_eye eye;
-		struct view_selection selection;
-		receive(store, &body);
-		lod_eye_make(&eye, &request.view);
-		if (view_select_make(&selection, store, &eye, &error))
-			stop("selection", &error);
-		counts->vertices += selection.vertices > request.vertices;
-		counts->bytes += body.size_bytes > request.bytes;
-		counts->drawn += selection.vertices != view_store_plan(store)->vertices;
-		view_select_free(&selection);
-	}
+	run->empty += !fits;
+	if (fits && body.size_bytes > run->request.bytes)
+		violated(run, OVER_BYTES, "%llu bytes", (unsigned long long)body.size_bytes);
+	/* a client that has refused a stream cannot be trusted with the next */
+	if (fits && !receive(run, &body))
+		new_client(run);
+	else if (fits && !view_store_complete(run->store))
+		violated(run, FAILED, "the stream ends before its end");
 	srv_body_free(&body);
 }
 
-/* ---- Damage ---- */
+/* ---- One view, many budgets ---- */
 
-static uint8_t *flatten(const struct srv_body *body)
+struct rung { uint64_t budget, vertices; double wrong; };
+
+static int by_budget(const void *a, const void *b)
 {
-	uint8_t *all = malloc(body->size_bytes + 1), *at = all;
-	for (uint32_t i = 0; i < body->piece_count; at += body->pieces[i++].size)
-		memcpy(at, body->pieces[i].bytes, body->pieces[i].size);
-	return all;
+	uint64_t x = ((const struct rung *)a)->budget, y = ((const struct rung *)b)->budget;
+	return x < y ? -1 : x > y;
 }
 
-/* Parses without decoding: every frame's hash, fields and order. True if the whole was accepted. */
-static bool stream_accepted(const uint8_t *bytes, size_t size)
+static bool plan_rung(struct run *run, struct rung *rung)
 {
-	static const struct eco_wire_events nothing;
-	struct eco_wire_parser *parser;
+	struct eco_request request = run->request;
+	struct eco_plan plan;
 	struct eco_error error = { 0 };
-	if (eco_wire_parser_new(&parser, &nothing, NULL, &error))
-		stop("parser", &error);
-	bool ok = !eco_wire_feed(parser, bytes, size, &error) && !eco_wire_finish(parser, &error);
-	eco_wire_parser_free(parser);
-	return ok;
-}
-
-static uint64_t damage_stream(const struct srv_scene *scene, long damages)
-{
-	struct eco_request request;
-	struct srv_body body;
-	uint64_t unnoticed = 0;
-	do {
-		request = random_request(&scene->pack->scene);
-		request.vertices = 2000;
-		request.bytes = ECO_BYTES_UNBOUNDED;
-	} while (eco_view_check(&request.view, NULL) || !answer(scene, &request, NULL, &body));
-	uint8_t *bytes = flatten(&body);
-	if (!stream_accepted(bytes, body.size_bytes))
-		stop("stream", &(struct eco_error){ .text = "the undamaged stream is refused" });
-	for (long i = 0; i < damages; i++) {
-		uint64_t at = bits() % body.size_bytes;
-		uint8_t flip = (uint8_t)(1u << (bits() % 8));
-		if (i % 4 == 3) {
-			unnoticed += stream_accepted(bytes, at);
-			continue;
-		}
-		bytes[at] ^= flip;
-		unnoticed += stream_accepted(bytes, body.size_bytes);
-		bytes[at] ^= flip;
-	}
-	free(bytes);
-	srv_body_free(&body);
-	return unnoticed;
-}
-
-static uint64_t file_size(FILE *f)
-{
-	fseek(f, 0, SEEK_END);
-	long size = ftell(f);
-	rewind(f);
-	return size > 0 ? (uint64_t)size : 0;
-}
-
-/* A pack is noticed to be damaged when it is opened or, inside a chunk, when that chunk is read. */
-static bool pack_accepted(const uint8_t *bytes, size_t size, uint64_t at)
-{
-	struct eco_pack *pack;
-	struct eco_error error = { 0 };
-	bool ok = true;
-	if (eco_pack_open_memory(&pack, bytes, size, &error))
+	request.vertices = rung->budget;
+	request.bytes = ECO_BYTES_UNBOUNDED;
+	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .request = &request }, &error)) {
+		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
 		return false;
-	for (uint32_t i = 0; i < pack->scene.chunk_count && ok; i++) {
-		const struct eco_chunk *chunk = &pack->scene.chunks[i];
-		const uint8_t *payload;
-		size_t payload_bytes;
-		/* only what the damage can have touched: reading every chunk 10^5 times would take hours */
-		if (at >= chunk->offset && at < chunk->offset + chunk->size_bytes)
-			ok = !eco_pack_payload(pack, i, &payload, &payload_bytes, &error);
 	}
-	eco_pack_close(pack);
-	return ok;
+	const struct eco_prediction *p = &plan.prediction;
+	double pixels = (double)request.view.width * request.view.height;
+	rung->vertices = plan.vertices;
+	rung->wrong = p->fp + p->fn;
+	if (plan.vertices > rung->budget)
+		violated(run, OVER_VERTICES, "%llu vertices planned for %llu", (unsigned long long)plan.vertices, (unsigned long long)rung->budget);
+	if (!(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp + p->fn <= pixels * (1 + 1e-6) && p->fp <= pixels * (1 + 1e-6)))
+		violated(run, SENSELESS, "at %llu vertices %g right, %g too many, %g missing of %g pixels", (unsigned long long)rung->budget, p->tp,
+			p->fp, p->fn, pixels);
+	eco_plan_free(&plan);
+	return true;
 }
 
-static uint64_t damage_pack(const char *path, long damages)
+/* From nothing to everything, and some close together above the request's own, where what is left over would have found a use. */
+static void choose_budgets(const struct run *run, struct rung rungs[CHAIN])
 {
-	FILE *f = fopen(path, "rb");
-	uint64_t unnoticed = 0, size = f ? file_size(f) : 0;
-	uint8_t *bytes = malloc(size + 1);
-	if (!f || !bytes || fread(bytes, 1, size, f) != size)
-		stop(path, &(struct eco_error){ .text = "cannot be read" });
-	fclose(f);
-	if (!pack_accepted(bytes, size, 0))
-		stop(path, &(struct eco_error){ .text = "the undamaged pack is refused" });
-	for (long i = 0; i < damages; i++) {
-		/* half of them in the tables, which are small beside the chunks */
-		uint64_t at = bits() % (i % 2 && size > 65536 ? 65536 : size);
-		if (i % 8 == 7) {
-			unnoticed += pack_accepted(bytes, at, at);
-			continue;
+	struct random_numbers r = { run->seed + run->number };
+	uint64_t own = run->request.vertices < ECO_VERTICES_MAX / 4 ? run->request.vertices : (uint64_t)random_power(&r, 0, 7);
+	const uint64_t chosen[CHAIN] = { 0, own, own + 1, own + 2 + random_bits(&r) % 8, own + own / 64 + 1, own + own / 8 + 3, 2 * own + 4,
+		(uint64_t)random_power(&r, 0, 8), (uint64_t)random_power(&r, 2, 6), ECO_VERTICES_MAX };
+	for (uint32_t i = 0; i < CHAIN; i++)
+		rungs[i] = (struct rung){ .budget = chosen[i] };
+	qsort(rungs, CHAIN, sizeof *rungs, by_budget);
+}
+
+static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
+{
+	const struct rung *rung = &rungs[i], *all = &rungs[CHAIN - 1];
+	double allowance = ROUNDING * (1 + rungs[0].wrong);
+	uint64_t left = rung->budget - rung->vertices;
+	if (rung->vertices >= rung->budget || rung->wrong <= all->wrong + allowance)
+		return;
+	if (rung->budget > 0)
+		run->unused_most = fmax(run->unused_most, (double)left / (double)rung->budget);
+	for (uint32_t k = i + 1; k < CHAIN; k++)
+		if (rungs[k].vertices <= rung->budget && rungs[k].wrong < rung->wrong - allowance) {
+			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu vertices", rung->wrong,
+				(unsigned long long)rung->budget, rungs[k].wrong, (unsigned long long)rungs[k].budget, (unsigned long long)rungs[k].vertices);
+			return;
 		}
-		uint8_t flip = (uint8_t)(1u << (bits() % 8));
-		bytes[at] ^= flip;
-		unnoticed += pack_accepted(bytes, size, at);
-		bytes[at] ^= flip;
+	if (left > run->largest_step)
+		violated(run, UNUSED, "%llu of %llu vertices left over, no step takes more than %llu; %g wrong pixels could be %g",
+			(unsigned long long)left, (unsigned long long)rung->budget, (unsigned long long)run->largest_step, rung->wrong, all->wrong);
+}
+
+static void check_chain(struct run *run)
+{
+	struct rung rungs[CHAIN];
+	choose_budgets(run, rungs);
+	run->chains++;
+	for (uint32_t i = 0; i < CHAIN; i++)
+		if (!plan_rung(run, &rungs[i]))
+			return;
+	for (uint32_t i = 0; i < CHAIN; i++) {
+		if (i > 0 && rungs[i].wrong > rungs[i - 1].wrong + ROUNDING * (1 + rungs[0].wrong))
+			violated(run, RISES, "%.17g wrong pixels at %llu vertices, %.17g at %llu", rungs[i - 1].wrong, (unsigned long long)rungs[i - 1].budget,
+				rungs[i].wrong, (unsigned long long)rungs[i].budget);
+		check_unused(run, rungs, i);
 	}
-	free(bytes);
-	return unnoticed;
+}
+
+/* One plant of one kind all at once, or a tile opened: each of its plants gets the least that it can be drawn with. */
+static uint64_t largest_step(const struct eco_scene *scene)
+{
+	uint64_t most = 0;
+	for (uint32_t i = 0; i < scene->ladder_count; i++) {
+		uint64_t full = lod_ladder_full(scene, &scene->ladders[i]);
+		most = full > most ? full : most;
+	}
+	for (uint32_t i = 0; i < scene->tile_count; i++) {
+		uint64_t opened = 0;
+		for (uint32_t g = 0; g < scene->tiles[i].group_count; g++) {
+			const struct eco_group *group = &scene->groups[scene->tiles[i].group_first + g];
+			const struct eco_plant *plant = &scene->plants[group->plant];
+			uint64_t least = 0;
+			for (uint32_t k = 0; k < plant->ladder_count; k++) {
+				const struct eco_ladder *ladder = &scene->ladders[plant->ladder_first + k];
+				if (ladder->anchor == plant->anchor_first)
+					least += lod_ladder_next(scene, ladder, 0);
+			}
+			opened += least * scene->lists[group->list].primitive_count;
+		}
+		most = opened > most ? opened : most;
+	}
+	return most;
+}
+
+/* ---- All ---- */
+
+static void one_request(struct run *run)
+{
+	run->requests++;
+	if (!random_request(&run->request, &run->scene->pack->scene, run->seed, run->number)) {
+		run->refused++;
+		return;
+	}
+	check_stream(run);
+	if (run->number % CHAIN_EVERY == 0)
+		check_chain(run);
+}
+
+static uint64_t sum_of(const struct run *run)
+{
+	uint64_t sum = 0;
+	for (int i = 0; i < VIOLATION_COUNT; i++)
+		sum += run->count[i];
+	return sum;
+}
+
+static void print_run(const struct run *run, bool json)
+{
+	const char *slash = strrchr(run->pack, '/');
+	printf(json ? "{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, \"states\": %llu, \"chains\": %llu, "
+		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too small for any picture, %llu states of streams, "
+		"%llu chains of budgets, at most %.4f of a budget left over: %llu violations", slash ? slash + 1 : run->pack,
+		(unsigned long long)run->requests, (unsigned long long)run->refused, (unsigned long long)run->empty, (unsigned long long)run->states,
+		(unsigned long long)run->chains, run->unused_most, (unsigned long long)sum_of(run));
+	for (int i = 0; i < VIOLATION_COUNT; i++)
+		if (json)
+			printf(", \"%s\": %llu", violation_names[i], (unsigned long long)run->count[i]);
+		else if (run->count[i])
+			printf(", %s %llu", violation_names[i], (unsigned long long)run->count[i]);
+	puts(json ? "}" : "");
+	fflush(stdout);
+}
+
+static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, uint64_t seed, bool json)
+{
+	struct run run = { .pack = path, .seed = seed };
+	struct srv_store scenes;
+	struct eco_error error = { 0 };
+	srv_store_init(&scenes);
+	if (srv_store_add(&scenes, "scene", path, &error))
+		random_stop(path, &error);
+	run.scene = &scenes.scenes[0];
+	run.largest_step = largest_step(&run.scene->pack->scene);
+	for (uint64_t i = 0; i < count; i++) {
+		if (i % CLIENT_EVERY == 0)
+			new_client(&run);
+		run.number = first + i;
+		one_request(&run);
+	}
+	new_client(&run);
+	view_store_free(run.store);
+	print_run(&run, json);
+	srv_store_free(&scenes);
+	return sum_of(&run);
 }
 
 int main(int argc, char **argv)
 {
-	struct srv_store scenes;
-	struct view_store *store = NULL;
-	struct eco_error error = { 0 };
-	struct counts counts = { 0 };
-	if (argc < 4 || argc > 5) {
-		fprintf(stderr, "usage: requests PACK REQUESTS DAMAGES [SEED]\n");
+	static const struct option options[] = { { "json", no_argument, NULL, 'j' }, { "seed", required_argument, NULL, 's' },
+		{ "only", required_argument, NULL, 'o' }, { NULL, 0, NULL, 0 } };
+	uint64_t seed = 1, only = UINT64_MAX, violations = 0;
+	bool json = false, usable = true;
+	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;) {
+		usable = usable && c != '?';
+		json = json || c == 'j';
+		seed = c == 's' ? strtoull(optarg, NULL, 10) : seed;
+		only = c == 'o' ? strtoull(optarg, NULL, 10) : only;
+	}
+	int packs = argc - optind - 1;
+	if (!usable || packs < 1) {
+		fprintf(stderr, "usage: requests [--json] [--seed S] [--only NUMBER] COUNT PACK...\n");
 		return 2;
 	}
-	long requests = atol(argv[2]), damages = atol(argv[3]);
-	state = argc == 5 ? strtoull(argv[4], NULL, 10) : 1;
-	srv_store_init(&scenes);
-	if (srv_store_add(&scenes, "scene", argv[1], &error))
-		stop(argv[1], &error);
-	for (long i = 0; i < requests; i++) {
-		if (i % 500 == 0) {      /* a new client now and then, so that both full and empty hands are tried */
-			if (store)
-				counts.twice += view_store_stats(store)->chunks_twice;
-			view_store_free(store);
-			if (view_store_new(&store, &(struct view_store_options){ 0 }, &error))
-				stop("store", &error);
-		}
-		one_request(&scenes.scenes[0], store, &counts, i % 10 == 0);
+	uint64_t count = strtoull(argv[optind], NULL, 10);
+	for (int i = 0; i < packs; i++) {
+		uint64_t share = count / (uint64_t)packs + ((uint64_t)i < count % (uint64_t)packs);
+		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, seed, json) : run_pack(argv[optind + 1 + i], only, 1, seed, json);
 	}
-	view_store_free(store);
-	uint64_t stream = damages ? damage_stream(&scenes.scenes[0], damages) : 0, file = damages ? damage_pack(argv[1], damages) : 0;
-	printf("%ld requests: %llu over the vertex budget, %llu over the byte budget, %llu drawn otherwise than planned, %llu chunks sent "
-		"twice, %llu answers that differ (%llu too small for any picture)\n", requests, (unsigned long long)counts.vertices,
-		(unsigned long long)counts.bytes, (unsigned long long)counts.drawn, (unsigned long long)counts.twice,
-		(unsigned long long)counts.differ, (unsigned long long)counts.empty);
-	printf("%ld damages of a stream: %llu unnoticed; %ld of the pack: %llu unnoticed\n", damages, (unsigned long long)stream, damages,
-		(unsigned long long)file);
-	srv_store_free(&scenes);
-	return counts.vertices || counts.bytes || counts.drawn || counts.twice || counts.differ || stream || file;
+	return violations ? 1 : 0;
 }

@@ -1,6 +1,9 @@
 # Shared by demo.sh and forest.sh: start a daemon on a free port, stop it, put figures and pictures on one page.
 # BUILD is the folder of the programs.
 
+# finished plants are kept with the other output, not in the user's own cache
+export XDG_CACHE_HOME="$PWD/build/cache"
+
 die() { echo "$0: $*" >&2; exit 1; }
 
 # serve LOG PACK... : starts ecoserve, sets SERVER_PID and BASE (http://127.0.0.1:PORT)

@@ -1,0 +1,151 @@
+/* Requests that nobody would think of, and the server's answers to them, for programs that look for violations. A request depends on a
+ * seed and its number alone, so that one can be looked at again. */
+#ifndef TESTS_BENCH_RANDOM_REQUEST_H
+#define TESTS_BENCH_RANDOM_REQUEST_H
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/view.h"
+#include "server/store.h"
+#include "server/stream.h"
+
+struct random_numbers { uint64_t state; };
+
+static inline uint64_t random_bits(struct random_numbers *r)
+{
+	uint64_t z = r->state += 0x9E3779B97F4A7C15u;
+	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+	return z ^ (z >> 31);
+}
+
+static inline double random_real(struct random_numbers *r, double low, double high)
+{
+	return low + (high - low) * (double)(random_bits(r) >> 11) / 9007199254740992.0;
+}
+
+/* Each power of ten as likely. */
+static inline double random_power(struct random_numbers *r, double low, double high) { return pow(10, random_real(r, low, high)); }
+
+static inline _Noreturn void random_stop(const char *what, const struct eco_error *error)
+{
+	fprintf(stderr, "%s: %s\n", what, error->text);
+	exit(2);
+}
+
+/* A point in the body of some plant, found by a walk down the tree; false where the walk ends at a tile without plants. */
+static inline bool random_in_plant(struct random_numbers *r, const struct eco_scene *scene, double point[3])
+{
+	struct eco_placement at = { .scale = 1 };
+	const struct eco_tile *tile = &scene->tiles[scene->root];
+	while (tile->child_count > 0 && (tile->group_count == 0 || random_bits(r) % 8)) {
+		const struct eco_child *child = &scene->children[tile->child_first + random_bits(r) % tile->child_count];
+		if (child->placed) {
+			struct eco_list whole = { .grid_step = { 1e-3, 1e-3, 1e-3 } };
+			struct eco_place as_place = { .turn = child->turn, .scale = (uint32_t)fmax(1, (double)child->scale * 65536) };
+			struct lod_place place;
+			for (int i = 0; i < 3; i++)
+				as_place.position[i] = (int32_t)fmax(-1e9, fmin(1e9, child->at[i] * 1000));
+			lod_place_instance(&place, &at, &whole, &as_place);
+			at.turn = (uint16_t)(at.turn + child->turn);
+			at.scale *= (double)child->scale;
+			memcpy(at.at, place.at, sizeof at.at);
+		}
+		tile = &scene->tiles[child->tile];
+	}
+	if (tile->group_count == 0)
+		return false;
+	const struct eco_group *group = &scene->groups[tile->group_first + random_bits(r) % tile->group_count];
+	const struct eco_list *list = &scene->lists[group->list];
+	const struct eco_anchor *body = &scene->anchors[scene->plants[group->plant].anchor_first];
+	struct eco_place p = eco_place_read(scene, group->place_first + random_bits(r) % list->primitive_count);
+	struct lod_place place;
+	float inside[3];
+	lod_place_instance(&place, &at, list, &p);
+	for (int i = 0; i < 3; i++)
+		inside[i] = body->center[i] + body->radius * (float)random_real(r, -0.9, 0.9);
+	lod_place_point(&place, inside, point);
+	return true;
+}
+
+/* Where the eye is and where it looks: anywhere near and far, inside plants, on corners of the scene, beyond the horizon, straight down
+ * with an up that is of no use. */
+static inline void random_view(struct random_numbers *r, const struct eco_scene *scene, struct eco_view *v)
+{
+	const struct eco_tile *root = &scene->tiles[scene->root];
+	uint64_t kind = random_bits(r) % 16;
+	double reach = kind == 0 ? random_power(r, 1, 5) : random_power(r, -1, 1.5);
+	for (int i = 0; i < 3; i++) {
+		double middle = (root->low[i] + root->high[i]) / 2, half = (root->high[i] - root->low[i]) / 2 + 1e-3;
+		v->target[i] = middle + half * random_real(r, -1, 1);
+		v->eye[i] = v->target[i] + half * reach * random_real(r, -1, 1);
+		v->up[i] = i == 2;
+		if (kind == 1)
+			v->eye[i] = random_bits(r) % 2 ? root->low[i] : root->high[i];
+		else if (kind == 2)
+			v->target[i] = random_bits(r) % 2 ? root->low[i] : root->high[i];
+	}
+	if (kind >= 3 && kind < 8 && random_in_plant(r, scene, v->eye) && kind < 5)
+		random_in_plant(r, scene, v->target);
+	if (kind == 8) {                     /* from a man's height, level */
+		v->eye[2] = root->low[2] + random_real(r, 0.5, 2.5);
+		v->target[2] = v->eye[2];
+	}
+	if (kind == 9) {
+		v->target[0] = v->eye[0];
+		v->target[1] = v->eye[1];
+		v->target[2] = v->eye[2] - random_power(r, -3, 3);
+	}
+	if (random_bits(r) % 8 == 0)
+		for (int i = 0; i < 3; i++)
+			v->up[i] = kind % 2 ? random_real(r, -1, 1) : v->target[i] - v->eye[i];
+	v->fov_y_deg = random_bits(r) % 8 ? random_real(r, 0.5, 150) : random_bits(r) % 2 ? random_power(r, -5, 0) : 180 - random_power(r, -5, 1);
+	v->width = (uint32_t)random_power(r, 0, log10(4096.999));
+	v->height = (uint32_t)random_power(r, 0, log10(4096.999));
+}
+
+static inline uint64_t random_budget(struct random_numbers *r)
+{
+	switch (random_bits(r) % 20) {
+	case 0: return random_bits(r) % 4;
+	case 1: return ECO_VERTICES_MAX;
+	case 2: return (uint64_t)random_power(r, 8, 15);
+	default: return (uint64_t)random_power(r, 0, 8);
+	}
+}
+
+/* False where the request layer refuses the view. */
+static inline bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed, uint64_t number)
+{
+	struct random_numbers r = { seed * 0xD6E8FEB86659FD93u + number };
+	random_bits(&r);
+	*request = (struct eco_request){ .bytes = ECO_BYTES_UNBOUNDED };
+	random_view(&r, scene, &request->view);
+	request->vertices = random_budget(&r);
+	if (random_bits(&r) % 4 == 0)
+		request->bytes = (uint64_t)random_power(&r, 1, 7.5);
+	if (random_bits(&r) % 8 == 0)
+		request->ground_px = random_power(&r, -2, 4);
+	return eco_view_check(&request->view, NULL) == ECO_OK;
+}
+
+/* The body of the answer, which the caller frees; false: 204. */
+static inline bool random_answer(const struct srv_scene *scene, const struct eco_request *request, const struct eco_holdings *holdings,
+	struct srv_body *body)
+{
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	*body = (struct srv_body){ 0 };
+	if (srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene, .request = request, .holdings = holdings }, &error))
+		random_stop("planning", &error);
+	bool fits = stream.fits;
+	if (fits && srv_stream_write(&stream, body, &error))
+		random_stop("writing", &error);
+	srv_stream_free(&stream);
+	return fits;
+}
+
+#endif
