@@ -16,6 +16,9 @@
 #include "lod/raster.h"
 #include "lod/vector.h"
 
+/* Bits of the grid that tells which triangles are too small to count (lod/weld.h). */
+#define LOD_FOLIAGE_GRID_BITS 14u
+
 struct lod_foliage {                 /* arrays of an arena */
 	uint32_t count;              /* elements */
 	uint32_t *first;             /* element i has corners [first[i], first[i + 1]), 3 to ECO_CORNERS_MAX: a fan around the first */
@@ -35,6 +38,18 @@ struct lod_foliage {                 /* arrays of an arena */
 enum eco_code lod_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
 	struct eco_error *error);
 
+/* The same from the stages of a build (plant.c), which keeps their arrays: element i is elements->items[i]. May be without any. */
+struct lod_mesh;
+struct lod_organs;
+struct lod_elements;
+struct lod_foliage_parts {
+	const struct eco_model *model;
+	const struct lod_mesh *mesh;
+	const struct lod_organs *organs;
+	const struct lod_elements *elements;
+};
+void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts, struct lod_arena *arena);
+
 /* Unit vectors from the plant towards the eye, evenly spread over the upper part of the sphere (a little below the horizon to steep from
  * above). Different seeds share no direction: build with one, test with another. */
 void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t seed);
@@ -53,11 +68,11 @@ struct lod_sights {
 enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage, const double (*directions)[3], uint32_t count,
 	uint32_t pixels, struct lod_arena *arena, struct eco_error *error);
 
-/* Elements order[0..count) at their factors (area factor about the centre; NULL: `scale` for all), over the wood. `shape`: other corners
- * for the same elements (leaves as quads), or NULL. */
+/* Elements order[0..count) at their factors (area factor about the mean of the corners that are drawn; NULL: `scale` for all), over the
+ * wood. `shape`: other corners for the same elements (leaves as quads), opaque; NULL, or with no corners where the element is drawn itself. */
 struct lod_quad { float corner[4][3]; uint8_t corners; };        /* 3 or 4 */
 struct lod_sights_drawing {
-	const uint32_t *order;
+	const uint32_t *order;       /* NULL: as they are numbered */
 	uint32_t count;
 	const float *factor;         /* per element (not per position in the order), or NULL */
 	float scale;
