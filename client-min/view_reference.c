@@ -10,8 +10,10 @@
 #include <string.h>
 
 #include "client-min/view_table.h"
+#include "lod/light.h"
 #include "lod/plant.h"
 #include "lod/raster.h"
+#include "lod/texel.h"
 
 #define THREADS_MAX 64u
 #define HAZE_M 3000.0f
@@ -74,31 +76,43 @@ static void bound_sphere(struct mesh *mesh, uint32_t vertices)
 		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
 }
 
-/* Mean colour of an image's opaque texels, out of 255; white without an image. */
-static void mean_color(const struct view_list *image, uint32_t mean[3])
+#define TEXEL_STEPS 5                    /* a side of the lattice of texels that a triangle's colour is the mean of */
+
+static void add_texel(struct lod_light *light, const struct eco_image *image, double u, double v)
 {
-	uint64_t sum[3] = { 0 }, count = 0;
-	size_t texels = image ? (size_t)image->image.width * image->image.height : 0;
-	for (size_t i = 0; i < texels; i++) {
-		const uint8_t *p = image->image.rgba + 4 * i;
-		for (int k = 0; k < 3 && p[3] >= 128; k++)
-			sum[k] += p[k];
-		count += p[3] >= 128;
-	}
-	for (int k = 0; k < 3; k++)
-		mean[k] = count ? (uint32_t)(sum[k] / count) : 255;
+	const uint8_t *texel = lod_texel_at(image, u, v);
+	if (texel[3] >= 128)
+		lod_light_add(light, texel, 1);
+}
+
+/* Mean light of a triangle's opaque texels; `rgb` stays where there is none. */
+static void texture_color(const struct eco_image *image, const float *uv, uint8_t rgb[3])
+{
+	struct lod_light light = { .weight = 0 };
+	for (int i = 0; i < TEXEL_STEPS; i++)
+		for (int j = 0; i + j < TEXEL_STEPS; j++) {
+			double a = (i + 1.0 / 3) / TEXEL_STEPS, b = (j + 1.0 / 3) / TEXEL_STEPS, c = 1 - a - b;
+			add_texel(&light, image, a * uv[0] + b * uv[2] + c * uv[4], a * uv[1] + b * uv[3] + c * uv[5]);
+		}
+	lod_light_mean(&light, rgb);
 }
 
 static void color_mesh(struct mesh *mesh, const struct view_list *list, const struct view_list *image)
 {
 	static const uint8_t plain[3] = { 95, 127, 79 };
-	uint32_t mean[3];
-	mean_color(image, mean);
+	struct lod_light all = { .weight = 0 };
+	uint8_t mean[3] = { 255, 255, 255 };
+	size_t texels = mesh->geometry.uv ? (size_t)image->image.width * image->image.height : 0;
+	for (size_t i = 0; i < texels; i++)
+		if (image->image.rgba[4 * i + 3] >= 128)
+			lod_light_add(&all, image->image.rgba + 4 * i, 1);
+	lod_light_mean(&all, mean);
 	for (uint32_t i = 0; i < mesh->batch.count; i++) {
 		int32_t c = mesh->geometry.color[i];
-		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c] : plain;
-		for (int k = 0; k < 3; k++)
-			mesh->rgb[3 * (size_t)i + (size_t)k] = (uint8_t)(rgb[k] * mean[k] / 255);
+		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c] : image ? mean : plain;
+		memcpy(mesh->rgb + 3 * (size_t)i, rgb, 3);
+		if (mesh->geometry.uv)
+			texture_color(&image->image, mesh->geometry.uv + 6 * (size_t)i, mesh->rgb + 3 * (size_t)i);
 	}
 }
 
@@ -107,21 +121,21 @@ static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_jo
 	const struct view_list *list = view_store_list(job->store, cut->list);
 	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(&list->list);
 	const struct view_list *image = list->list.image == ECO_NONE ? NULL : view_store_list(job->store, list->list.image);
-	bool cutout = image && image->cutout && list->list.attributes & ECO_ATTR_UV;
+	bool textured = image && image->image.rgba && list->list.attributes & ECO_ATTR_UV, cutout = textured && image->cutout;
 	mesh->kind = list->list.kind;
 	mesh->geometry.position = malloc(12u * (size_t)count * corners + 1);
-	mesh->geometry.uv = cutout ? malloc(24u * (size_t)count + 1) : NULL;
+	mesh->geometry.uv = textured ? malloc(24u * (size_t)count + 1) : NULL;
 	mesh->geometry.width = mesh->kind == ECO_LIST_LINES ? malloc(4u * (size_t)count + 1) : NULL;
 	mesh->geometry.color = malloc(4u * (size_t)count + 1);
 	bool sized = list->list.attributes & ECO_ATTR_SIZE;
 	mesh->geometry.size = sized ? malloc(4u * (size_t)count + 1) : NULL;
 	mesh->rgb = malloc(3u * (size_t)count + 1);
-	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (cutout && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
+	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (textured && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
 		(mesh->kind == ECO_LIST_LINES && !mesh->geometry.width))
 		return no_memory(error);
 	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &mesh->geometry);
 	assert(written == count);
-	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position, .uv = mesh->geometry.uv,
+	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position, .uv = cutout ? mesh->geometry.uv : NULL,
 		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width, .area = list->list.unit_area * cut->scale,
 		.size = mesh->geometry.size, .rgb = mesh->rgb };
 	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
