@@ -7,6 +7,7 @@ PACK=$BUILD/ecopack
 DIR=build/tmp/ecopack-sh-$$
 failed=0
 mkdir -p "$DIR"
+export XDG_CACHE_HOME="$PWD/$DIR/xdg"
 trap 'rm -rf "$DIR"' EXIT
 
 complain() { echo "test_ecopack: $*"; failed=1; }
@@ -35,7 +36,10 @@ expect 2 '--jobs 0: must be a whole number' make x.json -o x.eco --jobs 0
 expect 2 '--jobs -3' make x.json -o x.eco --jobs -3
 expect 2 '--plants 12x' generate park -o "$DIR/x" --plants 12x
 expect 2 'a value must follow' generate park -o
-expect 2 'the only order is combined' make x.json -o x.eco --order alphabetical
+expect 2 'the orders are greedy, stochastic, density, orientation, combined' make x.json -o x.eco --order alphabetical
+expect 2 'the orders are' make x.json -o x.eco --order=
+expect 2 'must be the name of a folder' make x.json -o x.eco --cache=
+expect 2 '--cache-mb 0' make x.json -o x.eco --cache-mb 0
 expect 2 'park, forest or meadow' generate desert -o "$DIR/x"
 
 # ---- A small scene of our own ----
@@ -63,6 +67,39 @@ fi
 "$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --quiet --jobs 3 >"$DIR/quiet" 2>&1 || complain "make --quiet failed"
 [ -s "$DIR/quiet" ] && complain "make --quiet says: $(head -c 200 "$DIR/quiet")"
 cmp -s "$DIR/tiny.eco" "$DIR/again.eco" || complain "the same scene gave another pack"
+
+# ---- Orders by name, and plants that were built before ----
+same() { cmp -s "$DIR/tiny.eco" "$DIR/$1" || complain "$2: another pack"; }
+[ "$(ls "$XDG_CACHE_HOME/ecostream" | wc -l)" -eq 1 ] || complain "the default cache holds: $(ls "$XDG_CACHE_HOME/ecostream")"
+expect 0 '^1 of 1 plants were built before and came from .*/xdg/ecostream$' make "$DIR/scene.json" -o "$DIR/again.eco" --times
+same again.eco "from the cache"
+"$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --no-cache --times >"$DIR/out" 2>&1 || complain "--no-cache: $(cat "$DIR/out")"
+grep -q 'built before' "$DIR/out" && complain "--no-cache took a plant from the cache"
+same again.eco --no-cache
+expect 0 '^0 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept" --times
+expect 0 '^1 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache="$DIR/kept" --times
+same again.eco --cache
+for entry in "$DIR"/kept/*.plant; do printf 'x' | dd of="$entry" bs=1 seek=60 conv=notrunc 2>/dev/null; done
+expect 0 'damaged .its hash does not hold.: the plant is built anew' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept"
+same again.eco "after damage"
+expect 0 '^1 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept" --times
+expect 0 'scene.json: cannot keep finished plants there .Not a directory.' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/scene.json"
+same again.eco "without a folder for the cache"
+if [ -w /dev/full ] && [ -d /dev/shm ] && [ "$(id -u)" -eq 0 ] && mkdir "$DIR/small" && mount -t tmpfs -o size=4k tmpfs "$DIR/small" 2>/dev/null; then
+	head -c 4096 /dev/zero >"$DIR/small/full" 2>/dev/null
+	expect 0 'cannot keep finished plants there .No space left' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/small"
+	same again.eco "with a full disk"
+	[ "$(ls "$DIR/small")" = full ] || complain "a full disk keeps: $(ls "$DIR/small")"
+	umount "$DIR/small"
+fi
+(unset XDG_CACHE_HOME HOME; "$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" >"$DIR/out" 2>&1) || complain "without HOME: $(cat "$DIR/out")"
+same again.eco "without HOME"
+for order in greedy stochastic density orientation combined; do
+	expect 0 "leaves in order $order" make "$DIR/scene.json" -o "$DIR/$order.eco" --order $order
+	expect 0 "\"order\": \"$order\"" info --json "$DIR/$order.eco"
+	expect 0 'all is well' verify "$DIR/$order.eco"
+done
+same greedy.eco "greedy is the default"
 
 # ---- What is in a model ----
 expect 2 'the model file is missing' model
