@@ -184,8 +184,7 @@ static enum eco_code check_form(const struct view_list *form, const struct view_
 {
 	if (of->list.kind != ECO_LIST_TRIANGLES || of->list.coder != ECO_CODER_ELEMENTS)
 		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u, which is not one of fans", form->id, of->id);
-	if (form->list.chunk_count != of->list.chunk_count ||
-		(form->list.coder == ECO_CODER_FORM && form->list.element_count != of->list.element_count))
+	if (form->list.chunk_count != of->list.chunk_count || form->list.element_count != of->list.element_count)
 		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u: %u elements in %u chunks for %u in %u", form->id, of->id,
 			form->list.element_count, form->list.chunk_count, of->list.element_count, of->list.chunk_count);
 	return ECO_OK;

@@ -85,11 +85,6 @@ uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *en
 	return split(element_count, first, growth, largest, ends);
 }
 
-uint8_t eco_payload_row_points(uint8_t coder, uint8_t corners)
-{
-	return coder == ECO_CODER_PAIRED ? (uint8_t)(2 * (corners - 2)) : corners;
-}
-
 uint32_t eco_corners_primitives(uint8_t corners)
 {
 	return corners < 3 ? 1 : corners - 2u;
@@ -109,7 +104,7 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
 		[ECO_LIST_LINES] = { CODER(ELEMENTS) | CODER(FORM), ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_WIDTH },
-		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(PAIRED) | CODER(KD) | CODER(ROWS) | CODER(FORM),
+		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(KD) | CODER(ROWS) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_PLANT | ECO_ATTR_SIZE },
 		[ECO_LIST_INSTANCES] = { CODER(ROWS), ECO_ATTR_COLOR | ECO_ATTR_PLACE },
 		[ECO_LIST_GROUND] = { CODER(ROWS), ECO_ATTR_COLOR },
@@ -119,7 +114,7 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u is unknown", list->kind);
-	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_FORM || !(allowed[list->kind].coders >> list->coder & 1))
+	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES || !(allowed[list->kind].coders >> list->coder & 1))
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind, list->coder);
 	if (list->attributes & ~allowed[list->kind].attributes)
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind, list->attributes);
@@ -130,13 +125,10 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 
 struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream)
 {
-	uint8_t points = eco_payload_row_points(coder, stream->corners);
-
 	return (struct eco_rows_shape){
 		.order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
 		.rows = stream->elements,
-		.corners = points,
-		.groups = coder == ECO_CODER_PAIRED ? points : 1,
+		.corners = stream->corners,
 		.extra_count = (uint8_t)eco_list_extra_count(list),
 		.uv = (list->attributes & ECO_ATTR_UV) != 0,
 		.wide = stream->wide,

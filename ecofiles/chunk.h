@@ -11,7 +11,6 @@
  * What a stream holds (flags: bit 0 `wide`, bits 4 to 7 `uv_shift`):
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
- *   PAIRED    one row for the points of one partner element of that many corners (3..6): 2 (corners-2) points
  *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, before it corners = 1: one row
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
@@ -37,7 +36,7 @@
 /* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and attributes must be set). ELEMENTS
  * and KD sort inside the chunk (corner count, then Morton) and the decoder permutes, so what comes back is a permutation of what
  * went in. `order`, if not NULL, receives end - first indices: order[i] is the input index, relative to first, of the i-th element
- * that decoding will give (for KD and MESH, whose order Draco decides, it must be NULL). Not for PAIRED and FORM. *bytes is malloc'ed. */
+ * that decoding will give (for KD and MESH, whose order Draco decides, it must be NULL). Not for FORM. *bytes is malloc'ed. */
 struct eco_chunk_input {
 	const struct eco_list *list;
 	const struct eco_elements *elements;
@@ -46,16 +45,10 @@ struct eco_chunk_input {
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
 	struct eco_error *error);
 
-/* Encodes the points that stand for elements [first, end) of the partner: `partner` is the input the partner chunk was encoded
- * from; `points` holds all points of the point list with two points per triangle in the partner's INPUT element order, starting at
- * point `point_first` for element `first`. */
-enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, const struct eco_list *list,
-	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
-
 /* Encodes another form of elements [first, end) of the partner: `partner` is the input that the partner's chunk was encoded from, `list`
  * the form's (coder FORM), and element i of `forms` the form of the partner's INPUT element i, all with the same number of corners (1
- * for points, 2 for lines, 3 or 4 for triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any number of
- * forms may share a partner; each is encoded and decoded without the others. */
+ * for points, 2 for lines, 3 or 4 for triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any
+ * number of forms may share a partner; each is encoded and decoded without the others. */
 enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const struct eco_list *list,
 	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 

@@ -40,18 +40,16 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
-		bool paired = list->coder == ECO_CODER_PAIRED;
-		bool allowed = paired ? s->corners >= 3 : side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
+		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
 
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
 		    || (s->uv_shift != 0 && (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
 			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i, s->corners);
 		if (side)
 			continue;
-		elements += paired ? (uint64_t)s->elements * eco_payload_row_points(ECO_CODER_PAIRED, s->corners) : s->elements;
-		corners += (uint64_t)s->elements * eco_payload_row_points(payload->coder, s->corners);
-		primitives += paired ? (uint64_t)s->elements * eco_payload_row_points(ECO_CODER_PAIRED, s->corners)
-			: (uint64_t)s->elements * eco_corners_primitives(s->corners);
+		elements += s->elements;
+		corners += (uint64_t)s->elements * s->corners;
+		primitives += (uint64_t)s->elements * eco_corners_primitives(s->corners);
 	}
 	if (elements != chunk->element_count || primitives != chunk->primitive_count)
 		return eco_fail(error, ECO_DAMAGED, "chunk: %llu elements and %llu primitives instead of %u and %u",
@@ -82,14 +80,14 @@ static enum eco_code allocate(const struct eco_list *list, const struct eco_chun
 	return ECO_OK;
 }
 
-/* Where each stored row goes: its rank among the rows in draw order, and the first of its points. */
-struct place { uint32_t rank, point; };
+/* Where each stored row goes: its element in draw order, and that one's first corner. */
+struct place { uint32_t element, corner; };
 
 static struct place *find_places(const struct eco_payload *payload, bool permuted, uint32_t ordinal, uint32_t row_count)
 {
 	struct place *places = malloc(row_count * sizeof *places);
 	uint32_t *order = malloc(row_count * sizeof *order);
-	uint32_t row = 0, point = 0;
+	uint32_t row = 0, corner = 0;
 
 	if (places == NULL || order == NULL) {
 		free(places);
@@ -98,15 +96,15 @@ static struct place *find_places(const struct eco_payload *payload, bool permute
 	}
 	for (uint32_t i = 0; i < payload->stream_count; i++)
 		for (uint32_t k = 0; k < payload->streams[i].elements; k++)
-			places[row++].point = eco_payload_row_points(payload->coder, payload->streams[i].corners);
+			places[row++].corner = payload->streams[i].corners;
 	if (permuted)
 		eco_chunk_permutation(ordinal, row_count, order);
 	for (uint32_t i = 0; i < row_count; i++) {
 		struct place *place = &places[permuted ? order[i] : i];
-		uint32_t size = place->point;
+		uint32_t corners = place->corner;
 
-		*place = (struct place){ i, point };
-		point += size;
+		*place = (struct place){ i, corner };
+		corner += corners;
 	}
 	free(order);
 	return places;
@@ -116,23 +114,22 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 	const struct place *places, struct eco_elements *elements, struct eco_error *error)
 {
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
-	bool paired = payload->coder == ECO_CODER_PAIRED;
 	struct eco_chunk_rows rows;
 	enum eco_code code = eco_rows_make(&rows, &shape, error);
 
 	if (code == ECO_OK)
 		code = eco_rows_decode(&rows, stream->bytes, stream->size, error);
 	for (uint32_t i = 0; code == ECO_OK && i < stream->elements; i++) {
-		size_t point = places[i].point, element = paired ? point : places[i].rank;
+		size_t corner = places[i].corner, element = places[i].element;
 		struct eco_rows_element row = {
-			elements->position + 3 * point,
-			shape.uv ? elements->uv + 2 * point : NULL,
+			elements->position + 3 * corner,
+			shape.uv ? elements->uv + 2 * corner : NULL,
 			shape.extra_count > 0 ? elements->extra + shape.extra_count * element : NULL,
 		};
 
 		if (!eco_rows_get(&rows, i, &row))
 			code = eco_fail(error, ECO_DAMAGED, "chunk: a value of stored row %u is out of bounds", i);
-		memset(elements->corners + element, paired ? 1 : stream->corners, paired ? shape.corners : 1);
+		elements->corners[element] = stream->corners;
 	}
 	eco_rows_free(&rows);
 	return code;
@@ -141,8 +138,7 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 static enum eco_code decode_streams(const struct eco_list *list, const struct eco_payload *payload, uint32_t ordinal,
 	struct eco_elements *elements, struct eco_error *error)
 {
-	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_PAIRED || list->coder == ECO_CODER_KD
-		|| list->coder == ECO_CODER_FORM;
+	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_FORM || list->coder == ECO_CODER_KD;
 	uint32_t row_count = 0;
 	struct place *places, *next;
 	enum eco_code code = ECO_OK;

@@ -98,16 +98,8 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	return ECO_OK;
 }
 
-/* Encodes stored elements of one corner count as the payload's next stream. `points` and its offsets, for PAIRED, say where the
- * points of a partner element lie: 2 a triangle, in input order. */
-struct source {
-	const struct eco_list *list;
-	const struct eco_elements *elements;
-	uint32_t first;
-	const uint32_t *point_at;    /* PAIRED: by partner element, relative to `first`; else NULL */
-};
-
-static enum eco_code add_stream(struct eco_payload *payload, const struct source *source, const struct stored *stored,
+/* Encodes stored elements of one corner count as the payload's next stream. */
+static enum eco_code add_stream(struct eco_payload *payload, const struct eco_chunk_input *source, const struct stored *stored,
 	uint32_t count, struct eco_error *error)
 {
 	const struct eco_elements *e = source->elements;
@@ -123,8 +115,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct source
 	if (code != ECO_OK)
 		return code;
 	for (uint32_t i = 0; i < count; i++) {
-		size_t corner = source->point_at == NULL ? stored[i].corner_at : source->point_at[stored[i].element];
-		size_t element = source->point_at == NULL ? source->first + stored[i].element : corner;
+		size_t corner = stored[i].corner_at, element = source->first + stored[i].element;
 		struct eco_rows_element row = {
 			e->position + 3 * corner,
 			shape.uv ? e->uv + 2 * corner : NULL,
@@ -146,7 +137,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct source
 }
 
 /* One stream for each run of equal corner counts. */
-static enum eco_code add_streams(struct eco_payload *payload, const struct source *source, const struct stored *stored,
+static enum eco_code add_streams(struct eco_payload *payload, const struct eco_chunk_input *source, const struct stored *stored,
 	uint32_t count, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -177,8 +168,7 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 }
 
 /* MESH: edgebreaker or plain triangles, whichever keeps everything and is smaller. */
-static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct source *source, const struct stored *stored,
-	uint8_t **bytes, size_t *size, struct eco_error *error)
+static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	struct eco_payload mesh = { .coder = ECO_CODER_MESH }, plain = { .coder = ECO_CODER_ELEMENTS };
 	uint8_t *plain_bytes = NULL;
@@ -189,7 +179,7 @@ static enum eco_code encode_mesh(const struct eco_chunk_input *input, const stru
 	if (code == ECO_OK && fits)
 		code = eco_payload_write(&mesh, bytes, size, error);
 	if (code == ECO_OK)
-		code = add_streams(&plain, source, stored, input->end - input->first, error);
+		code = add_streams(&plain, input, stored, input->end - input->first, error);
 	if (code == ECO_OK)
 		code = eco_payload_write(&plain, &plain_bytes, &plain_size, error);
 	if (code == ECO_OK && (!fits || plain_size < *size)) {
@@ -207,7 +197,6 @@ static enum eco_code encode_mesh(const struct eco_chunk_input *input, const stru
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
 	struct eco_error *error)
 {
-	const struct source source = { input->list, input->elements, input->first, NULL };
 	struct eco_payload payload = { .coder = input->list->coder };
 	uint32_t count = input->end - input->first;
 	struct stored *stored = NULL;
@@ -215,7 +204,7 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 
 	*bytes = NULL;
 	*size_bytes = 0;
-	assert(input->list->coder != ECO_CODER_PAIRED && input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
+	assert(input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
 	assert(order == NULL || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
 	code = check_input(input, error);
 	if (code == ECO_OK)
@@ -223,9 +212,9 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
 		qsort(stored, count, sizeof *stored, compare_stored);
 	if (code == ECO_OK && payload.coder == ECO_CODER_MESH) {
-		code = encode_mesh(input, &source, stored, bytes, size_bytes, error);
+		code = encode_mesh(input, stored, bytes, size_bytes, error);
 	} else if (code == ECO_OK) {
-		code = add_streams(&payload, &source, stored, count, error);
+		code = add_streams(&payload, input, stored, count, error);
 		if (code == ECO_OK)
 			code = eco_payload_write(&payload, bytes, size_bytes, error);
 	}
@@ -236,76 +225,6 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 		*bytes = NULL;
 	}
 	eco_payload_free_streams(&payload);
-	free(stored);
-	return code;
-}
-
-static enum eco_code check_points(const struct eco_chunk_input *partner, const struct eco_list *list,
-	const struct eco_elements *points, uint32_t point_first, uint32_t point_count, struct eco_error *error)
-{
-	enum eco_code code = eco_list_check_coding(list, error);
-
-	if (code != ECO_OK)
-		return code;
-	if (list->coder != ECO_CODER_PAIRED || partner->list->coder != ECO_CODER_ELEMENTS || partner->list->kind != ECO_LIST_TRIANGLES)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: only points can be paired, and only with fans", partner->ordinal);
-	if (point_first > points->element_count || point_count > points->element_count - point_first)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: needs points [%u, %u + %u), there are %u: two a triangle", partner->ordinal,
-			point_first, point_first, point_count, points->element_count);
-	if (point_count > ECO_CHUNK_ELEMENTS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u points, at most %u fit; end chunks earlier", partner->ordinal,
-			point_count, ECO_CHUNK_ELEMENTS_MAX);
-	if (points->extra_count != eco_list_extra_count(list) || (points->extra_count > 0 && points->extra == NULL)
-	    || ((list->attributes & ECO_ATTR_UV) && points->uv == NULL))
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: points lack attributes that the list has", partner->ordinal);
-	for (uint32_t i = 0; i < point_count; i++)
-		if (points->corners[point_first + i] != 1)
-			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: point %u has %u corners", partner->ordinal, point_first + i,
-				points->corners[point_first + i]);
-	if (!values_fit(points->position + 3 * (size_t)point_first, 3 * (size_t)point_count)
-	    || (points->uv != NULL && !values_fit(points->uv + 2 * (size_t)point_first, 2 * (size_t)point_count))
-	    || (points->extra != NULL
-	    && !values_fit(points->extra + (size_t)points->extra_count * point_first, (size_t)points->extra_count * point_count)))
-		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of a point exceeds %d; choose a coarser grid", partner->ordinal,
-			ECO_ROWS_VALUE_MAX);
-	return ECO_OK;
-}
-
-enum eco_code eco_chunk_encode_paired(const struct eco_chunk_input *partner, const struct eco_list *list,
-	const struct eco_elements *points, uint32_t point_first, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
-{
-	struct eco_payload payload = { .coder = ECO_CODER_PAIRED };
-	uint32_t count = partner->end - partner->first, point_count = 0;
-	struct stored *stored = NULL;
-	uint32_t *point_at = NULL;
-	enum eco_code code;
-
-	*bytes = NULL;
-	*size_bytes = 0;
-	code = check_input(partner, error);
-	if (code == ECO_OK)
-		code = find_elements(partner, &stored, error);
-	if (code == ECO_OK) {
-		point_at = malloc(count * sizeof *point_at);
-		if (point_at == NULL)
-			code = eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", partner->ordinal, count);
-	}
-	for (uint32_t i = 0; code == ECO_OK && i < count; i++) {
-		point_at[i] = point_first + point_count;
-		point_count += eco_payload_row_points(ECO_CODER_PAIRED, stored[i].corners);
-	}
-	if (code == ECO_OK)
-		code = check_points(partner, list, points, point_first, point_count, error);
-	if (code == ECO_OK) {
-		const struct source source = { list, points, point_first, point_at };
-
-		qsort(stored, count, sizeof *stored, compare_stored);
-		code = add_streams(&payload, &source, stored, count, error);
-	}
-	if (code == ECO_OK)
-		code = eco_payload_write(&payload, bytes, size_bytes, error);
-	eco_payload_free_streams(&payload);
-	free(point_at);
 	free(stored);
 	return code;
 }
@@ -331,7 +250,6 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
 {
 	const struct eco_chunk_input own = { list, forms, partner->first, partner->end, partner->ordinal };
-	const struct source source = { list, forms, partner->first, NULL };
 	struct eco_payload payload = { .coder = ECO_CODER_FORM };
 	uint32_t count = partner->end - partner->first;
 	struct stored *stored = NULL, *form = NULL;
@@ -352,7 +270,7 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 		qsort(stored, count, sizeof *stored, compare_stored);
 		for (uint32_t i = 0; i < count; i++)
 			stored[i] = form[stored[i].element];
-		code = add_stream(&payload, &source, stored, count, error);
+		code = add_stream(&payload, &own, stored, count, error);
 	}
 	if (code == ECO_OK)
 		code = eco_payload_write(&payload, bytes, size_bytes, error);

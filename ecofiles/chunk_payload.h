@@ -29,8 +29,6 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error);
 void eco_payload_free_streams(struct eco_payload *payload);
 
-/* Points of one row of a stream: corners, or for PAIRED the points that stand for an element of that many corners. */
-uint8_t eco_payload_row_points(uint8_t coder, uint8_t corners);
 /* Primitives of an element. */
 uint32_t eco_corners_primitives(uint8_t corners);
 /* Whether elements of the list may have that many corners. */

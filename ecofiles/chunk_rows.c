@@ -24,12 +24,7 @@ static const int8_t predictors[ECO_ROWS_PREDICTORS][4] = {
 
 static unsigned predictor_of(uint16_t stored, unsigned corner)
 {
-	unsigned slot;
-
-	if (corner < 2)
-		return 0;
-	slot = corner < 6 ? corner - 2 : 3;
-	return stored >> (4 * slot) & 15u;
+	return corner < 2 ? 0 : stored >> (4 * (corner - 2)) & 15u;
 }
 
 static int64_t floor_eighth(int64_t v)
@@ -72,7 +67,6 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 	int32_t *at;
 
 	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count <= ECO_ROWS_EXTRA_MAX);
-	assert(shape->groups == 1 || shape->groups == shape->corners);
 	memset(rows, 0, sizeof *rows);
 	rows->shape = *shape;
 	assert(!shape->split || shape->corners == 1);
@@ -82,7 +76,7 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 3 };
 	for (unsigned k = 0; shape->uv && k < shape->corners; k++)
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 2 };
-	for (unsigned k = 0; k < (unsigned)shape->groups * shape->extra_count; k++)
+	for (unsigned k = 0; k < shape->extra_count; k++)
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		per_row += rows->columns[i].components;
@@ -125,10 +119,8 @@ void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_ro
 		for (unsigned axis = 0; axis < 2; axis++)
 			column->values[2 * (size_t)row + axis] = k == 0 ? element->uv[axis]
 				: minus(element->uv[2 * k + axis], element->uv[2 * (k - 1) + axis]);
-	for (unsigned g = 0; g < s->groups; g++)
-		for (unsigned i = 0; i < s->extra_count; i++, column++)
-			column->values[row] = g == 0 ? element->extra[i]
-				: minus(element->extra[g * s->extra_count + i], element->extra[(g - 1) * s->extra_count + i]);
+	for (unsigned i = 0; i < s->extra_count; i++, column++)
+		column->values[row] = element->extra[i];
 }
 
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
@@ -161,15 +153,10 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 			element->uv[2 * k + axis] = k == 0 ? v : plus(v, element->uv[2 * (k - 1) + axis]);
 			good &= in_bounds(element->uv[2 * k + axis]);
 		}
-	for (unsigned g = 0; g < s->groups; g++)
-		for (unsigned i = 0; i < s->extra_count; i++, column++) {
-			int32_t v = column->values[row];
-
-			if (g > 0)
-				v = plus(v, element->extra[(g - 1) * s->extra_count + i]);
-			element->extra[g * s->extra_count + i] = v;
-			good &= in_bounds(v);
-		}
+	for (unsigned i = 0; i < s->extra_count; i++, column++) {
+		element->extra[i] = column->values[row];
+		good &= in_bounds(element->extra[i]);
+	}
 	return good;
 }
 
@@ -201,7 +188,7 @@ static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 {
 	uint16_t chosen = 0;
 
-	for (unsigned corner = 2; corner < rows->shape.corners && corner < 6; corner++) {
+	for (unsigned corner = 2; corner < rows->shape.corners; corner++) {
 		unsigned best = 0;
 		uint64_t best_cost = predictor_cost(rows, corner, 0);
 

@@ -11,7 +11,7 @@
  *   position k = 1..m-1 (3)                      what is left of corner k, relative to corner 0, after a linear prediction from the
  *                                                corners before it; which prediction is stored per stream and corner
  *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV; without the low `uv_shift` bits, which are all zero
- *   extra (1 each); of further points of a group: the difference to the point before
+ *   extra (1 each)
  *
  * Of each column Draco codes the values or the differences to the row before, whichever is smaller (its stream says which; kd: the
  * values).
@@ -28,23 +28,22 @@
 #include "ecofiles/draco_shim.h"
 #include "ecofiles/list.h"
 
-#define ECO_ROWS_CORNERS_MAX 8          /* 2 points for each of a fan's 4 triangles */
+#define ECO_ROWS_CORNERS_MAX ECO_CORNERS_MAX
 #define ECO_ROWS_EXTRA_MAX 6
-#define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX * ECO_ROWS_CORNERS_MAX)
+#define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 
 struct eco_rows_shape {
 	enum eco_draco_order order;
 	uint32_t rows;
 	uint8_t corners;             /* 1..ECO_ROWS_CORNERS_MAX */
-	uint8_t groups;              /* sets of extra values in a row: 1, or `corners` for points that stand for one element */
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
 	uint8_t uv_shift;            /* 0..15; ground: of heights */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
-	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end; further corners use that of corner 5 */
+	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end */
 };
 
 struct eco_chunk_rows {
@@ -54,7 +53,7 @@ struct eco_chunk_rows {
 	int32_t *storage;
 };
 
-/* One element, or one group of points: arrays of the caller. `uv` may be NULL where the shape has none, as may `extra`. */
+/* One element: arrays of the caller. `uv` may be NULL where the shape has none, as may `extra`. */
 struct eco_rows_element { int32_t *position, *uv, *extra; };
 
 /* Largest magnitude of a position, uv or extra value that a chunk can hold. */

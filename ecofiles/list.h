@@ -29,17 +29,14 @@ enum eco_list_kind {
 /* How a chunk's payload becomes elements. All integers inside are what Draco's lossless integer attributes give back.
  * ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; afterwards the elements of a chunk are
  *           put into draw order by the seeded permutation eco_chunk_permutation(ordinal, element count).
- * PAIRED    points that stand two by two for the triangles of list `partner`: stored in the stored order of the partner's chunk of
- *           the same ordinal, and permuted by the same permutation in groups of 2 (n-2) points an element.
- * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners (1: a
- *           point, 2: a line, 3, or 4: a quad) and never dearer than it, stored in the stored order of the partner's chunk of the same ordinal and permuted by the same
- *           permutation: element i of one list is element i of the other, drawn in another way.
+ * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners
+ *           (1: a point, 2: a line, 3, or 4: a quad) and never dearer than it, stored in the stored order of the partner's chunk of the
+ *           same ordinal and permuted by the same permutation: element i of one list is element i of the other, drawn in another way.
  * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
  * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
  * BYTES     the payload is a file (PNG). */
-enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_PAIRED, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES,
-	ECO_CODER_FORM };
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
 enum eco_attr {
@@ -64,7 +61,7 @@ struct eco_list {
 	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
-	uint32_t partner;            /* PAIRED, FORM: list id of the triangles; else ECO_NONE */
+	uint32_t partner;            /* FORM: list id of the elements that these are forms of; else ECO_NONE */
 	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */

@@ -399,9 +399,9 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 static enum eco_code pack_lists(struct packing *p)
 {
 	const struct lod_plant *built = &p->m->plants[p->id].built;
-	for (int paired = 0; paired < 2; paired++) {
+	for (int forms = 0; forms < 2; forms++) {
 		for (uint32_t i = 0; i < built->list_count; i++) {
-			if ((built->lists[i].list.partner != ECO_NONE) != (paired == 1))
+			if ((built->lists[i].list.partner != ECO_NONE) != (forms == 1))
 				continue;
 			enum eco_code code = pack_list(p, i);
 			if (code)

@@ -124,15 +124,11 @@ static enum eco_code verify_lists(struct verify *v, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* Levels must end with a chunk, so that a prefix of chunks is a level; paired points must be two for each triangle. */
+/* Levels must end with a chunk, so that a prefix of chunks is a level. */
 static void verify_ladder(struct verify *v, uint32_t id)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	const struct eco_ladder *l = &s->ladders[id];
-	if (l->points != ECO_NONE && s->lists[l->points].coder == ECO_CODER_PAIRED
-			&& s->lists[l->points].primitive_count != 2ull * s->lists[l->triangles].primitive_count)
-		complain(v, "ladder %u: %u points (list %u) do not stand two by two for %u triangles (list %u)", id,
-			s->lists[l->points].primitive_count, l->points, s->lists[l->triangles].primitive_count, l->triangles);
 	for (uint32_t k = 0; k < l->level_count; k++) {
 		const struct eco_list *list = &s->lists[l->triangles];
 		uint32_t end = 0;

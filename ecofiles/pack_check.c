@@ -65,7 +65,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 		return BAD("list: %u columns in kind %u", list->columns, list->kind);
 	if (list->columns != 0 && list->primitive_count % list->columns != 0)
 		return BAD("list: %u ground samples are not rows of %u", list->primitive_count, list->columns);
-	if ((list->coder == ECO_CODER_PAIRED || list->coder == ECO_CODER_FORM) != (list->partner != ECO_NONE))
+	if ((list->coder == ECO_CODER_FORM) != (list->partner != ECO_NONE))
 		return BAD("list: coder %u with partner %#x", list->coder, list->partner);
 	if ((list->kind == ECO_LIST_INSTANCES) != (list->plant != ECO_NONE))
 		return BAD("list: plant %#x in kind %u", list->plant, list->kind);
@@ -151,24 +151,20 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 	return ECO_OK;
 }
 
-/* Two points for each triangle, or one form for each element, chunk by chunk. The chunk ranges of both are known to be in range. */
-static enum eco_code check_pairs(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+/* One form for each element, chunk by chunk, of no more vertices. The chunk ranges of both are known to be in range. */
+static enum eco_code check_forms(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->lists[id], *partner = &s->lists[list->partner];
 
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const struct eco_chunk *own = &s->chunks[list->chunk_first + i], *of = &s->chunks[partner->chunk_first + i];
-		uint64_t points = own->primitive_count, triangles = of->primitive_count;
 
-		if (list->coder == ECO_CODER_FORM && own->element_count != of->element_count)
+		if (own->element_count != of->element_count)
 			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i, own->element_count, of->element_count,
 				list->partner);
-		if (list->coder == ECO_CODER_FORM && eco_list_vertices(list) * points > 3 * triangles)
-			return BAD("list %u: chunk %u has %llu primitives where list %u has %llu triangles: a form may not be dearer", id, i,
-				(unsigned long long)points, list->partner, (unsigned long long)triangles);
-		if (list->coder == ECO_CODER_PAIRED && points != 2 * triangles)
-			return BAD("list %u: chunk %u has %llu points for the %llu triangles of list %u", id, i, (unsigned long long)points,
-				(unsigned long long)triangles, list->partner);
+		if ((uint64_t)eco_list_vertices(list) * own->primitive_count > 3ull * of->primitive_count)
+			return BAD("list %u: chunk %u has %u primitives where list %u has %u triangles: a form may not be dearer", id, i,
+				own->primitive_count, list->partner, of->primitive_count);
 	}
 	return ECO_OK;
 }
@@ -183,7 +179,7 @@ static enum eco_code check_lists(const struct eco_scene *s, struct eco_error *er
 			return ECO_DAMAGED;
 	}
 	for (uint32_t i = 0; i < s->list_count; i++)
-		if (s->lists[i].partner != ECO_NONE && check_pairs(s, i, error) != ECO_OK)
+		if (s->lists[i].partner != ECO_NONE && check_forms(s, i, error) != ECO_OK)
 			return ECO_DAMAGED;
 	return ECO_OK;
 }

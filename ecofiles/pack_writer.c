@@ -285,31 +285,6 @@ static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct ec
 	return ECO_OK;
 }
 
-static enum eco_code add_paired_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *points,
-	const struct eco_elements *partner, const uint32_t *ends, uint32_t end_count, struct eco_error *error)
-{
-	uint32_t point_first = 0;
-
-	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
-		/* How the partner is stored follows from its elements alone: kind and coder are all that is needed of its list. */
-		const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
-			.attributes = w->lists[list->partner].attributes };
-		const struct eco_chunk_input input = { &fans, partner, first, ends[i], i };
-		uint32_t point_count = 2 * count_primitives(partner, first, ends[i]);
-		uint8_t *bytes = NULL;
-		size_t size = 0;
-		enum eco_code code = eco_chunk_encode_paired(&input, list, points, point_first, &bytes, &size, error);
-
-		if (code == ECO_OK)
-			code = add_chunk(w, bytes, size, point_count, point_count, error);
-		free(bytes);
-		if (code != ECO_OK)
-			return code;
-		point_first += point_count;
-	}
-	return ECO_OK;
-}
-
 static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *forms,
 	const struct eco_elements *partner, const uint32_t *ends, uint32_t end_count, struct eco_error *error)
 {
@@ -357,22 +332,20 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
 	struct eco_error *error)
 {
-	bool paired = list->coder == ECO_CODER_PAIRED, form = list->coder == ECO_CODER_FORM;
-	const struct eco_elements *counted = paired || form ? partner_elements : elements;
+	bool form = list->coder == ECO_CODER_FORM;
 	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
 	enum eco_code code;
 
 	*list_id = ECO_NONE;
-	if (list->coder == ECO_CODER_BYTES || (paired || form) != (partner_elements != NULL))
+	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner", writer->list_count, list->coder,
 			partner_elements != NULL ? "a" : "no");
-	if ((paired || form) && list->partner >= writer->list_count)
+	if (form && list->partner >= writer->list_count)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it", writer->list_count, list->partner);
-	if (last != counted->element_count)
+	if (last != elements->element_count)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u", writer->list_count, last,
-			counted->element_count);
-	code = paired ? add_paired_chunks(writer, list, elements, partner_elements, ends, end_count, error)
-		: form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
+			elements->element_count);
+	code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
 		: add_plain_chunks(writer, list, elements, ends, end_count, error);
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
 }
@@ -382,7 +355,7 @@ enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list
 {
 	enum eco_code code = ECO_OK;
 
-	assert(list->coder != ECO_CODER_PAIRED && list->coder != ECO_CODER_FORM && list->coder != ECO_CODER_BYTES);
+	assert(list->coder != ECO_CODER_FORM && list->coder != ECO_CODER_BYTES);
 	assert((end_count > 0 ? ends[end_count - 1] : 0) == elements->element_count);
 	*encoded = (struct eco_encoded){ .chunks = calloc(end_count + 1u, sizeof *encoded->chunks) };
 	if (encoded->chunks == NULL)

@@ -1,4 +1,4 @@
-/* A small real pack, written through the writer: two species (leaves with paired points and twigs; a textured bush), 400 plants in two
+/* A small real pack, written through the writer: two species (leaves, a point for each, and twigs; a textured bush), 400 plants in two
  * tiles under a root with a summary, ground, a texture. About 800 KB in 2,000 chunks, so that large budgets get coarse
  * steps. */
 #ifndef TESTS_SAMPLE_PACK_H
@@ -80,15 +80,15 @@ static inline uint32_t sample_simple(struct sample *s, struct eco_list list, uin
 	return id;
 }
 
-/* Leaves and the points that stand for them two by two; returns the leaves, the points are the next list. */
+/* Leaves and a point for each; returns the leaves, the points are the next list. */
 static inline uint32_t sample_leaves(struct sample *s)
 {
 	struct eco_list list = sample_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 0);
 	struct eco_elements leaves = sample_elements(s, SAMPLE_LEAVES, 3, &list);
 	uint32_t id = sample_add(s, &list, &leaves, NULL);
-	list = sample_list(ECO_LIST_POINTS, ECO_CODER_PAIRED, ECO_ATTR_COLOR, 0);
+	list = sample_list(ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR, 0);
 	list.partner = id;
-	struct eco_elements points = sample_elements(s, 2 * SAMPLE_LEAVES, 1, &list);
+	struct eco_elements points = sample_elements(s, SAMPLE_LEAVES, 1, &list);
 	sample_add(s, &list, &points, &leaves);
 	eco_elements_free(&leaves);
 	eco_elements_free(&points);
@@ -159,11 +159,11 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 	const struct eco_curve curves[] = { { .01f, 1, .01f, .3f, .3f }, { .1f, 1, .1f, .2f, .2f }, { 1, 1, 1, 0, 0 } };
 	const struct eco_anchor anchors[] = { { { 2, 2, 2 }, 4 }, { { 2, 2, 2 }, 4 } };
 	struct eco_ladder ladders[] = {
-		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_FOLIAGE, .points = leaves + 1, .lines = ECO_NONE, .triangles = leaves,
-			.total = 2 * SAMPLE_LEAVES, .area = 20, .curve_count = 3 },
+		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_FOLIAGE, .points = leaves + 1, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = leaves,
+			.total = SAMPLE_LEAVES, .area = 20, .curve_count = 3 },
 		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = wood, .simple = ECO_NONE, .triangles = ECO_NONE, .total = 300,
 			.area = 2, .length = 30, .epsilon = .01f, .curve_count = 3 },
-		{ .plant = 1, .anchor = 1, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = bush, .total = 400,
+		{ .plant = 1, .anchor = 1, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = bush, .total = 400,
 			.area = 5, .curve_count = 3 },
 	};
 	for (int i = 0; i < 3; i++)

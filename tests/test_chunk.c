@@ -293,80 +293,6 @@ static void the_same_elements_give_the_same_bytes(void **state)
 	}
 }
 
-/* Points are named by the triangle they stand for, and must be where that triangle is drawn. */
-static void paired_points_follow_their_triangles(void **state)
-{
-	static const uint8_t corner_ranges[][2] = { { 3, 3 }, { 4, 4 }, { 3, 6 }, { 6, 6 } };
-
-	(void)state;
-	for (size_t i = 0; i < sizeof corner_ranges / sizeof corner_ranges[0]; i++) {
-		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, corner_ranges[i][0],
-			corner_ranges[i][1], 300, 0, 4095, SCATTERED };
-		const struct eco_list fans = list_of(&k), dots = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_PAIRED,
-			.attributes = ECO_ATTR_COLOR | ECO_ATTR_UV };
-		struct eco_elements in = make(&k, 300, i), points = { .extra_count = 1 }, out, out_points;
-		uint32_t first = 20, end = 270, point_first = 0, t = 0;
-		const struct eco_chunk_input input = { &fans, &in, first, end, 9 };
-		struct eco_error error = { 0 };
-		struct eco_chunk chunk;
-		uint8_t *bytes;
-		size_t size;
-
-		points.element_count = points.corner_count = points.primitive_count = 2 * in.primitive_count;
-		points.corners = malloc(points.element_count);
-		memset(points.corners, 1, points.element_count);
-		points.position = malloc(points.element_count * 12);
-		points.extra = malloc(points.element_count * 4);
-		points.uv = malloc(points.element_count * 8);
-		for (uint32_t e = 0, corner = 0; e < in.element_count; corner += in.corners[e++]) {
-			in.extra[e] = (int32_t)e;
-			if (e == first)
-				point_first = 2 * t;
-			for (uint32_t n = 0; n + 2u < in.corners[e]; n++, t++)
-				for (uint32_t p = 2 * t; p < 2 * t + 2; p++) {
-					const int32_t *tip = in.position + 3 * (corner + n + 2);
-
-					for (int axis = 0; axis < 3; axis++)
-						points.position[3 * p + axis] = tip[axis] + (int32_t)(p & 1);
-					points.extra[p] = (int32_t)e;
-					points.uv[2 * p] = (int32_t)n;
-					points.uv[2 * p + 1] = (int32_t)(p & 1);
-				}
-		}
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
-		chunk = describe(&in, first, end, size);
-		assert_int_equal(eco_chunk_decode(&fans, &chunk, 9, bytes, size, &out, &error), ECO_OK);
-		free(bytes);
-		if (eco_chunk_encode_paired(&input, &dots, &points, point_first, &bytes, &size, &error) != ECO_OK)
-			fail_msg("%s", error.text);
-		chunk = (struct eco_chunk){ .size_bytes = (uint32_t)size, .element_count = 2 * out.primitive_count,
-			.primitive_count = 2 * out.primitive_count };
-		if (eco_chunk_decode(&dots, &chunk, 9, bytes, size, &out_points, &error) != ECO_OK)
-			fail_msg("%s", error.text);
-		t = 0;
-		for (uint32_t e = 0, corner = 0; e < out.element_count; corner += out.corners[e++])
-			for (uint32_t n = 0; n + 2u < out.corners[e]; n++, t++)
-				for (uint32_t p = 2 * t; p < 2 * t + 2; p++) {
-					assert_int_equal(out_points.corners[p], 1);
-					assert_int_equal(out_points.extra[p], out.extra[e]);
-					assert_int_equal(out_points.uv[2 * p], n);
-					assert_int_equal(out_points.uv[2 * p + 1], p & 1);
-					for (int axis = 0; axis < 3; axis++)
-						assert_int_equal(out_points.position[3 * p + axis],
-							out.position[3 * (corner + n + 2) + axis] + (int32_t)(p & 1));
-				}
-		assert_int_equal(t, out.primitive_count);
-		/* Too few points are noticed. */
-		assert_int_equal(eco_chunk_encode_paired(&input, &dots, &points, points.element_count - 10, &(uint8_t *){ NULL },
-			&(size_t){ 0 }, NULL), ECO_BAD_INPUT);
-		free(bytes);
-		eco_elements_free(&in);
-		eco_elements_free(&out);
-		eco_elements_free(&points);
-		eco_elements_free(&out_points);
-	}
-}
-
 /* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */
 static void forms_follow_their_elements(void **state)
 {
@@ -797,7 +723,6 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_goes_in_comes_out),
 		cmocka_unit_test(the_same_elements_give_the_same_bytes),
-		cmocka_unit_test(paired_points_follow_their_triangles),
 		cmocka_unit_test(forms_follow_their_elements),
 		cmocka_unit_test(ground_is_predicted_from_its_neighbours),
 		cmocka_unit_test(connected_wood_is_small_and_keeps_its_texture),

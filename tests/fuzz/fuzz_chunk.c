@@ -48,8 +48,6 @@ static void encode_again(const struct eco_list *list, const struct eco_elements 
 	uint8_t *bytes;
 	size_t size;
 
-	if (list->coder == ECO_CODER_PAIRED)
-		return;
 	if (list->coder == ECO_CODER_FORM)
 		encode_form(list, e, &bytes, &size);
 	else if (eco_chunk_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
