@@ -1,5 +1,5 @@
 /* Small random scenes for tests of the planner and of what evaluates its plans: tables only, no chunks' payloads. Every kind of ladder
- * (points and blend, lines, wood with levels, plain triangles), plants with and without cells, tiles in two levels, nested placements. */
+ * (points, simple forms and triangles, blades, wood with levels, plain triangles), plants with and without cells, tiles in two levels, nested placements. */
 #ifndef TESTS_SCENE_RANDOM_H
 #define TESTS_SCENE_RANDOM_H
 
@@ -62,13 +62,43 @@ static inline uint32_t random_list(struct random_scene *r, uint8_t kind, uint32_
 	return s->list_count++;
 }
 
+/* Elements of one to four triangles; and another form of them, one to four `corners` each. */
+static inline uint32_t random_fans(struct random_scene *r, uint32_t elements, uint32_t owner)
+{
+	uint32_t id = random_list(r, ECO_LIST_TRIANGLES, elements, owner, ECO_NONE);
+	struct eco_list *list = &r->lists[id];
+	uint32_t mixed = random_below(r, 2);
+	list->coder = ECO_CODER_ELEMENTS;
+	list->primitive_count = 0;
+	for (uint32_t c = 0; c < list->chunk_count; c++) {
+		struct eco_chunk *chunk = &r->chunks[list->chunk_first + c];
+		chunk->primitive_count = mixed ? 2 * chunk->element_count + random_below(r, 2 * chunk->element_count + 1) : 2 * chunk->element_count;
+		list->primitive_count += chunk->primitive_count;
+	}
+	return id;
+}
+
+static inline uint32_t random_form(struct random_scene *r, uint8_t kind, uint32_t of, uint32_t corners)
+{
+	uint32_t id = random_list(r, kind, r->lists[of].element_count, r->lists[of].owner, ECO_NONE);
+	struct eco_list *list = &r->lists[id];
+	list->coder = ECO_CODER_FORM;
+	list->partner = of;
+	for (uint32_t c = 0; c < list->chunk_count && corners == 4; c++)
+		r->chunks[list->chunk_first + c].primitive_count *= 2;
+	list->primitive_count *= corners == 4 ? 2 : 1;
+	return id;
+}
+
 static inline void random_curve(struct random_scene *r, struct eco_ladder *ladder)
 {
 	ladder->curve_first = r->scene.curve_count;
 	ladder->curve_count = 4;
+	float reach = 0;
 	for (int i = 0; i < 4; i++) {
 		float share = i == 0 ? 0.001f : i == 1 ? 0.03f : i == 2 ? 0.2f : 1;
-		r->curves[r->scene.curve_count++] = (struct eco_curve){ share, 1, share, 0.4f * (1 - share), 0.4f * (1 - share) };
+		reach = i == 3 ? 1 : reach + (1 - reach) * (float)random_real(r, 0, 0.8);
+		r->curves[r->scene.curve_count++] = (struct eco_curve){ share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share) };
 	}
 }
 
@@ -79,11 +109,18 @@ static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_
 	*l = (struct eco_ladder){ .plant = plant, .anchor = anchor, .flags = flags, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
 		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3, .area = (float)random_real(r, 0.1, 30),
 		.length = (float)random_real(r, 1, 100), .epsilon = (float)random_real(r, 0, 0.05) };
-	if (kind != 3 || !(flags & ECO_LADDER_FAR))
+	if (kind < 3)
+		l->triangles = random_fans(r, k, plant);
+	else if (!(flags & ECO_LADDER_FAR))
 		l->triangles = random_list(r, ECO_LIST_TRIANGLES, k, plant, ECO_NONE);
-	if (kind == 0)
-		l->points = random_list(r, ECO_LIST_POINTS, 2 * k, plant, ECO_NONE);
-	if (kind == 1 || kind == 3)
+	if (kind == 0) {
+		l->points = random_form(r, ECO_LIST_POINTS, l->triangles, 1);
+		if (random_below(r, 2))
+			l->simple = random_form(r, ECO_LIST_TRIANGLES, l->triangles, 3 + random_below(r, 2));
+	}
+	if (kind == 1)
+		l->lines = random_form(r, ECO_LIST_LINES, l->triangles, 2);
+	if (kind == 3)
 		l->lines = random_list(r, ECO_LIST_LINES, 1 + random_below(r, k), plant, ECO_NONE);
 	if (kind == 3) {
 		l->organ = ECO_ORGAN_WOOD;
@@ -94,7 +131,7 @@ static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_
 			l->level_end[1] = k;
 		}
 	}
-	uint32_t own = kind == 0 ? 2 * k : l->lines != ECO_NONE ? r->lists[l->lines].primitive_count : k;
+	uint32_t own = kind == 3 ? r->lists[l->lines].primitive_count : k;
 	l->before = flags & ECO_LADDER_NEAR ? before : 0;
 	l->total = own + l->before;
 	random_curve(r, l);

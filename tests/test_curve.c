@@ -95,6 +95,9 @@ static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32
 	draft->elements = (struct eco_elements){ .element_count = elements, .corner_count = elements * corners,
 		.primitive_count = primitives, .corners = malloc(elements), .position = malloc(elements * corners * 3 * sizeof(int32_t)) };
 	memset(draft->elements.corners, (int)corners, elements);
+	draft->ends = malloc(sizeof *draft->ends);
+	draft->ends[0] = elements;
+	draft->end_count = elements ? 1 : 0;
 	return draft;
 }
 
@@ -107,26 +110,26 @@ static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end,
 	return crown->plant.list_count - 1;
 }
 
-/* Two points on each triangle of those leaves. */
-static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each)
+/* A point in the middle of each of those leaves, of list `triangles`. */
+static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each, uint32_t triangles)
 {
 	uint32_t leaves = (end - first) / each;
-	struct lod_list_draft *draft = add_list(crown, ECO_LIST_POINTS, leaves * 4, 1);
+	struct lod_list_draft *draft = add_list(crown, ECO_LIST_POINTS, leaves, 1);
 	double area = 0;
-	for (uint32_t i = 0; i < leaves * 4; i++) {
-		const int32_t *leaf = crown->corner + 12 * (first + i / 4 * each), *a = leaf, *b = leaf + (i / 2 & 1 ? 6 : 3);
-		const int32_t *c = b + 3;
-		double u = uniform(0, 1), v = uniform(0, 1), ab[3], ac[3];
-		if (u + v > 1)
-			u = 1 - u, v = 1 - v;
+	draft->list.coder = ECO_CODER_FORM;
+	draft->list.partner = triangles;
+	for (uint32_t i = 0; i < leaves; i++) {
+		const int32_t *leaf = crown->corner + 12 * (first + i * each);
+		double u[3], v[3];
 		for (int k = 0; k < 3; k++) {
-			ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
-			draft->elements.position[3 * i + (uint32_t)k] = (int32_t)(a[k] + u * ab[k] + v * ac[k]);
+			u[k] = leaf[3 + k] - leaf[k];
+			v[k] = leaf[9 + k] - leaf[k];
+			draft->elements.position[3 * i + (uint32_t)k] = (leaf[k] + leaf[6 + k]) / 2;
 		}
-		double n[3] = { ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0] };
-		area += 0.25 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * STEP * STEP;
+		double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
+		area += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * STEP * STEP;
 	}
-	draft->list.unit_area = (float)(area / 2 / (leaves * 4));
+	draft->list.unit_area = (float)(area / 2 / leaves);
 	return crown->plant.list_count - 1;
 }
 
@@ -151,9 +154,9 @@ static uint32_t add_lines(struct crown *crown, uint32_t each)
 static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles)
 {
 	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
-	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE, .triangles = triangles,
-		.importance = 1 };
-	ladder->total = crown->lists[points != ECO_NONE ? points : triangles].list.primitive_count;
+	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE, .simple = ECO_NONE,
+		.triangles = triangles, .importance = 1 };
+	ladder->total = crown->lists[triangles != ECO_NONE ? triangles : points].list.element_count;
 	return ladder;
 }
 
@@ -163,6 +166,7 @@ static void crown_free(struct crown *crown)
 		free(crown->lists[i].elements.corners);
 		free(crown->lists[i].elements.position);
 		free(crown->lists[i].elements.extra);
+		free(crown->lists[i].ends);
 	}
 	free(crown->plant.curves);
 	free(crown->corner);
@@ -212,14 +216,14 @@ static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void 
 	(void)unused;
 	seed = 1;
 	crown_make(&crown, 1500, 0.12);
-	uint32_t triangles = add_triangles(&crown, 0, 1500, 1), points = add_points(&crown, 0, 1500, 1);
+	uint32_t triangles = add_triangles(&crown, 0, 1500, 1), points = add_points(&crown, 0, 1500, 1, triangles);
 	struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
 	measure(&crown, 128);
 	check_curve(&crown.plant, ladder);
 	assert_true(fabs(crown.plant.curves[0].share - 1.0 / 9000) < 1e-8);
 	assert_true(error_of(&crown.plant.curves[0]) > 0.5);
-	struct eco_curve all_points = at(&crown.plant, ladder, 2.0 / 3);
-	assert_true(error_of(&all_points) < 0.6 && all_points.scale > 0.7 && all_points.scale < 3);
+	struct eco_curve all_points = at(&crown.plant, ladder, 1.0 / 6);
+	assert_true(error_of(&all_points) < 0.6 && all_points.scale > 0.5 && all_points.scale < 3);
 	crown_free(&crown);
 }
 
@@ -308,14 +312,14 @@ static void cells_share_the_curve_of_the_whole(void **unused)
 	measure(&whole, 128);
 	seed = 5;
 	crown_make(&parts, 1600, 0.2);
-	add_ladder(&parts, ECO_NONE, add_triangles(&parts, 0, 200, 1))->total = 3200;
+	add_ladder(&parts, ECO_NONE, add_triangles(&parts, 0, 200, 1))->total = 1600;
 	for (uint32_t cell = 0; cell < CELLS; cell++) {
 		parts.anchors[1 + cell] = parts.anchors[0];
 		struct eco_ladder *ladder = add_ladder(&parts, ECO_NONE, add_triangles(&parts, 200 + cell, 1600 + cell, CELLS));
 		ladder->anchor = 1 + cell;
 		ladder->flags = ECO_LADDER_NEAR;
-		ladder->total = 800;
-		ladder->before = 100;
+		ladder->total = 400;
+		ladder->before = 50;
 	}
 	measure(&parts, 128);
 	for (uint32_t i = 0; i < parts.plant.ladder_count; i++) {
@@ -399,7 +403,7 @@ static void every_kind_of_ladder_is_measured(void **unused)
 			seed = 9;
 			crown_make(&crown, leaves[n], 0.5);
 			uint32_t triangles = kind == 1 ? ECO_NONE : add_triangles(&crown, 0, leaves[n], 1);
-			uint32_t points = kind < 2 ? add_points(&crown, 0, leaves[n], 1) : ECO_NONE;
+			uint32_t points = kind < 2 ? add_points(&crown, 0, leaves[n], 1, triangles) : ECO_NONE;
 			struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
 			if (kind == 3 || kind == 4)
 				ladder->lines = add_lines(&crown, 1);
@@ -484,7 +488,8 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
 		struct crown crown;
 		seed = 8;
 		crown_make(&crown, 300, 0.3);
-		add_ladder(&crown, add_points(&crown, 0, 300, 1), add_triangles(&crown, 0, 300, 1));
+		uint32_t triangles = add_triangles(&crown, 0, 300, 1);
+		add_ladder(&crown, add_points(&crown, 0, 300, 1, triangles), triangles);
 		round_lists(&crown, to[i]);
 		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &loss[i], NULL), ECO_OK);
 		crown_free(&crown);

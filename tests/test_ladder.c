@@ -1,4 +1,4 @@
-/* Ladders: every amount can be drawn to the primitive, amounts ascend, and the blend draws exactly what was asked. */
+/* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on the way. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -46,29 +46,125 @@ static void every_step_draws_what_it_says(void **state)
 	}
 }
 
-/* Deussen 2002, 5.3, with k triangles and 2k points. */
-static void the_blend_replaces_points_by_their_triangles(void **state)
+/* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser one. */
+static void forms_give_way_from_the_front(void **state)
+{
+	(void)state;
+	static const struct { uint32_t corners, each, unit; } rows[] = { { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		random_scene_make(&scene, 3, 0);
+		const uint32_t k = 50;
+		uint32_t triangles = random_fans(&scene, k, 0), unit = rows[i].unit;
+		struct eco_list *fans = &scene.lists[triangles];
+		for (uint32_t c = 0; c < fans->chunk_count; c++)
+			scene.chunks[fans->chunk_first + c].primitive_count = rows[i].each * scene.chunks[fans->chunk_first + c].element_count;
+		fans->primitive_count = rows[i].each * k;
+		uint8_t kind = rows[i].corners == 1 ? ECO_LIST_POINTS : rows[i].corners == 2 ? ECO_LIST_LINES : ECO_LIST_TRIANGLES;
+		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners), per = rows[i].corners == 4 ? 2 : 1;
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
+			.triangles = triangles, .total = k };
+		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines : &ladder.simple) = coarse;
+		struct eco_curve samples[] = { { unit * k / (3.0f * rows[i].each * k), 1, 1, 0.5f, 0.5f }, { 1, 1, 1, 0, 0 } };
+		memcpy(scene.curves, samples, sizeof samples);
+		ladder.curve_count = 2;
+		for (uint32_t f = 1; f < k; f++) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint64_t v = unit * k + (3 * rows[i].each - unit) * f;
+			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, v + 1), v);
+			assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, v, 1, cuts), 2);
+			assert_int_equal(cuts[0].list, triangles);
+			assert_int_equal(cuts[0].first, 0);
+			assert_int_equal(cuts[0].end, rows[i].each * f);
+			assert_int_equal(cuts[1].list, coarse);
+			assert_int_equal(cuts[1].first, per * f);
+			assert_int_equal(cuts[1].end, per * k);
+		}
+	}
+}
+
+static double elements_of(const struct eco_list *list, double primitives)
+{
+	double elements = 0;
+	for (uint32_t c = 0; c < list->chunk_count; c++) {
+		const struct eco_chunk *chunk = &scene.chunks[list->chunk_first + c];
+		if (primitives < chunk->primitive_count)
+			return elements + primitives * chunk->element_count / chunk->primitive_count;
+		primitives -= chunk->primitive_count;
+		elements += chunk->element_count;
+	}
+	return elements;
+}
+
+/* Elements that an amount draws in a form or a finer one: `drawn` of all, then each finer form. */
+static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count, double drawn_in[3])
+{
+	const uint32_t lists[3] = { ladder->points != ECO_NONE ? ladder->points : ladder->lines, ladder->simple, ladder->triangles };
+	drawn_in[0] = drawn_in[1] = drawn_in[2] = 0;
+	for (uint32_t i = 0; i < count; i++)
+		for (int form = 0; form < 3; form++)
+			if (cuts[i].list == lists[form])
+				for (int coarser = 0; coarser <= form; coarser++) {
+					double end = elements_of(&scene.lists[cuts[i].list], cuts[i].end);
+					drawn_in[coarser] = end > drawn_in[coarser] ? end : drawn_in[coarser];
+				}
+}
+
+/* Whatever the curve says: a larger amount has all elements of a smaller one, none of them coarser. */
+static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_make(&scene, seed, 0);
+		for (uint32_t i = 0; i < scene.scene.curve_count; i++)       /* curves of any shape */
+			if (seed % 3 == 0)
+				scene.curves[i].reach = (float)random_real(&scene, 0, 1);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			if (ladder->organ == ECO_ORGAN_WOOD)
+				continue;
+			double last[3] = { 0, 0, 0 }, share = 0, density = 0;
+			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX; v = lod_ladder_next(&scene.scene, ladder, v)) {
+				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+				double now[3], now_share = lod_ladder_share(&scene.scene, ladder, v), now_density = lod_ladder_density(&scene.scene, ladder, v);
+				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, now_density, cuts);
+				count_elements(ladder, cuts, count, now);
+				for (int form = 0; form < 3; form++) {
+					assert_true(now[form] >= last[form] - 1.01);     /* in mixed lists ends are means */
+					last[form] = now[form];
+				}
+				assert_true(now_share >= share && now_share <= 1 && now_density >= density && now_density <= 1);
+				assert_true(lod_ladder_vertices(&scene.scene, ladder, now_share) <= v);
+				share = now_share;
+				density = now_density;
+			}
+			assert_true(lod_ladder_share(&scene.scene, ladder, lod_ladder_full(&scene.scene, ladder)) == 1);
+		}
+	}
+}
+
+/* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches beyond them. */
+static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 {
 	(void)state;
 	random_scene_make(&scene, 3, 0);
-	struct eco_scene *s = &scene.scene;
-	const uint32_t k = 50;
-	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .total = 2 * k };
-	ladder.triangles = random_list(&scene, ECO_LIST_TRIANGLES, k, 0, ECO_NONE);
-	ladder.points = random_list(&scene, ECO_LIST_POINTS, 2 * k, 0, ECO_NONE);
-	for (uint32_t p = 2 * k + 1; p < 3 * k; p++) {
-		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-		assert_int_equal(lod_ladder_cuts(s, &ladder, p, 1, cuts), 2);
-		assert_int_equal(cuts[0].list, ladder.triangles);
-		assert_int_equal(cuts[0].first, 0);
-		assert_int_equal(cuts[0].end, p - 2 * k);
-		assert_int_equal(cuts[1].list, ladder.points);
-		assert_int_equal(cuts[1].first, 2 * (p - 2 * k));
-		assert_int_equal(cuts[1].end, 2 * k);
-	}
-	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	assert_int_equal(lod_ladder_cuts(s, &ladder, 3 * k, 1, cuts), 1);
-	assert_int_equal(cuts[0].end, k);
+	const uint32_t k = 300, before = 100;
+	uint32_t triangles = random_fans(&scene, k, 0);
+	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .before = before,
+		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .curve_count = 4 };
+	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f }, { 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	assert_int_equal(lod_ladder_vertices(&scene.scene, &ladder, 0.05f), 0);
+	assert_float_equal(lod_ladder_share(&scene.scene, &ladder, 0), 0.05, 1e-6);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, 0), 0.25, 1e-6);
+	uint64_t all = lod_ladder_vertices(&scene.scene, &ladder, 0.2f);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, all), 1, 1e-6);
+	assert_true(all >= k);
+	ladder.before = 0;           /* the whole-plant list of a plant with cells: alone it reaches as far as it has elements */
+	ladder.total = 4 * k;
+	uint64_t end = lod_ladder_stage_end(&scene.scene, &ladder);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, end), 0.25, 1e-6);
+	assert_true(end >= k && end < lod_ladder_full(&scene.scene, &ladder));
+	assert_true(lod_ladder_density(&scene.scene, &ladder, lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
 }
 
 static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
@@ -92,7 +188,7 @@ static void a_curve_is_interpolated_and_clamped(void **state)
 {
 	(void)state;
 	random_scene_make(&scene, 5, 0);
-	struct eco_curve samples[] = { { 0.1f, 2, 0.2f, 0.4f }, { 0.5f, 1, 0.1f, 0.2f }, { 1, 1, 0, 0 } };
+	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 3 };
 	struct { double share, scale, fn; } rows[] = { { 0, 2, 1 }, { 0.05, 2, 0.7 }, { 0.1, 2, 0.4 }, { 0.3, 1.5, 0.3 }, { 0.5, 1, 0.2 },
@@ -108,7 +204,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_step_draws_what_it_says),
-		cmocka_unit_test(the_blend_replaces_points_by_their_triangles),
+		cmocka_unit_test(forms_give_way_from_the_front),
+		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
+		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
 		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
 		cmocka_unit_test(a_curve_is_interpolated_and_clamped),
 	};

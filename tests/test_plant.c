@@ -182,29 +182,35 @@ static void check_list(const struct lod_plant *plant, const struct lod_list_draf
 	assert_int_equal(draft->ends[draft->end_count - 1], e->element_count);
 }
 
-/* Points [2i, 2i + 2) lie on triangle i. */
-static void check_pairs(const struct lod_plant *plant, const struct lod_list_draft *points)
+/* Each form has an element for each of its partner's, close to it, and of the same area in all. */
+static void check_form(const struct lod_plant *plant, const struct lod_list_draft *form)
 {
-	const struct lod_list_draft *fans = &plant->lists[points->list.partner];
-	const int32_t *p = fans->elements.position, *q = points->elements.position;
-	assert_int_equal(points->elements.element_count, 2 * fans->elements.primitive_count);
-	assert_int_equal(points->end_count, fans->end_count);
-	assert_true(points->list.unit_area > 0);
-	for (uint32_t i = 0, n = 0, chunk = 0; i < fans->elements.element_count; p += 3 * fans->elements.corners[i++]) {
-		for (uint32_t k = 0; k + 2u < fans->elements.corners[i]; k++)
-			for (int j = 0; j < 2; j++, q += 3, n++) {
-				struct lod_v3 a = { p[0], p[1], p[2] }, b = { p[3 * k + 3], p[3 * k + 4], p[3 * k + 5] },
-					c = { p[3 * k + 6], p[3 * k + 7], p[3 * k + 8] }, at = { q[0], q[1], q[2] };
-				struct lod_v3 normal = lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a));
-				double nn = lod_v3_dot(normal, normal), size = sqrt(sqrt(nn)), slack = 1 / size;
-				double v = lod_v3_dot(normal, lod_v3_cross(lod_v3_sub(at, a), lod_v3_sub(c, a))) / nn;
-				double w = lod_v3_dot(normal, lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(at, a))) / nn;
-				assert_true(fabs(lod_v3_dot(normal, lod_v3_sub(at, a))) / sqrt(nn) < 0.9);
-				assert_true(v > -3 * slack && w > -3 * slack && v + w < 1 + 6 * slack);
-			}
-		if (i + 1 == fans->ends[chunk])
-			assert_int_equal(points->ends[chunk++], n);
+	const struct lod_list_draft *fans = &plant->lists[form->list.partner];
+	const struct eco_elements *f = &fans->elements, *e = &form->elements;
+	const int32_t *p = f->position, *q = e->position;
+	uint32_t at = form->list.kind == ECO_LIST_POINTS ? eco_list_extra_at(&form->list, ECO_ATTR_SIZE) : 0;
+	double sizes = 0;
+	assert_int_equal(e->element_count, f->element_count);
+	assert_int_equal(form->end_count, fans->end_count);
+	assert_memory_equal(form->ends, fans->ends, form->end_count * sizeof *form->ends);
+	for (uint32_t i = 0; i < f->element_count; p += 3 * f->corners[i], q += 3 * e->corners[i], i++) {
+		struct lod_v3 low = { p[0], p[1], p[2] }, high = low;
+		assert_int_equal(e->corners[i], e->corners[0]);
+		for (uint32_t k = 1; k < f->corners[i]; k++) {
+			low = (struct lod_v3){ fmin(low.x, p[3 * k]), fmin(low.y, p[3 * k + 1]), fmin(low.z, p[3 * k + 2]) };
+			high = (struct lod_v3){ fmax(high.x, p[3 * k]), fmax(high.y, p[3 * k + 1]), fmax(high.z, p[3 * k + 2]) };
+		}
+		double slack = form->list.kind == ECO_LIST_POINTS ? 1 : 0.3 * lod_v3_distance(low, high) + 2;
+		for (uint32_t k = 0; k < e->corners[i]; k++) {
+			assert_true(q[3 * k] >= low.x - slack && q[3 * k + 1] >= low.y - slack && q[3 * k + 2] >= low.z - slack);
+			assert_true(q[3 * k] <= high.x + slack && q[3 * k + 1] <= high.y + slack && q[3 * k + 2] <= high.z + slack);
+		}
+		if (form->list.kind == ECO_LIST_POINTS)
+			sizes += eco_size((uint32_t)e->extra[i * e->extra_count + at]);
 	}
+	if (form->list.kind == ECO_LIST_POINTS)
+		assert_true(form->list.unit_area > 0 && sizes > 0.5 * e->element_count && sizes < 2.5 * e->element_count);
+	assert_true(form->list.primitive_count * eco_list_vertices(&form->list) <= 3 * fans->list.primitive_count);
 }
 
 static void lists_are_consistent(void **state)
@@ -220,8 +226,8 @@ static void lists_are_consistent(void **state)
 				assert_true(plant.lists[l].list.grid_origin[a] == plant.lists[0].list.grid_origin[a]);
 				assert_true(plant.lists[l].list.grid_step[a] == plant.lists[0].list.grid_step[0]);
 			}
-			if (plant.lists[l].list.coder == ECO_CODER_PAIRED)
-				check_pairs(&plant, &plant.lists[l]);
+			if (plant.lists[l].list.coder == ECO_CODER_FORM)
+				check_form(&plant, &plant.lists[l]);
 		}
 		finish(&plant, &soup);
 	}
@@ -238,12 +244,12 @@ static void every_chunk_can_be_coded(void **state)
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			const struct lod_list_draft *draft = &plant.lists[l];
 			for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
-				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_PAIRED ? &plant.lists[draft->list.partner] : draft;
+				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner] : draft;
 				struct eco_chunk_input input = { &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
 				uint8_t *bytes;
 				size_t size;
 				enum eco_code code = of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
-					: eco_chunk_encode_paired(&input, &draft->list, &draft->elements, c ? draft->ends[c - 1] : 0, &bytes, &size, &error);
+					: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &error);
 				if (code != ECO_OK)
 					fail_msg("list %u chunk %u: %s", l, c, error.text);
 				free(bytes);
@@ -276,13 +282,13 @@ static uint32_t primitives(const struct lod_plant *plant, uint32_t list)
 
 static void check_ladder(const struct lod_plant *plant, const struct eco_ladder *l)
 {
-	const uint32_t lists[3] = { l->points, l->lines, l->triangles };
-	uint32_t own = primitives(plant, l->points) ? primitives(plant, l->points) : primitives(plant, l->lines), last = 0;
+	const uint32_t lists[4] = { l->points, l->lines, l->simple, l->triangles };
+	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(plant, l->lines) : plant->lists[l->triangles].list.element_count, last = 0;
 	assert_true(l->anchor < plant->plant.anchor_count);
 	assert_true((l->flags & ECO_LADDER_NEAR ? 1 : 0) == (l->anchor > 0));
 	assert_true(l->importance == (l->organ == ECO_ORGAN_FLOWER ? 3 : 1));
 	assert_true(l->area > 0);
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 4; i++)
 		if (lists[i] != ECO_NONE) {
 			assert_true(inside(&plant->anchors[0], &plant->lists[lists[i]]));
 			assert_true(inside(&plant->anchors[l->anchor], &plant->lists[lists[i]]));
@@ -350,7 +356,7 @@ static void cells_add_up(void **state)
 		assert_int_equal(whole->flags, 0);
 		assert_int_equal(total, whole->total);
 		assert_int_equal(before, primitives(&plant, whole->points));
-		assert_true(before >= 1024 && before <= total / 3);
+		assert_true(before >= 256 && before <= total / 3);
 		assert_true(fabs(area - whole->area) < 1e-3 * area);
 	}
 	finish(&plant, &soup);

@@ -1,4 +1,4 @@
-/* Points of triangles: on them, one in each half, on opaque texels; and palettes for their colours. */
+/* Middles of triangles, of what is opaque of them; and palettes for their colours. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,80 +15,49 @@
 
 static const uint8_t green[3] = { 20, 200, 40 };
 
-/* Barycentric coordinates of p's projection, and its distance from the plane, in grid steps. */
-static double locate(int32_t corner[3][3], const int32_t *p, double w[3])
-{
-	struct lod_v3 a = { corner[0][0], corner[0][1], corner[0][2] }, b = { corner[1][0], corner[1][1], corner[1][2] },
-		c = { corner[2][0], corner[2][1], corner[2][2] }, q = { p[0], p[1], p[2] };
-	struct lod_v3 n = lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a));
-	double nn = lod_v3_dot(n, n);
-	w[1] = lod_v3_dot(n, lod_v3_cross(lod_v3_sub(q, a), lod_v3_sub(c, a))) / nn;
-	w[2] = lod_v3_dot(n, lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(q, a))) / nn;
-	w[0] = 1 - w[1] - w[2];
-	return fabs(lod_v3_dot(n, lod_v3_sub(q, a))) / sqrt(nn);
-}
-
-static void points_lie_on_their_triangle_one_in_each_half(void **state)
+static void a_plain_triangle_is_seen_at_its_middle(void **state)
 {
 	(void)state;
 	struct soup dice = { .state = 9 };
-	for (uint32_t i = 0; i < 2000; i++) {
-		int32_t corner[3][3], position[2][3], again[2][3];
-		uint8_t rgb[2][3];
+	for (uint32_t i = 0; i < 200; i++) {
+		int32_t corner[3][3];
 		for (int k = 0; k < 9; k++)
 			corner[k / 3][k % 3] = (int32_t)soup_random(&dice, 0, 100000);
-		struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .tint = green, .seed = i };
-		lod_sample_triangle(&in, position, rgb);
-		lod_sample_triangle(&in, again, rgb);
-		assert_memory_equal(position, again, sizeof position);
-		assert_memory_equal(rgb[0], green, 3);
-		assert_memory_equal(rgb[1], green, 3);
-		double longest = 0;
-		int apex = 0;
+		struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .tint = green };
+		struct lod_sample sample;
+		lod_sample_triangle(&in, &sample);
+		assert_memory_equal(sample.rgb, green, 3);
+		struct lod_v3 p[3];
 		for (int k = 0; k < 3; k++) {
-			double d2 = 0;
-			for (int a = 0; a < 3; a++)
-				d2 += ((double)corner[(k + 1) % 3][a] - corner[(k + 2) % 3][a]) * ((double)corner[(k + 1) % 3][a] - corner[(k + 2) % 3][a]);
-			apex = d2 > longest ? k : apex;
-			longest = d2 > longest ? d2 : longest;
+			assert_true(fabs(sample.at[k] - (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) < 1e-6);
+			p[k] = (struct lod_v3){ corner[k][0], corner[k][1], corner[k][2] };
 		}
-		double w[2][3];
-		for (int k = 0; k < 2; k++) {
-			assert_true(locate(corner, position[k], w[k]) < 0.9);
-			for (int a = 0; a < 3; a++)
-				assert_true(w[k][a] > -0.2 && w[k][a] < 1.2);
-		}
-		assert_true(w[0][(apex + 1) % 3] >= w[0][(apex + 2) % 3] - 0.2);
-		assert_true(w[1][(apex + 1) % 3] <= w[1][(apex + 2) % 3] + 0.2);
+		double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
+		assert_true(fabs(sample.area - area) < 1e-6 * area);
 	}
 }
 
-static void points_of_cut_outs_are_on_opaque_texels(void **state)
+static void cut_outs_are_seen_where_they_are_opaque(void **state)
 {
 	(void)state;
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
-	int32_t corner[3][3] = { { 0, 0, 0 }, { 64000, 0, 0 }, { 0, 64000, 0 } }, uv[6] = { 0, 0, ECO_UV_ONE, 0, 0, ECO_UV_ONE };
+	/* a quarter of the disc of radius 0.4 around (0.5, 0.5): its middle is 4 r / (3 pi) from its corner */
+	int32_t corner[3][3] = { { 32000, 32000, 0 }, { 96000, 32000, 0 }, { 32000, 96000, 0 } };
+	int32_t uv[6] = { ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2, ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2 };
 	const uint8_t white[3] = { 255, 255, 255 };
 	struct lod_arena arena = { 0 };
 	struct lod_texels texels;
+	struct lod_sample sample;
 	assert_int_equal(setjmp(arena.failed), 0);
 	lod_texels_open(&texels, soup.image, true, &arena);
-	for (uint32_t i = 0; i < 500; i++) {
-		int32_t position[2][3];
-		uint8_t rgb[2][3];
-		struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels,
-			.tint = white, .seed = i };
-		lod_sample_triangle(&in, position, rgb);
-		for (int k = 0; k < 2; k++) {
-			double dx = position[k][0] / 64000.0 - 0.5, dy = position[k][1] / 64000.0 - 0.5;
-			assert_true(dx * dx + dy * dy < 0.18);
-			assert_true(position[k][0] + position[k][1] <= 64001);
-		}
-		assert_in_range(rgb[0][0], 67, 71);          /* half of its texels are dark, half bright: the mean light */
-		assert_int_equal(rgb[1][0], 40);
-	}
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	lod_sample_triangle(&in, &sample);
+	double share = lod_texels_mean(&texels, white, uv, (uint8_t[3]){ 0 });
+	assert_true(share > 0.2 && share < 0.9 && fabs(sample.area - share * 2048e6) < 1);
+	assert_true(sample.at[0] > 36000 && sample.at[0] < 60000 && fabs(sample.at[0] - sample.at[1]) < 3000 && sample.at[2] == 0);
+	assert_in_range(sample.rgb[0], 60, 90);              /* half of its texels are dark, half bright: the mean light */
 	lod_arena_free(&arena);
 	soup_free(&soup);
 }
@@ -99,22 +68,19 @@ static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
-	int32_t corner[3][3] = { { 0, 0, 0 }, { 3000, 0, 0 }, { 0, 3000, 0 } }, uv[6] = { 100, 100, 200, 100, 100, 200 }, position[2][3];
-	uint8_t rgb[2][3];
+	int32_t corner[3][3] = { { 0, 0, 0 }, { 3000, 0, 0 }, { 0, 3000, 0 } }, uv[6] = { 100, 100, 200, 100, 100, 200 };
 	struct lod_arena arena = { 0 };
 	struct lod_texels texels;
+	struct lod_sample sample;
 	assert_int_equal(setjmp(arena.failed), 0);
 	lod_texels_open(&texels, soup.image, true, &arena);
-	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels,
-		.tint = green, .seed = 1 };
-	lod_sample_triangle(&in, position, rgb);
-	assert_int_equal(position[0][0], 1000);
-	assert_int_equal(position[1][1], 1000);
 	const uint8_t white[3] = { 255, 255, 255 };
-	assert_true(lod_texels_mean(&texels, white, uv, rgb[0]) == 0);
-	assert_memory_equal(rgb[0], texels.rgb, 3);
-	assert_in_range(rgb[0][0], 67, 71);          /* half of its texels are dark, half bright: the mean light */
-	assert_int_equal(rgb[0][1], 160);
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	lod_sample_triangle(&in, &sample);
+	assert_true(fabs(sample.at[0] - 1000) < 1e-6 && fabs(sample.at[1] - 1000) < 1e-6);
+	assert_true(sample.area == 0);
+	assert_memory_equal(sample.rgb, texels.rgb, 3);
+	assert_in_range(sample.rgb[0], 67, 71);
 	lod_arena_free(&arena);
 	soup_free(&soup);
 }
@@ -289,8 +255,8 @@ static void many_colours_are_cut_to_near_ones(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(points_lie_on_their_triangle_one_in_each_half),
-		cmocka_unit_test(points_of_cut_outs_are_on_opaque_texels),
+		cmocka_unit_test(a_plain_triangle_is_seen_at_its_middle),
+		cmocka_unit_test(cut_outs_are_seen_where_they_are_opaque),
 		cmocka_unit_test(nothing_opaque_gives_the_middle_in_the_mean_colour),
 		cmocka_unit_test(texels_wrap),
 		cmocka_unit_test(means_are_those_of_brute_force),
