@@ -203,10 +203,14 @@ static inline struct eco_list wire_random_list(uint32_t id)
 {
 	static const uint8_t kinds[WIRE_RANDOM_LISTS] = { ECO_LIST_TRIANGLES, ECO_LIST_POINTS, ECO_LIST_LINES, ECO_LIST_INSTANCES,
 		ECO_LIST_IMAGE, ECO_LIST_GROUND };
-	return (struct eco_list){ .kind = kinds[id], .coder = kinds[id] == ECO_LIST_IMAGE ? ECO_CODER_BYTES : ECO_CODER_ELEMENTS,
-		.attributes = id < 3 ? ECO_ATTR_COLOR : 0, .plant = id == 3 ? 1 : ECO_NONE, .grid_step = { 1e-3, 1e-3, 1e-3 },
-		.unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0, .image = ECO_NONE, .partner = ECO_NONE, .columns = id == 5 ? 8 : 0,
-		.primitive_count = 1000, .element_count = 900, .chunk_count = id == 4 ? 1 : 9 };
+	static const uint8_t coders[WIRE_RANDOM_LISTS] = { ECO_CODER_ELEMENTS, ECO_CODER_FORM, ECO_CODER_ELEMENTS, ECO_CODER_ROWS,
+		ECO_CODER_BYTES, ECO_CODER_ROWS };
+	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH, ECO_ATTR_COLOR | ECO_ATTR_SIZE,
+		ECO_ATTR_COLOR };
+	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id], .plant = id == 3 ? 1 : ECO_NONE,
+		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0, .image = ECO_NONE,
+		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 1 ? 900 : 1000, .element_count = 900,
+		.chunk_count = id == 4 ? 1 : 9 };
 }
 
 static inline void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, const struct eco_list *list)
