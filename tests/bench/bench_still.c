@@ -1,0 +1,170 @@
+#include "tests/bench/bench_still.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_reference.h"
+#include "lod/sort.h"
+#include "server/stream.h"
+
+struct bench_still {
+	struct srv_store scenes;
+	struct view_store *store;
+	struct view_gl *gl;                  /* NULL: software */
+};
+
+enum eco_code bench_still_open(struct bench_still **still, const char *pack, uint32_t width, uint32_t height, bool software,
+	struct eco_error *error)
+{
+	struct bench_still *s = *still = calloc(1, sizeof *s);
+	struct view_store_options options = { .images = true };
+	struct eco_error why = { 0 };
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
+	srv_store_init(&s->scenes);
+	enum eco_code code = srv_store_add(&s->scenes, "still", pack, error);
+	if (!code)
+		code = view_store_new(&s->store, &options, error);
+	if (!code && !software && view_gl_open(&s->gl, &(struct view_gl_options){ width, height }, &why))
+		s->gl = NULL;
+	if (code) {
+		bench_still_close(s);
+		*still = NULL;
+	}
+	return code;
+}
+
+void bench_still_close(struct bench_still *still)
+{
+	if (!still)
+		return;
+	view_gl_close(still->gl);
+	view_store_free(still->store);
+	srv_store_free(&still->scenes);
+	free(still);
+}
+
+const struct eco_scene *bench_still_scene(const struct bench_still *still) { return &still->scenes.scenes[0].pack->scene; }
+
+const char *bench_still_renderer(const struct bench_still *still) { return still->gl ? view_gl_renderer(still->gl) : "software"; }
+
+/* ---- The stream, from memory to memory ---- */
+
+static enum eco_code feed(struct view_store *store, const struct srv_body *body, struct eco_error *error)
+{
+	struct eco_wire_parser *parser;
+	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
+	view_store_begin(store);
+	for (uint32_t i = 0; i < body->piece_count && !code; i++)
+		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	eco_wire_parser_free(parser);
+	return code;
+}
+
+static enum eco_code fetch(struct bench_still *still, const struct eco_request *request, struct eco_error *error)
+{
+	struct eco_holdings holdings = { 0 };
+	struct srv_stream stream = { 0 };
+	struct srv_body body = { 0 };
+	enum eco_code code = view_store_holdings(still->store, &holdings, error);
+	struct srv_stream_input input = { .scene = &still->scenes.scenes[0], .request = request, .holdings = &holdings };
+	if (!code)
+		code = srv_stream_plan(&stream, &input, error);
+	if (!code)
+		code = srv_stream_write(&stream, &body, error);
+	if (!code)
+		code = feed(still->store, &body, error);
+	srv_body_free(&body);
+	srv_stream_free(&stream);
+	free(holdings.items);
+	return code;
+}
+
+/* ---- Plants ---- */
+
+static uint64_t cut_hash(const struct eco_cut *cut)
+{
+	uint32_t bits;
+	memcpy(&bits, &cut->scale, sizeof bits);
+	return lod_mix(((uint64_t)cut->list << 32 | cut->first) + lod_mix((uint64_t)cut->end << 32 | bits));
+}
+
+static int by_owner(const void *a, const void *b)
+{
+	const struct bench_plant *x = a, *y = b;
+	return x->owner < y->owner ? -1 : x->owner > y->owner;
+}
+
+static enum eco_code list_plants(const struct bench_still *still, const struct view_selection *selection, const struct lod_eye *eye,
+	struct bench_plants *plants, struct eco_error *error)
+{
+	const struct eco_plan *plan = view_store_plan(still->store);
+	free(plants->items);
+	*plants = (struct bench_plants){ .items = malloc((selection->instance_count + 1u) * sizeof *plants->items) };
+	if (!plants->items)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u plants", selection->instance_count);
+	for (uint32_t i = 0; i < selection->instance_count; i++) {
+		const struct view_instance *instance = &selection->instances[i];
+		if (instance->plant == ECO_NONE)
+			continue;
+		struct bench_plant *p = &plants->items[plants->count++];
+		double center[3];
+		lod_place_point(&instance->place, view_store_plant(still->store, instance->plant)->anchors[0].center, center);
+		*p = (struct bench_plant){ .owner = instance->owner, .plant = instance->plant,
+			.band = lod_eye_band(eye, center, instance->place.scale, instance->hash) };
+		for (uint32_t c = selection->cut_first[i]; c < selection->cut_first[i + 1]; c++) {
+			const struct eco_cut *cut = &plan->cuts[selection->cuts[c]];
+			p->cuts += cut_hash(cut);
+			p->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&view_store_list(still->store, cut->list)->list);
+		}
+	}
+	qsort(plants->items, plants->count, sizeof *plants->items, by_owner);
+	return ECO_OK;
+}
+
+/* ---- Pictures ---- */
+
+static enum eco_code draw(struct bench_still *still, const struct view_selection *selection, const struct lod_eye *eye,
+	struct view_picture *picture, struct eco_error *error)
+{
+	double near_m = view_store_near_m(still->store) > 0 ? view_store_near_m(still->store) : 0.1;
+	if (still->gl)
+		return view_gl_draw(still->gl, &(struct view_gl_job){ still->store, selection, eye, near_m, VIEW_TINT_NONE }, picture, error);
+	return view_reference_draw(&(struct view_reference_job){ still->store, selection, eye, near_m, 0, NULL }, picture, error);
+}
+
+enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request, struct view_picture *picture,
+	struct bench_plants *plants, struct eco_error *error)
+{
+	struct view_selection selection = { 0 };
+	struct lod_eye eye;
+	lod_eye_make(&eye, &request->view);
+	enum eco_code code = fetch(still, request, error);
+	if (!code)
+		code = view_select_make(&selection, still->store, &eye, error);
+	if (code)
+		return code;
+	view_picture_free(picture);
+	code = view_picture_init(picture, request->view.width, request->view.height, error);
+	if (!code)
+		code = draw(still, &selection, &eye, picture, error);
+	if (!code && plants)
+		code = list_plants(still, &selection, &eye, plants, error);
+	view_select_free(&selection);
+	return code;
+}
+
+struct eco_view bench_still_between(const struct eco_view *a, const struct eco_view *b, double t)
+{
+	struct eco_view v = *a;
+	for (int k = 0; k < 3; k++) {
+		v.eye[k] += t * (b->eye[k] - a->eye[k]);
+		v.target[k] += t * (b->target[k] - a->target[k]);
+		v.up[k] += t * (b->up[k] - a->up[k]);
+	}
+	v.fov_y_deg += t * (b->fov_y_deg - a->fov_y_deg);
+	return v;
+}
