@@ -1,0 +1,142 @@
+#include "tests/bench/bench_shots.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/view.h"
+
+const struct bench_method bench_methods[BENCH_METHODS] = {
+	[BENCH_OURS] = { .name = "ours", .rule = LOD_RULE_OPTIMAL },
+	[BENCH_DEUSSEN_RULE] = { .name = "Deussen's rule", .rule = LOD_RULE_DEUSSEN },
+	[BENCH_STOCHASTIC] = { .name = "stochastic order", .order = "stochastic", .rule = LOD_RULE_OPTIMAL },
+	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = LOD_RULE_OPTIMAL, .ignore_occlusion = true },
+	[BENCH_COMBINED] = { .name = "combined order", .order = "combined", .rule = LOD_RULE_OPTIMAL, .full_only = true },
+	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = LOD_RULE_DEUSSEN, .full_only = true } };
+
+/* Vertices of the pictures in Deussen 2002, table 1: points + 2 lines + 3 triangles; Neubert 2011 for the 5,000 trees. */
+static const struct { const char *scene; uint64_t vertices[2]; } printed[] = { { "trees640", { 2100000 } }, { "palms", { 1760000 } },
+	{ "outdoor", { 2480000 } }, { "sunflowers", { 2190000 } }, { "trees5000", { 5000000, 26000000 } } };
+static const uint64_t quick_budgets[] = { 30000, 100000, 300000, 1000000, 3000000 };
+static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 2000000, 5000000, 10000000 };
+
+static int ascending(const void *a, const void *b)
+{
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	return x < y ? -1 : x > y;
+}
+
+uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX])
+{
+	uint32_t count = bench->full ? sizeof full_budgets / sizeof *full_budgets : sizeof quick_budgets / sizeof *quick_budgets, kept = 0;
+	memcpy(budgets, bench->full ? full_budgets : quick_budgets, count * sizeof *budgets);
+	for (size_t i = 0; i < sizeof printed / sizeof *printed; i++)
+		for (int k = 0; k < 2 && strcmp(printed[i].scene, scene) == 0 && printed[i].vertices[k]; k++)
+			budgets[count++] = printed[i].vertices[k];
+	qsort(budgets, count, sizeof *budgets, ascending);
+	for (uint32_t i = 0; i < count; i++)
+		if (i == 0 || budgets[i] != budgets[kept - 1])
+			budgets[kept++] = budgets[i];
+	return kept;
+}
+
+uint32_t bench_shot_views(struct bench *bench, const char *scene, struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
+{
+	bool slow = strcmp(scene, "trees5000") == 0;
+	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 1 : 2, count = bench_scene_views(bench, scene, requests, wanted);
+	for (uint32_t i = 0; i < count; i++) {
+		requests[i].view.width = BENCH_SHOT_WIDTH;
+		requests[i].view.height = BENCH_SHOT_HEIGHT;
+		requests[i].bytes = ECO_BYTES_UNBOUNDED;
+	}
+	return count;
+}
+
+bool bench_view_aerial(const struct eco_view *view)
+{
+	double d[3], length = 0;
+	for (int k = 0; k < 3; k++) {
+		d[k] = view->target[k] - view->eye[k];
+		length += d[k] * d[k];
+	}
+	return d[2] < -0.2 * sqrt(length);
+}
+
+double bench_shot_number(const json_t *row, const char *key)
+{
+	const json_t *value = json_object_get(row, key);
+	return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static void set(json_t *row, const char *key, double value)
+{
+	json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null());
+}
+
+static json_t *row_of(const struct bench_frame *frame)
+{
+	json_t *row = json_object();
+	set(row, "vertices", (double)frame->vertices);
+	set(row, "bytes", (double)frame->bytes);
+	set(row, "plan_bytes", (double)frame->plan_bytes);
+	set(row, "q", frame->score.q);
+	set(row, "p", frame->score.precision);
+	set(row, "r", frame->score.recall);
+	set(row, "wrong", (double)(frame->score.fp + frame->score.fn));
+	set(row, "skill", frame->score.skill);
+	set(row, "owner_q", frame->score.owner_q);
+	set(row, "colour", frame->colour_rms);
+	set(row, "predicted_q", frame->predicted_q);
+	set(row, "plan_ms", frame->plan_ms);
+	set(row, "decode_ms", frame->decode_ms);
+	set(row, "draw_ms", frame->draw_ms);
+	return row;
+}
+
+static enum eco_code shoot(struct bench *bench, const char *scene, const struct bench_method *method, const struct eco_request *request,
+	const char *pack, json_t **rows, struct eco_error *error)
+{
+	uint64_t budgets[BENCH_BUDGETS_MAX];
+	uint32_t count = bench_budgets(bench, scene, budgets);
+	struct bench_client *client = NULL;
+	double reference_ms;
+	enum eco_code code = bench_client_open(&client, pack, error);
+	if (!code)
+		code = bench_client_reference(client, request, &reference_ms, error);
+	json_t *made = json_array();
+	for (uint32_t i = 0; i < count && !code; i++) {
+		struct bench_frame frame = { .method = method->name, .rule = method->rule, .ignore_occlusion = method->ignore_occlusion,
+			.request = *request };
+		frame.request.vertices = budgets[i];
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : bench_client_frame(client, &frame, NULL, error);
+		if (!code)
+			json_array_append_new(made, row_of(&frame));
+	}
+	bench_client_close(client);
+	if (code)
+		json_decref(made);
+	else
+		*rows = made;
+	return code;
+}
+
+enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view, json_t **rows, struct eco_error *error)
+{
+	const struct bench_method *m = &bench_methods[method];
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
+	char name[128], pack[512];
+	enum eco_code code = bench_scene(bench, scene, m->order, pack, error);
+	if (code)
+		return code;
+	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
+	*rows = bench_recall(bench, name, pack);
+	if (*rows)
+		return ECO_OK;
+	uint32_t count = bench_shot_views(bench, scene, requests);
+	if (view >= count)
+		return eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
+	code = shoot(bench, scene, m, &requests[view], pack, rows, error);
+	if (!code)
+		*rows = bench_keep(bench, name, pack, *rows);
+	return code;
+}
