@@ -77,7 +77,7 @@ struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t ind
 
 float eco_growth(uint32_t code, float scale)
 {
-	static const float factor[ECO_GROWTHS] = { 0.25f, 0.5f, 0.75f, 1, 1.3f, 1.7f, 2.2f, 2.8f };
+	static const float factor[ECO_GROWTHS] = { 0, 0.06f, 0.16f, 0.35f, 0.6f, 1, 1.6f, 2.6f };
 	return scale > 1 ? 1 + (scale - 1) * factor[code < ECO_GROWTHS ? code : ECO_GROWTH_PLAIN] : scale;
 }
 

@@ -93,11 +93,12 @@ uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute)
 /* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);
 
-/* Area factor of an element of growth code `code` where its cut's scale is `scale`: an element that grows into empty sky does harm,
- * one that grows over others does not. 1 at scale 1 whatever the code, so that full detail is the model; below 1 the scale itself.
- * Elements of lists without ECO_ATTR_GROWTH have code ECO_GROWTH_PLAIN: the scale itself. */
+/* Area factor of an element of growth code `code` where its cut's scale is `scale`: an element that grows into empty sky does harm, one
+ * that grows over others does not. 1 at scale 1 whatever the code, so that full detail is the model, and always for code 0: outlines stay
+ * sharp while what lies behind them still fills gaps. Below 1 the scale itself. Elements of lists without ECO_ATTR_GROWTH have code
+ * ECO_GROWTH_PLAIN: the scale itself. */
 #define ECO_GROWTHS 8u
-#define ECO_GROWTH_PLAIN 3u
+#define ECO_GROWTH_PLAIN 5u
 float eco_growth(uint32_t code, float scale);
 
 /* 2^((code - ECO_SIZE_ONE) / 4), code < ECO_SIZES. */

@@ -1,0 +1,229 @@
+#include "lod/footprint.h"
+
+#include <string.h>
+
+#define SUBPIXEL 256
+#define LIMIT (8192 * SUBPIXEL)          /* no corner lies further from the picture's middle: products below stay within 64 bits */
+
+struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element, const struct lod_mask *cutout)
+{
+	uint32_t at = foliage->first[element];
+	return (struct lod_fan){ (const float (*)[3])(foliage->corner + at), (const float (*)[2])(foliage->uv + at),
+		foliage->first[element + 1] - at, cutout };
+}
+
+void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const struct lod_eye *eye)
+{
+	double sum[3] = { 0, 0, 0 };
+	seen->fan = *fan;
+	for (uint32_t i = 0; i < fan->corners; i++) {
+		const float *p = fan->corner[i];
+		double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] }, *to = seen->corner[i];
+		to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) / eye->tan_x;
+		to[1] = -(d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) / eye->tan_y;
+		to[2] = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
+		for (int k = 0; k < 3; k++)
+			sum[k] += to[k];
+	}
+	for (int k = 0; k < 3; k++)
+		seen->center[k] = sum[k] / fan->corners;
+	for (uint32_t i = 0; i < fan->corners; i++)
+		for (int k = 0; k < 3; k++)
+			seen->corner[i][k] -= seen->center[k];
+}
+
+/* ---- Filling ---- */
+
+struct point { int32_t x, y; };          /* 1/256 pixel from the top left */
+
+static int32_t snap(double at, int32_t middle)
+{
+	double from = floor(at + 0.5);
+	return middle + (int32_t)(from < -LIMIT ? -LIMIT : from > LIMIT ? LIMIT : from);
+}
+
+static int32_t first_centre(int32_t at) { return (at + SUBPIXEL / 2 - 1) >> 8; }
+static int32_t last_centre(int32_t at) { return (at - SUBPIXEL / 2) >> 8; }
+
+/* x of the edge a b, in 1/2^24 pixel, at the centre of row `row`. */
+struct edge { int64_t x, slope; };
+
+static struct edge edge_make(struct point a, struct point b, int32_t row)
+{
+	int64_t slope = b.y == a.y ? 0 : ((int64_t)(b.x - a.x) * 65536) / (b.y - a.y);
+	return (struct edge){ (int64_t)a.x * 65536 + slope * (row * SUBPIXEL + SUBPIXEL / 2 - a.y), slope * SUBPIXEL };
+}
+
+static void set_bits(uint64_t *row, int32_t first, int32_t end)
+{
+	uint32_t a = (uint32_t)first / 64, b = (uint32_t)(end - 1) / 64;
+	uint64_t low = ~UINT64_C(0) << ((uint32_t)first % 64), high = ~UINT64_C(0) >> (63 - (uint32_t)(end - 1) % 64);
+	if (a == b) {
+		row[a] |= low & high;
+		return;
+	}
+	row[a] |= low;
+	for (uint32_t w = a + 1; w < b; w++)
+		row[w] = ~UINT64_C(0);
+	row[b] |= high;
+}
+
+/* Texture coordinates as a linear function of pixels. */
+struct texture { const struct lod_mask *mask; double u, v, u_x, u_y, v_x, v_y; };
+
+static bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3], const float *const uv[3])
+{
+	double x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y, det = x1 * y2 - x2 * y1;
+	if (det == 0)
+		return false;
+	double scale = SUBPIXEL / det, u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0], v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
+	*t = (struct texture){ .mask = mask, .u_x = (u1 * y2 - u2 * y1) * scale * mask->width, .u_y = (u2 * x1 - u1 * x2) * scale * mask->width,
+		.v_x = (v1 * y2 - v2 * y1) * scale * mask->height, .v_y = (v2 * x1 - v1 * x2) * scale * mask->height };
+	double x = 0.5 - (double)p[0].x / SUBPIXEL, y = 0.5 - (double)p[0].y / SUBPIXEL;
+	t->u = (double)uv[0][0] * mask->width + x * t->u_x + y * t->u_y;
+	t->v = (double)uv[0][1] * mask->height + x * t->v_x + y * t->v_y;
+	return true;
+}
+
+static uint32_t wrap(double at, uint32_t size)
+{
+	double turns = floor(at / size), rest = floor(at - turns * size);
+	return rest < 0 ? 0 : rest >= size ? size - 1 : (uint32_t)rest;
+}
+
+static void set_opaque(uint64_t *row, int32_t first, int32_t end, int32_t y, const struct texture *t)
+{
+	for (int32_t x = first; x < end; x++) {
+		uint32_t column = wrap(t->u + x * t->u_x + y * t->u_y, t->mask->width);
+		uint32_t line = wrap(t->v + x * t->v_x + y * t->v_y, t->mask->height);
+		row[x / 64] |= (t->mask->opaque[(size_t)line * t->mask->words + column / 64] >> column % 64 & 1) << (x % 64);
+	}
+}
+
+/* `print` is cleared where the triangle lies. */
+static void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture, int32_t pixels)
+{
+	struct point p[3] = { corner[0], corner[1], corner[2] };
+	for (int i = 0; i < 3; i++)                              /* by y: 0-1, 1-2, 0-1 */
+		if (p[i % 2].y > p[i % 2 + 1].y) {
+			struct point swap = p[i % 2];
+			p[i % 2] = p[i % 2 + 1];
+			p[i % 2 + 1] = swap;
+		}
+	int32_t top = first_centre(p[0].y), bend = first_centre(p[1].y), end = first_centre(p[2].y);
+	top = top < 0 ? 0 : top;
+	end = end > pixels ? pixels : end;
+	if (top >= end)
+		return;
+	int32_t left_most = (int32_t)print->word * 64, right_most = left_most + (int32_t)print->words * 64;
+	right_most = right_most > pixels ? pixels : right_most;
+	struct edge whole = edge_make(p[0], p[2], top), part = bend > top ? edge_make(p[0], p[1], top) : edge_make(p[1], p[2], top);
+	for (int32_t y = top; y < end; y++, whole.x += whole.slope, part.x += part.slope) {
+		if (y == bend && bend > top)
+			part = edge_make(p[1], p[2], y);
+		int64_t left = whole.x < part.x ? whole.x : part.x, right = whole.x < part.x ? part.x : whole.x;
+		int64_t first = (left + (1 << 23) - 1) >> 24, after = (right + (1 << 23) - 1) >> 24;
+		first = first < left_most ? left_most : first;           /* edges are a little off where they are long */
+		after = after > right_most ? right_most : after;
+		if (first >= after)
+			continue;
+		uint64_t *row = print->bits + (size_t)((uint32_t)y - print->y) * print->words - print->word;
+		if (texture)
+			set_opaque(row, (int32_t)first, (int32_t)after, y, texture);
+		else
+			set_bits(row, (int32_t)first, (int32_t)after);
+	}
+}
+
+/* The words that corners reach, cleared. */
+static bool open_box(struct lod_footprint *print, const struct point *p, uint32_t corners, int32_t pixels)
+{
+	struct point low = p[0], high = p[0];
+	for (uint32_t i = 1; i < corners; i++) {
+		low.x = p[i].x < low.x ? p[i].x : low.x;
+		low.y = p[i].y < low.y ? p[i].y : low.y;
+		high.x = p[i].x > high.x ? p[i].x : high.x;
+		high.y = p[i].y > high.y ? p[i].y : high.y;
+	}
+	int32_t x0 = first_centre(low.x), x1 = last_centre(high.x), y0 = first_centre(low.y), y1 = last_centre(high.y);
+	x0 = x0 < 0 ? 0 : x0, y0 = y0 < 0 ? 0 : y0;
+	x1 = x1 >= pixels ? pixels - 1 : x1, y1 = y1 >= pixels ? pixels - 1 : y1;
+	if (x0 > x1 || y0 > y1)
+		return false;
+	print->y = (uint32_t)y0;
+	print->rows = (uint32_t)(y1 - y0) + 1;
+	print->word = (uint32_t)x0 / 64;
+	print->words = (uint32_t)x1 / 64 - print->word + 1;
+	memset(print->bits, 0, (size_t)print->rows * print->words * sizeof *print->bits);
+	return true;
+}
+
+bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+{
+	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
+	const struct lod_fan *fan = &seen->fan;
+	int32_t middle = (int32_t)pixels * (SUBPIXEL / 2);
+	for (uint32_t i = 0; i < fan->corners; i++) {
+		double w = seen->center[2] + edge * seen->corner[i][2], scale = w > 0 ? middle / w : 0;
+		p[i] = (struct point){ snap((seen->center[0] + edge * seen->corner[i][0]) * scale, middle),
+			snap((seen->center[1] + edge * seen->corner[i][1]) * scale, middle) };
+	}
+	if (!open_box(print, p, fan->corners, (int32_t)pixels))
+		return false;
+	for (uint32_t t = 0; t + 2 < fan->corners; t++) {
+		const struct point corner[3] = { p[0], p[t + 1], p[t + 2] };
+		struct texture texture;
+		if (fan->cutout && fan->uv) {
+			const float *const uv[3] = { fan->uv[0], fan->uv[t + 1], fan->uv[t + 2] };
+			if (texture_make(&texture, fan->cutout, corner, uv))
+				fill(print, corner, &texture, (int32_t)pixels);
+		} else {
+			fill(print, corner, NULL, (int32_t)pixels);
+		}
+	}
+	return true;
+}
+
+/* ---- Counting ---- */
+
+/* Not the builtin: without a flag for newer processors that is a call. */
+static inline uint32_t bits_of(uint64_t x)
+{
+	x -= x >> 1 & UINT64_C(0x5555555555555555);
+	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
+	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
+}
+
+static inline void count(uint64_t bits, uint64_t reference, uint64_t once, uint64_t twice, struct lod_gain *gain)
+{
+	uint64_t fresh = bits & ~once, again = bits & once & ~twice & reference;
+	if (fresh) {
+		gain->right += bits_of(fresh & reference);
+		gain->wrong += bits_of(fresh & ~reference);
+	}
+	if (again)
+		gain->second += bits_of(again);
+}
+
+void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
+{
+	const uint64_t *bits = print->bits;
+	for (uint32_t r = 0; r < print->rows; r++) {
+		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
+		for (uint32_t w = 0; w < print->words; w++, bits++)
+			count(*bits, canvas->reference[at + w], canvas->once[at + w], canvas->twice[at + w], gain);
+	}
+}
+
+void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
+{
+	const uint64_t *bits = print->bits;
+	for (uint32_t r = 0; r < print->rows; r++) {
+		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
+		for (uint32_t w = 0; w < print->words; w++, bits++) {
+			count(*bits, canvas->reference[at + w], canvas->once[at + w], canvas->twice[at + w], gain);
+			canvas->twice[at + w] |= *bits & canvas->once[at + w];
+			canvas->once[at + w] |= *bits;
+		}
+	}
+}

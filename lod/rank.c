@@ -1,0 +1,296 @@
+/* See rank.h.
+ *
+ * The list is made in steps. All elements up to a step's end are drawn at one scale, so what earlier steps picked is drawn anew at the
+ * step's scale, and then elements are added greedily: the one whose pixels raise Q most per triangle. Q's gradient says what a right and a
+ * wrong pixel are worth; it is taken where the step will end, which a trial on a few of the views tells, together with the scale that
+ * serves the step best. */
+#include "lod/rank.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/list.h"
+#include "lod/rank_crown.h"
+#include "lod/sort.h"
+
+#define TRIAL_STRIDE 4u                  /* one view in so many */
+#define SECOND 16                        /* a second layer counts a so manieth of the first */
+#define WEIGHT 4096
+#define SCALES 5u                        /* tried at every step */
+#define CANDIDATES_LEAST 1024u
+#define CANDIDATES_SHARE 32u             /* times what a step's end has */
+#define BATCH 256u
+
+struct weights { int64_t right, wrong, second; };
+
+struct candidate { int64_t score; uint32_t element; uint8_t code; bool known; };
+
+struct ranking {
+	struct lod_crown crown;
+	const struct lod_rank_options *options;
+	struct lod_arena *arena;
+	uint32_t *order, picked, count;
+	uint8_t *growth;
+	bool *taken;
+	struct candidate *heap;
+	uint32_t heap_count;
+	/* the step */
+	struct lod_crown_views views;
+	struct weights weights;
+	double edge[ECO_GROWTHS];
+	uint64_t done, work;
+};
+
+/* ---- What an element is worth ---- */
+
+static int64_t score_of(const struct ranking *r, uint32_t element, const struct lod_gain *gain)
+{
+	int64_t sum = r->weights.right * gain->right - r->weights.wrong * gain->wrong + r->weights.second * gain->second;
+	const uint32_t *first = r->crown.foliage->first;
+	int64_t triangles = first[element + 1] - first[element] - 2;
+	return sum > 0 ? sum * 12 / triangles : sum * triangles;
+}
+
+static int64_t look(const struct ranking *r, uint32_t element, uint32_t code)
+{
+	struct lod_gain gain;
+	lod_crown_gain(&r->crown, element, r->edge[code], r->views, &gain);
+	return score_of(r, element, &gain);
+}
+
+/* Climbs from the code that was best when it was looked at last. */
+static void assess(const struct ranking *r, struct candidate *c)
+{
+	uint32_t code = c->code;
+	int64_t best = look(r, c->element, code);
+	if (!r->options->plain && !r->options->unscaled) {
+		for (int way = -1; way <= 1; way += 2) {
+			bool moved = false;
+			for (uint32_t next = code + (uint32_t)way; next < ECO_GROWTHS; next += (uint32_t)way) {
+				int64_t score = look(r, c->element, next);
+				if (score <= best)
+					break;
+				best = score;
+				code = next;
+				moved = true;
+			}
+			if (moved)
+				break;
+		}
+	}
+	c->score = best;
+	c->code = (uint8_t)code;
+}
+
+/* ---- Picking ---- */
+
+static bool before(const struct candidate *a, const struct candidate *b)
+{
+	return a->score != b->score ? a->score > b->score : a->element < b->element;
+}
+
+static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
+{
+	struct candidate moved = heap[i];
+	for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+		if (child + 1 < count && before(&heap[child + 1], &heap[child]))
+			child++;
+		if (!before(&heap[child], &moved))
+			break;
+		heap[i] = heap[child];
+	}
+	heap[i] = moved;
+}
+
+static void assess_batch(void *pieces, uint32_t batch)
+{
+	struct ranking *r = pieces;
+	uint32_t end = (batch + 1) * BATCH < r->heap_count ? (batch + 1) * BATCH : r->heap_count;
+	for (uint32_t i = batch * BATCH; i < end; i++)
+		assess(r, &r->heap[i]);
+}
+
+static void run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_t))
+{
+	if (r->options->each)
+		r->options->each(r->options->ctx, count, piece, r);
+	else
+		for (uint32_t i = 0; i < count; i++)
+			piece(r, i);
+}
+
+/* Candidates: what is not taken, of a long list a sample that is large beside the step (as good in expectation but for e^-SHARE;
+ * Mirzasoleiman and others 2015). */
+static void gather(struct ranking *r, uint32_t end, uint64_t salt)
+{
+	uint64_t most = (uint64_t)end * CANDIDATES_SHARE > CANDIDATES_LEAST ? (uint64_t)end * CANDIDATES_SHARE : CANDIDATES_LEAST;
+	uint32_t left = r->count - r->picked;
+	r->heap_count = 0;
+	for (uint32_t i = 0; i < r->count; i++)
+		if (!r->taken[i] && (most >= left || lod_mix(salt * r->count + i) % left < most))
+			r->heap[r->heap_count++] = (struct candidate){ .element = i, .code = r->growth[i] };
+}
+
+static void make_heap(struct ranking *r)
+{
+	run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch);
+	for (uint32_t i = r->heap_count / 2; i-- > 0;)
+		sift_down(r->heap, r->heap_count, i);
+}
+
+/* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
+static void pick(struct ranking *r, uint32_t end)
+{
+	while (r->picked < end && r->heap_count) {
+		struct candidate *top = &r->heap[0];
+		int64_t known = top->score;
+		assess(r, top);
+		if (top->score < known) {
+			struct candidate now = *top;
+			sift_down(r->heap, r->heap_count, 0);
+			if (r->heap[0].element != now.element)
+				continue;
+		}
+		uint32_t element = r->heap[0].element;
+		r->growth[element] = r->heap[0].code;
+		r->taken[element] = true;
+		r->order[r->picked++] = element;
+		lod_crown_add(&r->crown, element, r->edge[r->growth[element]], r->views);
+		r->heap[0] = r->heap[--r->heap_count];
+		if (r->heap_count)
+			sift_down(r->heap, r->heap_count, 0);
+	}
+}
+
+/* ---- Steps ---- */
+
+static void set_scale(struct ranking *r, double scale)
+{
+	for (uint32_t c = 0; c < ECO_GROWTHS; c++)
+		r->edge[c] = r->options->unscaled ? 1 : sqrt(eco_growth(c, (float)scale));
+}
+
+static void redraw(struct ranking *r)
+{
+	lod_crown_clear(&r->crown, r->views);
+	for (uint32_t k = 0; k < r->picked; k++)
+		lod_crown_add(&r->crown, r->order[k], r->edge[r->growth[r->order[k]]], r->views);
+}
+
+static double quality(const struct lod_crown_sum *s, double *p, double *recall)
+{
+	*p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
+	*recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
+	return 1 - sqrt((1 - *p) * (1 - *p) + (1 - *recall) * (1 - *recall));
+}
+
+/* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales keeps near: there a wrong pixel costs (1 - e) / (1 + e)
+ * of what a right one brings. Taken where a trial ends instead, it swings from step to step. */
+static struct weights gradient(double reached)
+{
+	double e = (1 - reached) * 0.70710678;
+	return (struct weights){ WEIGHT, (int64_t)(WEIGHT * (1 - e) / (1 + e)), WEIGHT / SECOND };
+}
+
+struct trial { double quality, precision, recall; };
+
+static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
+{
+	struct trial t;
+	uint32_t picked = r->picked;
+	r->views = (struct lod_crown_views){ 0, TRIAL_STRIDE };
+	set_scale(r, scale);
+	redraw(r);
+	gather(r, end, picked);
+	make_heap(r);
+	pick(r, end);
+	struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
+	t.quality = quality(&sum, &t.precision, &t.recall);
+	for (; r->picked > picked; r->taken[r->order[r->picked]] = false)
+		r->picked--;
+	return t;
+}
+
+static double choose_scale(struct ranking *r, uint32_t end, double last)
+{
+	double best_scale = 1;
+	struct trial best = { -2, 0, 0 };
+	if (end == r->count || r->options->unscaled)
+		return 1;
+	for (uint32_t i = 0; i < SCALES; i++) {
+		static const double part[SCALES] = { 1, 0.8, 0.64, 0.5, 0.36 };
+		double scale = 1 + (last - 1) * part[i];
+		struct trial t = try_scale(r, end, scale);
+		if (t.quality > best.quality) {
+			best = t;
+			best_scale = scale;
+		}
+		if (scale == 1)
+			break;
+	}
+	r->weights = gradient(best.quality);
+	return best_scale;
+}
+
+/* Ends of steps: by the root of two, finer where little is left out. */
+static uint32_t next_end(uint32_t count, uint32_t picked)
+{
+	double share = (double)picked / count, next = share * 1.41421356;
+	if (picked < 4)
+		return picked + 1 < count ? picked + 1 : count;
+	if (share > 0.49)
+		next = share + 0.1;
+	uint32_t end = (uint32_t)(next * count + 0.5);
+	return next > 0.95 || end > count ? count : end > picked ? end : picked + 1;
+}
+
+static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
+{
+	double scale = r->count * 1.0;
+	r->weights = gradient(0.5);
+	while (r->picked < r->count) {
+		uint32_t end = next_end(r->count, r->picked);
+		lod_crown_set_level(&r->crown, end);
+		scale = choose_scale(r, end, scale);
+		r->views = (struct lod_crown_views){ 0, 1 };
+		set_scale(r, scale);
+		redraw(r);
+		gather(r, end, r->picked);
+		make_heap(r);
+		pick(r, end);
+		if (r->options->progress && !r->options->progress(r->options->ctx, (double)end / r->count))
+			return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
+#ifdef RANK_LOG
+		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
+		double p, q, rec;
+		q = quality(&sum, &p, &rec);
+		fprintf(stderr, "step to %u (%.4f) scale %.2f (cook %.2f) Q %.3f P %.3f R %.3f weights %ld %ld\n", end, (double)end / r->count, scale, (double)r->count / end, q, p, rec, (long)r->weights.right, (long)r->weights.wrong);
+#endif
+	}
+	return ECO_OK;
+}
+
+enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage, const struct lod_rank_options *options,
+	struct lod_arena *arena, struct eco_error *error)
+{
+	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
+	assert(foliage->count > 0);
+	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
+	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
+	rank->simple = lod_arena_take(arena, r.count, sizeof *rank->simple);
+	memset(r.growth, ECO_GROWTH_PLAIN, r.count);
+	const struct lod_arena_piece *mark = arena->last;
+	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
+	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
+	for (uint32_t i = 0; i < r.count; i++) {
+		uint32_t corners = foliage->first[i + 1] - foliage->first[i];
+		rank->simple[i].corners = (uint8_t)(corners < 4 ? corners : 4);
+		memcpy(rank->simple[i].corner, foliage->corner[foliage->first[i]], rank->simple[i].corners * sizeof rank->simple[i].corner[0]);
+	}
+	enum eco_code code = lod_crown_open(&r.crown, foliage, options, arena, error);
+	if (!code)
+		code = make_steps(&r, error);
+	lod_arena_release(arena, mark);
+	return code;
+}

@@ -1,0 +1,45 @@
+/* What of a plant's outline is covered, from all its views at once: what an element would add, and adding it.
+ *
+ *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
+ *   lod_crown_clear(&crown);                                             the wood alone
+ *   lod_crown_gain(&crown, element, edge, first, stride, &gain);         views first, first + stride, ...
+ *   lod_crown_add(&crown, element, edge, first, stride, &gain); */
+#ifndef LOD_RANK_CROWN_H
+#define LOD_RANK_CROWN_H
+
+#include "lod/footprint.h"
+#include "lod/rank.h"
+
+/* The same views in several sizes: large elements are judged in small pictures, where they are a tenth of the work and as many pixels as
+ * small ones are in large pictures. */
+#define LOD_CROWN_LEVELS 4u
+struct lod_crown_level {
+	struct lod_sights sights;
+	struct lod_canvas *canvas;               /* per view */
+};
+struct lod_crown {
+	const struct lod_foliage *foliage;
+	const struct lod_mask **cutout;          /* per element, or NULL */
+	uint32_t views, level_count;
+	struct lod_crown_level levels[LOD_CROWN_LEVELS];     /* the smallest pictures first */
+	struct lod_crown_level *level;           /* the one that is used now */
+};
+
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_rank_options *options,
+	struct lod_arena *arena, struct eco_error *error);
+
+/* The level that suits `count` elements drawn so large that they fill the crown. */
+void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
+
+/* Some of the views: every `stride`th, from `first` on. */
+struct lod_crown_views { uint32_t first, stride; };
+void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
+/* The element with edges multiplied by `edge`: sums over the views. Different elements may be asked about at once. */
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain);
+void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
+
+/* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */
+struct lod_crown_sum { uint64_t right, wrong, wanted; };
+struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views);
+
+#endif
