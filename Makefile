@@ -105,8 +105,13 @@ $(B)/tests/test_%: $(B)/obj/tests/test_%.o $(TEST_LIBS)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
 		$(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
-# Programs that measure: tests/bench/NAME.c
-BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(wildcard tests/bench/*.c))
+# Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.
+ECOBENCH := $(call objects,tests/bench/ecobench.c $(wildcard tests/bench/bench*.c))
+BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench%,$(wildcard tests/bench/*.c)))
+$(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS)
+	@mkdir -p $(@D)
+	$(CC) $(OPT) -o $@ $(ECOBENCH) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \
+		$(LIBS_DRACO) $(LIBS_CORE)
 $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \

@@ -31,6 +31,9 @@ struct bench_section { const char *name, *title; enum eco_code (*run)(struct ben
 bool bench_stopped(const struct bench *bench);
 void bench_progress(struct bench *bench, double share, const char *what);
 
+/* Runs a shell command and waits; its output goes to standard error. ECO_INTERRUPTED after Ctrl-C, which ends the command too. */
+enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
 /* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may be NULL. */
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
 /* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside and renamed. */

@@ -1,0 +1,411 @@
+/* The frame that sections run in: units kept on disk, records of what was said, progress, Ctrl-C.
+ *
+ * A unit's file holds the stamp that it was done under, so that one of another program or input is not taken for this one's; a file
+ * that is damaged counts as none. Nothing is ever half there: files are written beside and renamed. */
+#include "tests/bench/bench_state.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "ecofiles/guard.h"
+
+#define PATH 1024
+#define BAR 28
+
+/* ---- Interruption ---- */
+
+static volatile sig_atomic_t interrupted, reported;
+
+static void ask_to_stop(int number)
+{
+	interrupted = number;
+	eco_guard_interrupt();
+}
+
+void bench_catch_interrupts(void)
+{
+	/* once: a second Ctrl-C ends the program at once, and costs the unit that runs */
+	struct sigaction action = { .sa_handler = ask_to_stop, .sa_flags = (int)SA_RESETHAND };
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+}
+
+bool bench_interrupted(void) { return interrupted != 0; }
+
+bool bench_stopped(const struct bench *bench)
+{
+	if (interrupted && !reported) {
+		reported = 1;
+		bench_note(bench, "stopping after this piece of work; what is done is kept (once more to stop at once)");
+	}
+	return interrupted != 0;
+}
+
+/* ---- Progress ---- */
+
+static bool bar_shown;
+
+double bench_now_s(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void erase_bar(void)
+{
+	if (bar_shown)
+		fputs("\r\033[K", stderr);
+	bar_shown = false;
+}
+
+void bench_note(const struct bench *bench, const char *format, ...)
+{
+	va_list args;
+	if (bench->state->quiet)
+		return;
+	erase_bar();
+	fputs("ecobench: ", stderr);
+	va_start(args, format);
+	vfprintf(stderr, format, args);
+	va_end(args);
+	fputc('\n', stderr);
+}
+
+void bench_progress(struct bench *bench, double share, const char *what)
+{
+	static double last_s = -1000;
+	bool terminal = isatty(STDERR_FILENO) == 1;
+	double now = bench_now_s();
+	if (bench->state->quiet || now - last_s < (terminal ? 0.1 : 10))
+		return;
+	last_s = now;
+	share = share >= 0 ? share > 1 ? 1 : share : 0;
+	const char *name = bench->state->section ? bench->state->section->name : "";
+	if (!terminal) {
+		bench_note(bench, "%s: %s, %.0f %%", name, what ? what : "", 100 * share);
+		return;
+	}
+	char bar[BAR + 1];
+	memset(bar, '.', BAR);
+	memset(bar, '#', (size_t)(share * BAR));
+	bar[BAR] = 0;
+	fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s: %.60s", bar, 100 * share, name, what ? what : "");
+	fflush(stderr);
+	bar_shown = true;
+}
+
+/* ---- Files ---- */
+
+enum eco_code bench_folder_make(const char *path, struct eco_error *error)
+{
+	char part[PATH];
+	struct stat status;
+	if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part)
+		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", path);
+	for (char *c = part + 1;; c++) {
+		char was = *c;
+		if (was && was != '/')
+			continue;
+		*c = 0;
+		if (mkdir(part, 0777) && errno != EEXIST)
+			return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", part, strerror(errno));
+		*c = was;
+		if (!was)
+			break;
+	}
+	return stat(path, &status) == 0 && S_ISDIR(status.st_mode) ? ECO_OK : eco_fail(error, ECO_IO, "%s: is no folder", path);
+}
+
+enum eco_code bench_file_write(const char *path, const char *bytes, size_t size, struct eco_error *error)
+{
+	char beside[PATH + 32];
+	snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
+	FILE *file = fopen(beside, "wb");
+	if (!file)
+		return eco_fail(error, ECO_IO, "%s: cannot be written: %s", beside, strerror(errno));
+	bool good = fwrite(bytes, 1, size, file) == size;
+	good = !fclose(file) && good;
+	if (good && rename(beside, path) == 0)
+		return ECO_OK;
+	enum eco_code code = eco_fail(error, ECO_IO, "%s: cannot be written: %s", path, strerror(errno));
+	unlink(beside);
+	return code;
+}
+
+json_t *bench_json_read(const char *path)
+{
+	json_error_t why;
+	json_t *value = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
+	return value;
+}
+
+/* A readable name that no other text shares. */
+static void file_name(char out[PATH], const struct bench *bench, const char *folder, const char *unit)
+{
+	char clean[80];
+	size_t n = 0;
+	for (const char *c = unit; *c && n + 1 < sizeof clean; c++)
+		clean[n++] = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '-' || *c == '_' ? *c : '-';
+	clean[n] = 0;
+	snprintf(out, PATH, "%s/%s/%s-%08x.json", bench->cache, folder, clean, (unsigned)XXH3_64bits(unit, strlen(unit)));
+}
+
+/* ---- Units ---- */
+
+json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
+{
+	char path[PATH];
+	struct bench_state *s = bench->state;
+	file_name(path, bench, "units", unit);
+	if (access(path, F_OK))
+		return NULL;
+	json_t *kept = bench_json_read(path), *result = json_object_get(kept, "result");
+	const char *name = json_string_value(json_object_get(kept, "unit")), *program = json_string_value(json_object_get(kept, "program"));
+	const char *under = json_string_value(json_object_get(kept, "stamp"));
+	bool whole = result && name && program && under && !strcmp(name, unit);
+	if (!whole)
+		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
+	if (!whole || strcmp(under, stamp ? stamp : "") || (strcmp(program, s->program) && !s->trust)) {
+		json_decref(kept);
+		return NULL;
+	}
+	json_array_append(s->held, result);
+	json_decref(kept);
+	s->recalled++;
+	return result;
+}
+
+json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result)
+{
+	char path[PATH];
+	struct bench_state *s = bench->state;
+	struct eco_error error = { 0 };
+	file_name(path, bench, "units", unit);
+	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", s->program, "stamp", stamp ? stamp : "", "result", result);
+	char *text = kept ? json_dumps(kept, JSON_COMPACT) : NULL;
+	/* A full disk costs the next run some time, not this one its result. */
+	if (!text)
+		bench_note(bench, "%s: not kept, as it holds what JSON cannot (a NaN, or text that is not UTF-8)", unit);
+	else if (bench_file_write(path, text, strlen(text), &error))
+		bench_note(bench, "%s; not kept", error.text);
+	free(text);
+	json_decref(kept);
+	json_array_append_new(s->held, result);
+	s->kept++;
+	return result;
+}
+
+/* ---- What a section says ---- */
+
+void bench_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
+
+void bench_say(struct bench *bench, const char *format, ...)
+{
+	va_list args;
+	char *text = NULL;
+	va_start(args, format);
+	if (vasprintf(&text, format, args) < 0)
+		text = NULL;
+	va_end(args);
+	if (text)
+		bench_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
+	free(text);
+}
+
+void bench_key(struct bench *bench, const char *key, double value, const char *bar)
+{
+	json_array_append_new(bench->state->keys, json_pack("{s:s, s:o, s:s}", "key", key, "value", isfinite(value) ? json_real(value) : json_null(),
+		"bar", bar ? bar : ""));
+}
+
+struct bench_table { struct bench *bench; char name[64]; json_t *item, *rows; };
+
+struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show)
+{
+	struct bench_table *table = calloc(1, sizeof *table);
+	if (!table)
+		abort();
+	table->bench = bench;
+	snprintf(table->name, sizeof table->name, "%s", name);
+	table->rows = json_array();
+	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns", columns, "show", (int)show, "rows", table->rows);
+	/* in the report where it was opened */
+	bench_item(bench, json_incref(table->item));
+	return table;
+}
+
+void bench_table_row(struct bench_table *table, const char *format, ...)
+{
+	va_list args;
+	char *text = NULL;
+	va_start(args, format);
+	if (vasprintf(&text, format, args) < 0)
+		text = NULL;
+	va_end(args);
+	if (text)
+		json_array_append_new(table->rows, json_string(text));
+	free(text);
+}
+
+void bench_table_close(struct bench_table *table)
+{
+	char path[PATH], *bytes = NULL;
+	size_t size = 0, i;
+	struct eco_error error = { 0 };
+	json_t *row;
+	FILE *out = open_memstream(&bytes, &size);
+	if (out) {
+		fprintf(out, "%s\n", json_string_value(json_object_get(table->item, "columns")));
+		json_array_foreach(table->rows, i, row)
+			fprintf(out, "%s\n", json_string_value(row));
+		fclose(out);
+		snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
+		if (bench_file_write(path, bytes, size, &error))
+			bench_note(table->bench, "%s", error.text);
+		free(bytes);
+	}
+	json_decref(table->rows);
+	json_decref(table->item);
+	free(table);
+}
+
+void bench_picture(struct bench *bench, const char *file, const char *caption)
+{
+	bench_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption ? caption : ""));
+}
+
+/* ---- Programs ---- */
+
+enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
+{
+	va_list args;
+	char *command = NULL;
+	va_start(args, format);
+	if (vasprintf(&command, format, args) < 0)
+		command = NULL;
+	va_end(args);
+	if (!command)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory");
+	erase_bar();
+	/* not system(), which would swallow Ctrl-C; the terminal gives it to the child as well */
+	pid_t child = fork();
+	if (child == 0) {
+		signal(SIGINT, SIG_DFL);
+		signal(SIGTERM, SIG_DFL);
+		dup2(STDERR_FILENO, STDOUT_FILENO);
+		execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+		_exit(127);
+	}
+	int status = -1;
+	while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
+		kill(child, SIGTERM);
+	enum eco_code code = ECO_OK;
+	if (bench_stopped(bench))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	else if (child < 0 || !WIFEXITED(status) || WEXITSTATUS(status))
+		code = eco_fail(error, ECO_IO, "this fails: %.400s", command);
+	free(command);
+	return code;
+}
+
+/* ---- Runs ---- */
+
+static void stamp_of_program(char stamp[17])
+{
+	XXH3_state_t *hash = XXH3_createState();
+	FILE *file = fopen("/proc/self/exe", "rb");
+	static char part[1 << 16];
+	XXH3_64bits_reset(hash);
+	for (size_t n; file && (n = fread(part, 1, sizeof part, file)) > 0;)
+		XXH3_64bits_update(hash, part, n);
+	if (file)
+		fclose(file);
+	snprintf(stamp, 17, "%016llx", (unsigned long long)XXH3_64bits_digest(hash));
+	XXH3_freeState(hash);
+}
+
+enum eco_code bench_open(struct bench *bench, struct eco_error *error)
+{
+	char path[PATH];
+	struct bench_state *s = bench->state;
+	stamp_of_program(s->program);
+	s->held = json_array();
+	enum eco_code code = bench_folder_make(bench->out, error);
+	for (int i = 0; i < 2 && !code; i++) {
+		snprintf(path, sizeof path, "%s/%s", bench->cache, i ? "sections" : "units");
+		code = bench_folder_make(path, error);
+	}
+	return code;
+}
+
+void bench_close(struct bench *bench)
+{
+	json_decref(bench->state->held);
+	bench->state->held = NULL;
+}
+
+void bench_begin(struct bench *bench, const struct bench_section *section)
+{
+	struct bench_state *s = bench->state;
+	s->section = section;
+	s->items = json_array();
+	s->keys = json_array();
+	s->kept = s->recalled = 0;
+	s->begun_s = bench_now_s();
+	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title", section->title, "program", s->program, "full",
+		(int)bench->full, "items", s->items, "keys", s->keys);
+}
+
+/* An interrupted section does not replace what the same program once finished. */
+static bool better_there(const struct bench *bench, const char *path)
+{
+	json_t *old = bench_json_read(path);
+	const char *state = json_string_value(json_object_get(old, "state")), *program = json_string_value(json_object_get(old, "program"));
+	bool better = state && program && !strcmp(state, "done") && !strcmp(program, bench->state->program);
+	json_decref(old);
+	return better;
+}
+
+enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error)
+{
+	char path[PATH];
+	struct bench_state *s = bench->state;
+	double seconds = bench_now_s() - s->begun_s;
+	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted" : code == ECO_NOT_FOUND ? "missing" : "failed";
+	erase_bar();
+	json_object_set_new(s->record, "state", json_string(state));
+	json_object_set_new(s->record, "seconds", json_real(seconds));
+	if (code)
+		json_object_set_new(s->record, "why", json_string(error->text));
+	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
+	char *text = json_dumps(s->record, JSON_INDENT(1));
+	enum eco_code written = ECO_OK;
+	struct eco_error why = { 0 };
+	if (!text)
+		written = eco_fail(&why, ECO_BAD_INPUT, "%s: its record cannot be written as JSON", s->section->name);
+	else if (code != ECO_INTERRUPTED || !better_there(bench, path))
+		written = bench_file_write(path, text, strlen(text), &why);
+	free(text);
+	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name, state, seconds, s->kept, s->recalled,
+		code ? ": " : "", code ? error->text : "");
+	if (written)
+		bench_note(bench, "%s", why.text);
+	json_decref(s->items);
+	json_decref(s->keys);
+	json_decref(s->record);
+	json_array_clear(s->held);
+	s->section = NULL;
+	return code ? code : written;
+}

@@ -1,0 +1,47 @@
+/* Inside ecobench: what bench.c, bench_report.c and ecobench.c share. Sections do not include this.
+ *
+ *   bench_open(&bench, &error)                    folders, the program's own stamp
+ *   bench_begin(&bench, section); section->run(); bench_end(&bench, code, &error);      its record is kept: sections/NAME.json
+ *   bench_report_write(&bench, sections, &error)  report.html and summary.json from all records that are kept
+ *   bench_close(&bench)
+ *
+ * A record holds all that a section said: {"name", "title", "state", "seconds", "program", "full", "items": [...], "keys": [...]}. So the
+ * report of one section's run has the others in it as they were, and says which are of an earlier program. */
+#ifndef TESTS_BENCH_STATE_H
+#define TESTS_BENCH_STATE_H
+
+#include "tests/bench/bench.h"
+
+struct bench_state {
+	char program[17];            /* a hash of ecobench itself, in hex */
+	bool trust;                  /* units of earlier programs count too */
+	bool quiet;
+	const struct bench_section *section;
+	json_t *record, *items, *keys;
+	json_t *held;                /* units that were given out */
+	double begun_s;
+	uint32_t kept, recalled;     /* units of this section that were done, and that were there */
+};
+
+enum eco_code bench_open(struct bench *bench, struct eco_error *error);
+void bench_close(struct bench *bench);
+
+void bench_begin(struct bench *bench, const struct bench_section *section);
+enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error);
+
+/* `sections`: as many as there are, NULL ends. */
+enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections, struct eco_error *error);
+
+void bench_item(struct bench *bench, json_t *item);      /* takes it over */
+double bench_now_s(void);
+void bench_catch_interrupts(void);
+bool bench_interrupted(void);
+void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* A whole file, beside and renamed; "" in `bytes` makes an empty one. */
+enum eco_code bench_file_write(const char *path, const char *bytes, size_t size, struct eco_error *error);
+enum eco_code bench_folder_make(const char *path, struct eco_error *error);      /* with those above it */
+/* JSON that is there and is whole, or NULL. */
+json_t *bench_json_read(const char *path);
+
+#endif
