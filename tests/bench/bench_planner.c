@@ -1,0 +1,258 @@
+/* The planner against what could be: the best there is for the same vertices in scenes so small that everything can be tried; Deussen's rule
+ * on large ones, with the same lists; its own prediction against what is then counted; and the time it takes. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/bench/bench_shots.h"
+#include "tests/bench/bench_times.h"
+
+/* ---- Against Deussen's rule, and the prediction ---- */
+
+static const char *const large[] = { "scbi", "trees5000", "outdoor" };
+#define LARGE (sizeof large / sizeof *large)
+static const struct { const char *name; bool quick; } predicted[] = { { "scbi", true }, { "trees5000", true }, { "outdoor", true }, { "crown", true },
+	{ "trees640", false }, { "palms", false }, { "sunflowers", false }, { "trees1276", false } };
+#define PREDICTED (sizeof predicted / sizeof *predicted)
+
+struct sums { double ours, theirs, gap, gap_worst, signed_gap; uint32_t frames; };      /* wrong pixels; of the prediction */
+
+static void add_rows(struct sums *sums, const json_t *ours, const json_t *theirs, uint32_t budget)
+{
+	const json_t *a = json_array_get(ours, budget), *b = json_array_get(theirs, budget);
+	double gap = bench_shot_number(a, "predicted_q") - bench_shot_number(a, "q");
+	sums->ours += bench_shot_number(a, "wrong");
+	sums->theirs += b ? bench_shot_number(b, "wrong") : 0;
+	sums->gap += fabs(gap);
+	sums->signed_gap += gap;
+	sums->gap_worst = fmax(sums->gap_worst, fabs(gap));
+	sums->frames++;
+}
+
+/* Both rules at all budgets: sums[budget]. */
+static enum eco_code compare_rules(struct bench *bench, const char *scene, bool rules, struct sums *sums, struct eco_error *error)
+{
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
+	uint64_t budgets[BENCH_BUDGETS_MAX];
+	char pack[512];
+	enum eco_code code = bench_scene(bench, scene, NULL, pack, error);
+	uint32_t count = bench_budgets(bench, scene, budgets), views = code ? 0 : bench_shot_views(bench, scene, requests);
+	for (uint32_t v = 0; v < views && !code; v++) {
+		json_t *ours, *theirs = NULL;
+		code = bench_shots(bench, scene, BENCH_OURS, v, &ours, error);
+		if (!code && rules)
+			code = bench_shots(bench, scene, BENCH_DEUSSEN_RULE, v, &theirs, error);
+		for (uint32_t b = 0; b < count && !code; b++)
+			add_rows(&sums[b], ours, theirs, b);
+	}
+	return code;
+}
+
+static enum eco_code passed_over(struct bench *bench, const char *scene, struct eco_error *error)
+{
+	bench_say(bench, "Without %s: %s", scene, error->text);
+	*error = (struct eco_error){ 0 };
+	return ECO_OK;
+}
+
+/* Wrong pixels of all budgets and views together; the worst scene counts. */
+static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "planner_rules", "scene,vertices,wrong pixels,by Deussen's rule,fewer %", true);
+	double worst = NAN;
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < LARGE && !code; i++) {
+		uint64_t budgets[BENCH_BUDGETS_MAX];
+		struct sums sums[BENCH_BUDGETS_MAX] = { { 0 } };
+		double ours = 0, theirs = 0;
+		bench_progress(bench, 0.1 + 0.1 * (double)i, large[i]);
+		code = compare_rules(bench, large[i], true, sums, error);
+		if (code == ECO_NOT_FOUND) {
+			code = passed_over(bench, large[i], error);
+			continue;
+		}
+		for (uint32_t b = 0, count = bench_budgets(bench, large[i], budgets); b < count && !code; b++) {
+			const struct sums *s = &sums[b];
+			ours += s->ours;
+			theirs += s->theirs;
+			bench_table_row(table, "%s,%llu,%.0f,%.0f,%.1f", large[i], (unsigned long long)budgets[b], s->ours / s->frames,
+				s->theirs / s->frames, 100 * (1 - s->ours / s->theirs));
+		}
+		if (!code) {
+			bench_table_row(table, "%s,all,%.0f,%.0f,%.1f", large[i], ours, theirs, 100 * (1 - ours / theirs));
+			worst = fmin(worst, 1 - ours / theirs);
+		}
+	}
+	bench_table_close(table);
+	if (!code)
+		bench_key(bench, "versus_deussen", worst, ">= 0.3");
+	return code;
+}
+
+static enum eco_code prediction(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "planner_prediction", "scene,vertices,mean |predicted Q - Q|,mean predicted Q - Q,worst", true);
+	double gap = 0;
+	uint32_t frames = 0;
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < PREDICTED && !code; i++) {
+		uint64_t budgets[BENCH_BUDGETS_MAX];
+		struct sums sums[BENCH_BUDGETS_MAX] = { { 0 } };
+		if (!predicted[i].quick && !bench->full)
+			continue;
+		bench_progress(bench, 0.4 + 0.05 * (double)i, predicted[i].name);
+		code = compare_rules(bench, predicted[i].name, false, sums, error);
+		if (code == ECO_NOT_FOUND) {
+			code = passed_over(bench, predicted[i].name, error);
+			continue;
+		}
+		for (uint32_t b = 0, count = bench_budgets(bench, predicted[i].name, budgets); b < count && !code; b++) {
+			const struct sums *s = &sums[b];
+			bench_table_row(table, "%s,%llu,%.4f,%.4f,%.4f", predicted[i].name, (unsigned long long)budgets[b], s->gap / s->frames,
+				s->signed_gap / s->frames, s->gap_worst);
+			gap += s->gap;
+			frames += s->frames;
+		}
+	}
+	bench_table_close(table);
+	if (!code)
+		bench_key(bench, "predicted_q_gap", frames ? gap / frames : NAN, "<= 0.03");
+	return code;
+}
+
+/* ---- Time ---- */
+
+static json_t *json_of(const struct bench_plan_time *t)
+{
+	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "ms", t->ms, "candidates", (double)t->candidates, "places", (double)t->places, "vertices",
+		(double)t->vertices, "cuts", (double)t->cuts, "repetitions", (double)t->repetitions);
+}
+
+static enum eco_code time_choice(struct bench *bench, uint32_t species, json_t **unit, struct eco_error *error)
+{
+	struct bench_choice choice = { 0 };
+	struct bench_plan_time time = { 0 };
+	char name[64];
+	snprintf(name, sizeof name, "planner-choice-%u", species);
+	if ((*unit = bench_recall(bench, name, NULL)))
+		return ECO_OK;
+	enum eco_code code = bench_choice_make(&choice, species, error);
+	choice.request.vertices = (uint64_t)species * 4000;      /* 500 a plant */
+	if (!code)
+		code = bench_plan_time(&time, &choice.scene, &choice.request, 300, error);
+	bench_choice_free(&choice);
+	if (!code)
+		*unit = bench_keep(bench, name, NULL, json_of(&time));
+	return code;
+}
+
+static enum eco_code growth(struct bench *bench, struct eco_error *error)
+{
+	static const uint32_t species[] = { 25, 80, 250, 800, 2500, 8000, 25000 };
+	struct bench_table *table = bench_table_open(bench, "planner_growth", "candidates,plants,cuts,ms,ns a candidate", true);
+	enum eco_code code = ECO_OK;
+	double x[sizeof species / sizeof *species], y[sizeof species / sizeof *species], ns = NAN;
+	uint32_t count = sizeof species / sizeof *species;
+	for (uint32_t i = 0; i < count && !code; i++) {
+		json_t *unit;
+		bench_progress(bench, 0.8 + 0.02 * i, "growth of planning");
+		code = time_choice(bench, species[i], &unit, error);
+		if (code)
+			break;
+		x[i] = bench_shot_number(unit, "candidates");
+		y[i] = bench_shot_number(unit, "ms");
+		ns = 1e6 * y[i] / x[i];
+		bench_table_row(table, "%.0f,%.0f,%.0f,%.3f,%.1f", x[i], bench_shot_number(unit, "places"), bench_shot_number(unit, "cuts"), y[i], ns);
+	}
+	bench_table_close(table);
+	if (code)
+		return code;
+	bench_key(bench, "planning_ns_per_candidate", ns, "at a million candidates");
+	bench_key(bench, "planning_growth", log(y[count - 1] / y[0]) / log(x[count - 1] / x[0]), "about 1: exponent of the time over candidates");
+	return bench_plot(bench, &(struct bench_plot){ .name = "planner-growth", .title = "Planning", .x = "candidates", .y = "ms", .log_x = true,
+		.log_y = true, .series = &(struct bench_series){ "time of a plan", x, y, count, false }, .series_count = 1 }, error);
+}
+
+struct planned { double ms[3], worst_candidates; };      /* medians of up to three views */
+
+/* Plans of 1,000,000 vertices. */
+static enum eco_code time_scene(struct bench *bench, const char *scene, struct bench_table *table, struct planned *planned, struct eco_error *error)
+{
+	struct eco_request requests[3];
+	struct eco_pack *pack = NULL;
+	char path[512], name[96];
+	enum eco_code code = bench_scene(bench, scene, NULL, path, error);
+	uint32_t views = code ? 0 : bench_scene_views(bench, scene, requests, 3);
+	*planned = (struct planned){ { NAN, NAN, NAN }, 0 };
+	if (!code)
+		code = eco_pack_open(&pack, path, error);
+	for (uint32_t v = 0; v < views && !code; v++) {
+		struct bench_plan_time time;
+		snprintf(name, sizeof name, "planner-time-%s-%u", scene, v);
+		requests[v].vertices = 1000000;
+		json_t *unit = bench_recall(bench, name, path);
+		if (!unit) {
+			code = bench_plan_time(&time, &pack->scene, &requests[v], 500, error);
+			unit = code ? NULL : bench_keep(bench, name, path, json_of(&time));
+		}
+		if (!code) {
+			double candidates = bench_shot_number(unit, "candidates"), cuts = bench_shot_number(unit, "cuts");
+			planned->ms[v] = bench_shot_number(unit, "ms");
+			planned->worst_candidates = fmax(planned->worst_candidates, candidates / cuts);
+			bench_table_row(table, "%s,%u,%.3f,%.0f,%.0f,%.2f,%.0f,%.0f", scene, v, planned->ms[v], candidates, cuts, candidates / cuts,
+				bench_shot_number(unit, "places"), bench_shot_number(unit, "vertices"));
+		}
+	}
+	eco_pack_close(pack);
+	return code;
+}
+
+static double median(const double ms[3])
+{
+	if (isnan(ms[1]) || isnan(ms[2]))
+		return isnan(ms[1]) ? ms[0] : (ms[0] + ms[1]) / 2;
+	return fmax(fmin(ms[0], ms[1]), fmin(fmax(ms[0], ms[1]), ms[2]));
+}
+
+static enum eco_code times(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "planner_times", "scene,view,ms,candidates,cuts,candidates over cuts,plants looked at,vertices", true);
+	enum eco_code code = ECO_OK;
+	double worst = NAN, trees = NAN;
+	for (size_t i = 0; i < LARGE && !code; i++) {
+		struct planned planned;
+		bench_progress(bench, 0.7 + 0.03 * (double)i, large[i]);
+		code = time_scene(bench, large[i], table, &planned, error);
+		if (code == ECO_NOT_FOUND) {
+			code = passed_over(bench, large[i], error);
+			continue;
+		}
+		worst = fmax(worst, planned.worst_candidates);
+		if (strcmp(large[i], "trees5000") == 0)
+			trees = median(planned.ms);
+	}
+	bench_table_close(table);
+	if (code)
+		return code;
+	double copy = bench_copy_ms();
+	bench_say(bench, "A plan of 1,000,000 vertices of the 5,000 trees takes %.2f ms (median, one core) on a machine that copies 1 GB in %.0f ms; "
+		"10 ms are allowed where that takes 200 ms.", trees, copy);
+	bench_key(bench, "planning_ms", trees, "<= 10 where copying 1 GB takes 200 ms");
+	bench_key(bench, "copy_1gb_ms", copy, "of this machine");
+	bench_key(bench, "planning_candidates_per_cut", worst, "<= 4");
+	return ECO_OK;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	enum eco_code code = versus_deussen(bench, error);
+	if (!code)
+		code = prediction(bench, error);
+	if (!code)
+		code = times(bench, error);
+	if (!code)
+		code = growth(bench, error);
+	return code;
+}
+
+const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's rule, against itself", run };
