@@ -81,7 +81,8 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	const struct eco_scene *scene = &input->scene->pack->scene;
 	struct eco_request request = *input->request;
 	struct lod_planner_input planner = { .scene = scene, .request = &request, .holdings = input->holdings,
-		.tiles_max = input->tiles_max, .placements_max = input->placements_max };
+		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
+		.ignore_occlusion = input->ignore_occlusion };
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");

@@ -23,6 +23,7 @@
 
 #include "ecofiles/bytes.h"
 #include "ecofiles/plan.h"
+#include "lod/planner.h"
 #include "server/store.h"
 
 #define SRV_STEPS_MAX 4u
@@ -33,6 +34,8 @@ struct srv_stream_input {
 	const struct eco_holdings *holdings;         /* has passed srv_holdings_check; may be NULL */
 	uint64_t body_max;                           /* bytes; beyond it ECO_TOO_LARGE; 0: 2 GiB */
 	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
+	enum lod_planner_rule rule;                  /* 0: the optimiser; to compare with */
+	bool ignore_occlusion;                       /* as struct lod_planner_input */
 	const atomic_bool *cancelled;                /* looked at between plans: ECO_INTERRUPTED; may be NULL */
 };
 

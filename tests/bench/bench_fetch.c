@@ -1,0 +1,57 @@
+#include "tests/bench/bench_fetch.h"
+
+#include <stdlib.h>
+
+static enum eco_code feed(struct view_store *store, const struct srv_body *body, struct eco_error *error)
+{
+	struct eco_wire_parser *parser;
+	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
+	if (code)
+		return code;
+	view_store_begin(store);
+	for (uint32_t i = 0; i < body->piece_count && !code; i++)
+		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	eco_wire_parser_free(parser);
+	return code;
+}
+
+static uint64_t plan_bytes(const struct eco_plan *plan)
+{
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, plan);
+	uint64_t size = w.size;
+	eco_writer_free(&w);
+	return size;
+}
+
+enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene, const struct eco_request *request, struct view_store *store,
+	struct eco_error *error)
+{
+	struct bench_fetch unasked = { 0 };
+	struct eco_holdings holdings = { 0 };
+	struct srv_stream stream = { 0 };
+	struct srv_body body = { 0 };
+	if (!fetch)
+		fetch = &unasked;
+	enum eco_code code = view_store_holdings(store, &holdings, error);
+	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings, .rule = fetch->rule,
+		.ignore_occlusion = fetch->ignore_occlusion };
+	double begun = view_clock_ms();
+	if (!code)
+		code = srv_stream_plan(&stream, &input, error);
+	if (!code)
+		code = srv_stream_write(&stream, &body, error);
+	double planned = view_clock_ms();
+	if (!code)
+		code = feed(store, &body, error);
+	fetch->plan_ms = planned - begun;
+	fetch->decode_ms = view_clock_ms() - planned;
+	fetch->bytes = body.size_bytes;
+	fetch->plan_bytes = !code && view_store_plan(store) ? plan_bytes(view_store_plan(store)) : 0;
+	srv_body_free(&body);
+	srv_stream_free(&stream);
+	free(holdings.items);
+	return code;
+}

@@ -1,0 +1,169 @@
+/* One picture, each step timed, and scored. What is compared is drawn twice by the same rasteriser: the picture within its budget and full
+ * detail, so that no difference between renderers counts as error. The time of drawing is OpenGL's where there is one, upload included, as
+ * a viewer has it that comes for the first time; else the rasteriser's. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_picture.h"
+#include "client-min/view_reference.h"
+#include "client-min/view_report.h"
+#include "tests/bench/bench.h"
+#include "tests/bench/bench_fetch.h"
+
+struct bench_client {
+	struct srv_store scenes;
+	struct view_store *full;             /* holds full detail of all views so far */
+	struct view_picture reference;
+	struct eco_view of;                  /* that the reference is drawn of */
+	bool has_reference;
+	double reference_ms;
+};
+
+enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
+{
+	struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
+	struct bench_client *c = *client = calloc(1, sizeof *c);
+	if (!c)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
+	srv_store_init(&c->scenes);
+	enum eco_code code = srv_store_add(&c->scenes, "bench", pack, error);
+	if (!code)
+		code = view_store_new(&c->full, &options, error);
+	if (code) {
+		bench_client_close(c);
+		*client = NULL;
+	}
+	return code;
+}
+
+void bench_client_close(struct bench_client *client)
+{
+	if (!client)
+		return;
+	view_picture_free(&client->reference);
+	view_store_free(client->full);
+	srv_store_free(&client->scenes);
+	free(client);
+}
+
+/* ---- Drawing ---- */
+
+static double near_of(const struct view_store *store) { return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1; }
+
+static enum eco_code draw_software(const struct view_store *store, const struct view_selection *selection, const struct lod_eye *eye,
+	struct view_picture *picture, struct eco_error *error)
+{
+	return view_reference_draw(&(struct view_reference_job){ .store = store, .selection = selection, .eye = eye, .near_m = near_of(store) }, picture,
+		error);
+}
+
+/* What the store's plan shows of a view. `gl_ms` may be NULL: not asked for; NaN where there is no OpenGL. */
+static enum eco_code draw(const struct view_store *store, const struct eco_view *view, struct view_picture *picture, double *gl_ms,
+	struct eco_error *error)
+{
+	struct view_selection selection = { 0 };
+	struct view_picture fast = { 0 };
+	struct view_gl *gl = NULL;
+	struct lod_eye eye;
+	struct eco_error why = { 0 };
+	lod_eye_make(&eye, view);
+	enum eco_code code = view_select_make(&selection, store, &eye, error);
+	if (!code)
+		code = view_picture_init(picture, view->width, view->height, error);
+	if (!code)
+		code = draw_software(store, &selection, &eye, picture, error);
+	if (!code && gl_ms) {
+		*gl_ms = NAN;
+		if (!view_gl_open(&gl, &(struct view_gl_options){ view->width, view->height }, &why) &&
+			!view_picture_init(&fast, view->width, view->height, &why) &&
+			!view_gl_draw(gl, &(struct view_gl_job){ store, &selection, &eye, near_of(store), VIEW_TINT_NONE }, &fast, &why))
+			*gl_ms = fast.draw_ms;
+		view_gl_close(gl);
+		view_picture_free(&fast);
+	}
+	view_select_free(&selection);
+	return code;
+}
+
+/* ---- Full detail ---- */
+
+enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request, double *draw_ms, struct eco_error *error)
+{
+	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
+		.ground_px = ECO_GROUND_PX_MIN };
+	enum eco_code code = ECO_OK;
+	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
+		client->has_reference = false;
+		view_picture_free(&client->reference);
+		code = bench_fetch(NULL, &client->scenes.scenes[0], &full, client->full, error);
+		if (!code)
+			code = draw(client->full, &request->view, &client->reference, NULL, error);
+		client->of = request->view;
+		client->has_reference = !code;
+		client->reference_ms = client->reference.draw_ms;
+	}
+	if (draw_ms)
+		*draw_ms = code ? NAN : client->reference_ms;
+	return code;
+}
+
+/* ---- Frames ---- */
+
+/* Root mean square over all channels of the pixels that one of both covers. */
+static double colour_rms(const struct view_picture *a, const struct view_picture *b)
+{
+	double sum = 0;
+	uint64_t count = 0;
+	for (size_t i = 0; i < (size_t)a->width * a->height; i++) {
+		if (!a->cover[i] && !b->cover[i])
+			continue;
+		for (int k = 0; k < 3; k++) {
+			double d = (a->rgb[3 * i + k] - b->rgb[3 * i + k]) / 255.0;
+			sum += d * d;
+		}
+		count += 3;
+	}
+	return count ? sqrt(sum / (double)count) : 0;
+}
+
+static void score(struct bench_frame *frame, const struct view_picture *picture, const struct view_picture *reference)
+{
+	lod_score(&frame->score, &(struct lod_score_input){ .width = picture->width, .height = picture->height, .cover = picture->cover,
+		.reference = reference->cover, .owner = picture->owner, .reference_owner = reference->owner });
+	frame->colour_rms = colour_rms(picture, reference);
+}
+
+enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture, struct eco_error *error)
+{
+	struct view_store_options options = { .images = true };
+	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
+	struct view_store *store = NULL;
+	struct view_picture drawn = { 0 };
+	double gl_ms = NAN;
+	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
+	if (!code)
+		code = view_store_new(&store, &options, error);
+	if (!code)
+		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, store, error);
+	if (!code)
+		code = draw(store, &frame->request.view, &drawn, &gl_ms, error);
+	if (!code) {
+		const struct eco_plan *plan = view_store_plan(store);
+		score(frame, &drawn, &client->reference);
+		frame->predicted_q = plan ? view_predicted_q(&plan->prediction) : NAN;
+		frame->vertices = drawn.vertices;
+		frame->bytes = fetch.bytes;
+		frame->plan_bytes = fetch.plan_bytes;
+		frame->plan_ms = fetch.plan_ms;
+		frame->decode_ms = fetch.decode_ms;
+		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
+	}
+	view_store_free(store);
+	if (picture && !code)
+		*picture = drawn;
+	else
+		view_picture_free(&drawn);
+	return code;
+}
