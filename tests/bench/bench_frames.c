@@ -196,10 +196,11 @@ static enum eco_code draw_pictures(struct bench *bench, const char *scene, const
 	struct view_picture full = { 0 }, ours = { 0 };
 	struct eco_request asked = *request;
 	enum eco_code code = bench_still_open(&still, pack, request->view.width, request->view.height, true, error);
-	for (uint32_t i = 0; i <= count && !code; i++) {         /* full detail last: until then less has to be decoded */
+	for (uint32_t i = 0; i <= count && !code; i++) {         /* full detail first: the others are compared with it */
 		uint32_t at = (i + count) % (count + 1);
 		char file[128];
 		asked.vertices = at == count ? ECO_VERTICES_MAX : budgets[at];
+		asked.ground_px = at == count ? ECO_GROUND_PX_MIN : 0;
 		snprintf(file, sizeof file, "frames-%s-%s-%llu.png", scene, view, (unsigned long long)asked.vertices);
 		code = bench_still_draw(still, &asked, at == count ? &full : &ours, NULL, error);
 		if (!code && at < count)
@@ -261,6 +262,7 @@ static enum eco_code time_reference(struct bench *bench, const char *pack, json_
 	request.bytes = ECO_BYTES_UNBOUNDED;
 	for (int i = 0; i < 2 && !code; i++) {
 		request.vertices = i ? ECO_VERTICES_MAX : RATIO_VERTICES;
+		request.ground_px = i ? ECO_GROUND_PX_MIN : 0;
 		code = bench_still_draw(still, &request, &picture, NULL, error);
 		ms[i] = picture.draw_ms;
 		vertices[i] = (double)picture.vertices;

@@ -183,6 +183,7 @@ static enum eco_code run_camera(struct bench *bench, struct reel *reels, const s
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 		for (size_t b = BUDGETS + 1; b-- > 0 && !code;) {
 			request.vertices = b < BUDGETS ? budgets[b] : ECO_VERTICES_MAX;
+			request.ground_px = b < BUDGETS ? 0 : ECO_GROUND_PX_MIN;
 			code = next_frame(&reels[b], &request, error);
 			if (code || i == 0 || b == BUDGETS)
 				continue;

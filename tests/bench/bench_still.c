@@ -6,7 +6,7 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "lod/sort.h"
-#include "server/stream.h"
+#include "tests/bench/bench_fetch.h"
 
 struct bench_still {
 	struct srv_store scenes;
@@ -48,40 +48,6 @@ void bench_still_close(struct bench_still *still)
 const struct eco_scene *bench_still_scene(const struct bench_still *still) { return &still->scenes.scenes[0].pack->scene; }
 
 const char *bench_still_renderer(const struct bench_still *still) { return still->gl ? view_gl_renderer(still->gl) : "software"; }
-
-/* ---- The stream, from memory to memory ---- */
-
-static enum eco_code feed(struct view_store *store, const struct srv_body *body, struct eco_error *error)
-{
-	struct eco_wire_parser *parser;
-	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
-	view_store_begin(store);
-	for (uint32_t i = 0; i < body->piece_count && !code; i++)
-		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
-	if (!code)
-		code = eco_wire_finish(parser, error);
-	eco_wire_parser_free(parser);
-	return code;
-}
-
-static enum eco_code fetch(struct bench_still *still, const struct eco_request *request, struct eco_error *error)
-{
-	struct eco_holdings holdings = { 0 };
-	struct srv_stream stream = { 0 };
-	struct srv_body body = { 0 };
-	enum eco_code code = view_store_holdings(still->store, &holdings, error);
-	struct srv_stream_input input = { .scene = &still->scenes.scenes[0], .request = request, .holdings = &holdings };
-	if (!code)
-		code = srv_stream_plan(&stream, &input, error);
-	if (!code)
-		code = srv_stream_write(&stream, &body, error);
-	if (!code)
-		code = feed(still->store, &body, error);
-	srv_body_free(&body);
-	srv_stream_free(&stream);
-	free(holdings.items);
-	return code;
-}
 
 /* ---- Plants ---- */
 
@@ -142,7 +108,7 @@ enum eco_code bench_still_draw(struct bench_still *still, const struct eco_reque
 	struct view_selection selection = { 0 };
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request->view);
-	enum eco_code code = fetch(still, request, error);
+	enum eco_code code = bench_fetch(NULL, &still->scenes.scenes[0], request, still->store, error);
 	if (!code)
 		code = view_select_make(&selection, still->store, &eye, error);
 	if (code)

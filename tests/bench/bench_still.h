@@ -5,7 +5,7 @@
  *   bench_still_draw(still, &request, &picture, &plants, &error);       as often as wanted; chunks that came once are kept
  *   bench_still_close(still);
  *
- * Full detail is a request of ECO_VERTICES_MAX vertices. */
+ * Full detail is a request of ECO_VERTICES_MAX vertices and the finest ground, ECO_GROUND_PX_MIN. */
 #ifndef TESTS_BENCH_STILL_H
 #define TESTS_BENCH_STILL_H
 
