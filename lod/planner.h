@@ -1,6 +1,7 @@
 /* From a view and a budget to a plan.
  *
- *   lod_plan(&plan, &input, &error);      cull the tile tree, histogram plants by anchor and band, solve d', fill, emit cuts
+ *   lod_plan(&plan, &input, &error);      cull the tile tree, count plants by anchor and band, see how much of each shows, find the
+ *                                         price of a vertex at which the best amounts use the budget, emit cuts
  *
  * No clock, no I/O, no globals. */
 #ifndef LOD_PLANNER_H
@@ -17,6 +18,10 @@ enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
 struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t candidates;         /* steps whose gain was computed */
 	uint64_t places;             /* plants looked at one by one */
+	uint64_t cheapest;           /* optimiser: vertices of the cheapest step that is left and would gain; UINT64_MAX: every curve has ended */
+	uint32_t level;              /* optimiser: how far the scene was opened: further where all that was open had ended */
+	double wrong;                /* optimiser, at that level: the objective, of this plan exactly: seen wrong pixels, each plant for itself. plan->prediction is of
+	                              * the whole picture, where plants stand before plants */
 };
 
 struct lod_planner_input {

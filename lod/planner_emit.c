@@ -178,7 +178,10 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 		if (p->gates[i])
 			plan->gates[plan->gate_count++] = (struct eco_gate){ i, p->gates[i] };
 	merge_bands(plan);
-	predict(p, plan);
+	if (p->input->rule == LOD_RULE_DEUSSEN)
+		predict(p, plan);
+	else
+		plan->prediction = p->prediction;
 	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = sample_distance;

@@ -1,5 +1,6 @@
-/* Inside the planner: what its three files share. planner.c finds the amounts, planner_fill.c spends what is left of the budget,
- * planner_emit.c writes the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
+/* Inside the planner: what its files share. By the rule that was asked for, planner_deussen.c with planner_fill.c, or planner_optimal.c with
+ * market.c (what things gain and cost) and planner_spend.c (down to the last vertex) find the amounts; planner_emit.c writes
+ * the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
 #ifndef LOD_PLANNING_H
 #define LOD_PLANNING_H
 
@@ -28,7 +29,23 @@ struct lod_planning {
 	uint32_t entry_count, entry_capacity;
 	uint64_t vertices;
 	bool ended;                  /* every curve has ended: nothing could be added */
+	uint64_t cheapest;           /* vertices of the cheapest step that would still gain; UINT64_MAX: none would */
+	uint32_t level;
+	double wrong;                /* what the optimiser's entries leave of its objective */
+	uint64_t candidates;         /* steps whose gain was computed */
+	struct eco_prediction prediction;        /* of the optimiser; the other rule's is made from its entries */
+	struct lod_screen screen;    /* the optimiser's */
+	struct lod_body *bodies;     /* per plant */
 };
+
+/* Opens tiles, and plants' cells, as sample distances d' need them, and counts plants: sets gates and slots. */
+enum eco_code lod_planning_open(struct lod_planning *p, double tiles_distance, double cells_distance, struct eco_error *error);
+
+enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *entry, struct eco_error *error);
+
+/* The two rules: entries and vertices within the budget. */
+enum eco_code lod_planning_deussen(struct lod_planning *p, double *sample_distance, struct eco_error *error);
+enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error);
 
 /* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
 enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error);

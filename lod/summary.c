@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/mix.h"
+#include "lod/share.h"
 #include "lod/view.h"
 
 #define GOLDEN 0.61803398874989484820    /* turns of it fill [0,1) evenly, however many are taken */
@@ -436,4 +437,32 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 		elements->extra[3 * k + 2] = p->key;
 	}
 	return ECO_OK;
+}
+
+/* ---- What it is worth ---- */
+
+/* Of an area that n splats hit by chance with `each` of theirs, the part that none hits: (1 - each / area)^n. */
+static double missed(double each, double area, double n)
+{
+	return each >= area ? 0 : lod_exp_minus(-n * lod_log(1 - each / area));
+}
+
+/* Share of a square of side a that lies in a square of side l, its centre anywhere in it. */
+static double inside_box(double a, double l)
+{
+	double part = a < 2 * l ? 1 - a / (4 * l) : l / a;
+	return part * part;
+}
+
+/* A splat's centre is on a plant. Of its area, some lies beyond the box, where nothing is; and of the rest what lies beyond the plant's edge is
+ * in a gap, unless another plant is there: of a square of side a around a point of a disc of diameter l, about a / (a + l). */
+struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
+{
+	double covered = view->covered > 1e-9 ? view->covered : 1e-9, box = view->box > covered ? view->box : covered, gap = box - covered;
+	double splat = view->area / n, side = sqrt(splat), across = sqrt(view->plant), width = sqrt(box);
+	double in = splat * inside_box(side, width), ring = (width + side) * (width + side) - box;
+	double aside = in * side / (side + across + 1e-9) * gap / box;
+	double fp = gap * (1 - missed(aside, gap, n)) + ring * (1 - missed(splat - in, ring, n));
+	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered),
+		.fn = (float)missed(in - aside, covered, n) };
 }

@@ -46,6 +46,17 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
 	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements, struct eco_error *error);
 
+/* What a summary looks like from a place. All in pixels. */
+struct lod_summary_view {
+	double area;                 /* projected: half of the tile's leaf area. n of N points are splats of area / n each */
+	double covered;              /* by the tile's plants at full detail */
+	double box;                  /* of the tile's box; at least `covered` */
+	double plant;                /* covered by one plant of it: what is not far from a point of a plant is mostly the plant */
+	double points;               /* N */
+};
+/* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */
+struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);
+
 /* Largest power of two that is not above v > 0. Exact. */
 double lod_power_below(double v);
 

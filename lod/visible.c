@@ -75,6 +75,15 @@ static double box_distance(const struct lod_eye *eye, const struct box *box)
 	return sqrt(square);
 }
 
+void lod_visible_box(const struct lod_visible *visible, const struct lod_node *node, double center[3], double *across, double *up)
+{
+	struct box box;
+	tile_box(visible, node->tile, node->placement, &box);
+	memcpy(center, box.center, sizeof box.center);
+	*across = (box.half[0] + box.half[1]) / 2;
+	*up = box.half[2];
+}
+
 /* ---- Nodes and placements ---- */
 
 static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32_t placement, struct eco_error *error)
@@ -156,6 +165,11 @@ static uint32_t *slot_entry(struct lod_visible *visible, uint32_t anchor, uint8_
 	}
 }
 
+uint32_t lod_visible_slot(struct lod_visible *visible, uint32_t anchor, uint8_t band)
+{
+	return *slot_entry(visible, anchor, band) - 1;
+}
+
 static enum eco_code grow_slot_table(struct lod_visible *visible, struct eco_error *error)
 {
 	uint32_t size = visible->slot_table_size * 2;
@@ -192,7 +206,7 @@ static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, stru
 }
 
 static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, uint32_t plant,
-	struct lod_anchor_band at, uint8_t whole_band, struct eco_error *error)
+	struct lod_anchor_band at, uint8_t whole_band, uint32_t *in_slot, struct eco_error *error)
 {
 	uint32_t slot;
 	enum eco_code code = find_slot(visible, plant, at, &slot, error);
@@ -200,6 +214,7 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 		return code;
 	/* neighbours mostly fall in the same slot; a tally more now and then costs less than searching for its twin */
 	struct lod_slot *s = &visible->slots[slot];
+	*in_slot = slot;
 	uint32_t index = (uint32_t)(node - visible->nodes);
 	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot == slot
 			&& node->tallies[s->last_tally].whole_band == whole_band) {
@@ -214,6 +229,25 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 	return ECO_OK;
 }
 
+static bool add_sight(struct lod_visible *visible, const struct lod_node *node, const struct lod_place *place, uint32_t plant, uint32_t slot,
+	uint32_t hash)
+{
+	const struct eco_plant *p = &visible->scene->plants[plant];
+	struct lod_body body = visible->bodies[plant];
+	double center[3];
+	lod_place_point(place, visible->scene->anchors[p->anchor_first].center, center);
+	body.across *= place->scale;
+	body.up *= place->scale;
+	body.area *= place->scale * place->scale;
+	struct lod_sight *sight = lod_screen_add(visible->screen, center, &body);
+	if (!sight)
+		return false;
+	sight->node = (uint32_t)(node - visible->nodes);
+	sight->slot = slot;
+	sight->hash = (uint16_t)hash;
+	return true;
+}
+
 #define NOTHING_DONE 0xFF        /* gate_done before the plants themselves have been counted */
 
 static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *node, uint32_t group, uint8_t gate,
@@ -224,27 +258,57 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 	const struct eco_list *list = &scene->lists[g->list];
 	const struct eco_plant *plant = &scene->plants[g->plant];
 	bool first_time = *done == NOTHING_DONE;
+	visible->places += list->primitive_count;
 	uint8_t from = first_time ? 0 : *done;
 	for (uint32_t i = 0; i < list->primitive_count; i++) {
 		struct eco_place stored = eco_place_read(scene, g->place_first + i);
 		struct lod_place place;
+		uint32_t hash = lod_share_hash(visible->placements[node->placement].path, g->list, i);
 		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
 		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
-			plant->anchor_count, gate, lod_share_hash(visible->placements[node->placement].path, g->list, i), visible->scratch);
+			plant->anchor_count, gate, hash, visible->scratch);
 		if (n == 0)
 			continue;
 		uint8_t whole = visible->scratch[0].band;
+		uint32_t slot;
 		node->plants += first_time;
 		for (uint32_t a = first_time ? 0 : 1; a < n; a++) {
 			if (a > 0 && whole < from)
 				break;
-			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, error);
+			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, &slot, error);
 			if (code)
 				return code;
+			if (a == 0 && visible->screen && !add_sight(visible, node, &place, g->plant, slot, hash))
+				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for another plant in view");
 		}
 	}
 	*done = gate;
 	return ECO_OK;
+}
+
+static void add_counts(struct lod_visible *visible, const struct lod_node *node, const uint8_t *gates)
+{
+	for (uint32_t i = 0; i < node->tally_count; i++) {
+		struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
+		if (!slot->cell || node->tallies[i].whole_band < gates[slot->plant])
+			slot->count += node->tallies[i].count;
+	}
+	visible->plants += node->plants;
+}
+
+static void forget_counts(struct lod_visible *visible)
+{
+	visible->plants = 0;
+	for (uint32_t i = 0; i < visible->slot_count; i++)
+		visible->slots[i].count = 0;
+}
+
+void lod_visible_recount(struct lod_visible *visible, const uint8_t *gates)
+{
+	forget_counts(visible);
+	for (uint32_t i = 0; i < visible->node_count; i++)
+		if (visible->nodes[i].state == LOD_OPEN)
+			add_counts(visible, &visible->nodes[i], gates);
 }
 
 static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint8_t *gates,
@@ -266,12 +330,7 @@ static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *
 		if (code)
 			return code;
 	}
-	for (uint32_t i = 0; i < node->tally_count; i++) {
-		struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
-		if (!slot->cell || node->tallies[i].whole_band < gates[slot->plant])
-			slot->count += node->tallies[i].count;
-	}
-	visible->plants += node->plants;
+	add_counts(visible, node, gates);
 	return ECO_OK;
 }
 
@@ -294,9 +353,7 @@ static bool summary_suffices(const struct lod_visible *visible, const struct lod
 enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint8_t *gates,
 	struct eco_error *error)
 {
-	visible->plants = 0;
-	for (uint32_t i = 0; i < visible->slot_count; i++)
-		visible->slots[i].count = 0;
+	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++)
 		visible->nodes[i].state = LOD_CLOSED;
 	/* children always follow their parents in `nodes`, so one pass in order is the walk: no stack, no recursion */

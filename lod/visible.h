@@ -12,6 +12,7 @@
 #define LOD_VISIBLE_H
 
 #include "ecofiles/plan.h"
+#include "lod/share.h"
 #include "lod/view.h"
 
 struct lod_tally {               /* plants of one leaf tile in one slot */
@@ -51,6 +52,9 @@ struct lod_visible {
 	struct lod_anchor_band *scratch;
 	uint64_t nodes_max, placements_max;
 	uint64_t plants;                     /* visible, at the last count */
+	uint64_t places;                     /* plants looked at, ever */
+	struct lod_screen *screen;           /* may be NULL; every plant that is seen is added to it, once: with its node and slot */
+	const struct lod_body *bodies;       /* with screen: per plant, at scale 1 */
 };
 
 enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_scene *scene, const struct eco_view *view,
@@ -65,6 +69,15 @@ double lod_summary_points(const struct lod_node *node, double sample_distance);
  * exceed its bounds. */
 enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint8_t *gates,
 	struct eco_error *error);
+
+/* Counts again after the caller changed states of nodes or lowered gates. */
+void lod_visible_recount(struct lod_visible *visible, const uint8_t *gates);
+
+/* The slot of plants whose `anchor` lies in `band`, or ECO_NONE. */
+uint32_t lod_visible_slot(struct lod_visible *visible, uint32_t anchor, uint8_t band);
+
+/* A tile's box in the world: its middle, and half of it across (mean of both sides) and upwards. */
+void lod_visible_box(const struct lod_visible *visible, const struct lod_node *node, double center[3], double *across, double *up);
 
 /* Calls back for every visible plant of the open tiles, with its run's placement: for shares and for tests. */
 typedef void (*lod_visible_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant,

@@ -7,8 +7,8 @@
  *   twice        no chunk is sent to who holds it
  *   same         the same request has the same answer
  *   rises        more vertices never predict more wrong pixels
- *   unused       budget is left over only where nothing more can be gained: no plan of a greater budget is better and would have
- *                fitted, and what is left buys no step, however large steps may be in this scene
+ *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap, and no plan of a greater
+ *                budget would have fitted and is better
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
  *   requests [--json] [--seed S] [--only NUMBER] COUNT PACK...      COUNT requests, shared among the packs
@@ -19,7 +19,6 @@
 #include <xxhash.h>
 
 #include "client-min/view_select.h"
-#include "lod/ladder.h"
 #include "lod/planner.h"
 #include "tests/bench/random_request.h"
 
@@ -33,6 +32,9 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 #define DESCRIBED_MOST 8
 /* Sums of many doubles in another order. */
 #define ROUNDING 1e-9
+/* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of one hash cannot be told apart,
+ * and what is left is spent on what is next, however little of it fits. */
+#define WORSE_MOST 0.01
 
 struct run {
 	const struct srv_scene *scene;
@@ -40,7 +42,6 @@ struct run {
 	uint64_t seed, number;       /* of the request at hand */
 	struct eco_request request;
 	struct view_store *store;
-	uint64_t largest_step;       /* vertices that a single step of any plan may need */
 	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, described;
 	double unused_most;          /* share of a budget that was left over while something was to be gained */
 };
@@ -194,7 +195,7 @@ static void check_stream(struct run *run)
 
 /* ---- One view, many budgets ---- */
 
-struct rung { uint64_t budget, vertices; double wrong; };
+struct rung { uint64_t budget, vertices; double wrong; struct lod_planner_stats stats; };
 
 static int by_budget(const void *a, const void *b)
 {
@@ -209,7 +210,7 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	struct eco_error error = { 0 };
 	request.vertices = rung->budget;
 	request.bytes = ECO_BYTES_UNBOUNDED;
-	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .request = &request }, &error)) {
+	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .request = &request, .stats = &rung->stats }, &error)) {
 		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
 		return false;
 	}
@@ -240,22 +241,20 @@ static void choose_budgets(const struct run *run, struct rung rungs[CHAIN])
 
 static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
 {
-	const struct rung *rung = &rungs[i], *all = &rungs[CHAIN - 1];
-	double allowance = ROUNDING * (1 + rungs[0].wrong);
+	const struct rung *rung = &rungs[i];
 	uint64_t left = rung->budget - rung->vertices;
-	if (rung->vertices >= rung->budget || rung->wrong <= all->wrong + allowance)
-		return;
-	if (rung->budget > 0)
+	if (left >= rung->stats.cheapest)
+		violated(run, UNUSED, "%llu of %llu vertices left over, the cheapest step takes %llu", (unsigned long long)left,
+			(unsigned long long)rung->budget, (unsigned long long)rung->stats.cheapest);
+	if (left > 0 && rung->stats.cheapest != UINT64_MAX)
 		run->unused_most = fmax(run->unused_most, (double)left / (double)rung->budget);
-	for (uint32_t k = i + 1; k < CHAIN; k++)
-		if (rungs[k].vertices <= rung->budget && rungs[k].wrong < rung->wrong - allowance) {
-			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu vertices", rung->wrong,
-				(unsigned long long)rung->budget, rungs[k].wrong, (unsigned long long)rungs[k].budget, (unsigned long long)rungs[k].vertices);
+	for (uint32_t k = i + 1; rung->stats.level == rungs[0].stats.level && k < CHAIN; k++)
+		if (rungs[k].stats.level == rungs[0].stats.level && rungs[k].vertices <= rung->budget && rungs[k].stats.wrong < rung->stats.wrong - WORSE_MOST * rungs[0].stats.wrong) {
+			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu vertices", rung->stats.wrong,
+				(unsigned long long)rung->budget, rungs[k].stats.wrong, (unsigned long long)rungs[k].budget,
+				(unsigned long long)rungs[k].vertices);
 			return;
 		}
-	if (left > run->largest_step)
-		violated(run, UNUSED, "%llu of %llu vertices left over, no step takes more than %llu; %g wrong pixels could be %g",
-			(unsigned long long)left, (unsigned long long)rung->budget, (unsigned long long)run->largest_step, rung->wrong, all->wrong);
 }
 
 static void check_chain(struct run *run)
@@ -272,32 +271,6 @@ static void check_chain(struct run *run)
 				rungs[i].wrong, (unsigned long long)rungs[i].budget);
 		check_unused(run, rungs, i);
 	}
-}
-
-/* One plant of one kind all at once, or a tile opened: each of its plants gets the least that it can be drawn with. */
-static uint64_t largest_step(const struct eco_scene *scene)
-{
-	uint64_t most = 0;
-	for (uint32_t i = 0; i < scene->ladder_count; i++) {
-		uint64_t full = lod_ladder_full(scene, &scene->ladders[i]);
-		most = full > most ? full : most;
-	}
-	for (uint32_t i = 0; i < scene->tile_count; i++) {
-		uint64_t opened = 0;
-		for (uint32_t g = 0; g < scene->tiles[i].group_count; g++) {
-			const struct eco_group *group = &scene->groups[scene->tiles[i].group_first + g];
-			const struct eco_plant *plant = &scene->plants[group->plant];
-			uint64_t least = 0;
-			for (uint32_t k = 0; k < plant->ladder_count; k++) {
-				const struct eco_ladder *ladder = &scene->ladders[plant->ladder_first + k];
-				if (ladder->anchor == plant->anchor_first)
-					least += lod_ladder_next(scene, ladder, 0);
-			}
-			opened += least * scene->lists[group->list].primitive_count;
-		}
-		most = opened > most ? opened : most;
-	}
-	return most;
 }
 
 /* ---- All ---- */
@@ -348,7 +321,6 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, uint6
 	if (srv_store_add(&scenes, "scene", path, &error))
 		random_stop(path, &error);
 	run.scene = &scenes.scenes[0];
-	run.largest_step = largest_step(&run.scene->pack->scene);
 	for (uint64_t i = 0; i < count; i++) {
 		if (i % CLIENT_EVERY == 0)
 			new_client(&run);

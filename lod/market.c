@@ -1,0 +1,590 @@
+/* What things gain and cost: see lod/market.h. */
+#include "lod/market.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/ladder.h"
+
+#define PI 3.14159265358979323846
+#define BLOCK 4096u              /* amounts taken from memory at once */
+#define HIDDEN_WOOD 0.1          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
+
+/* ---- Room ---- */
+
+static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
+{
+	if (m->block_count == 0 || m->block_used + count > BLOCK) {
+		if (m->block_count == m->block_capacity) {
+			uint32_t wanted = m->block_capacity ? 2 * m->block_capacity : 16;
+			struct lod_amount **bigger = realloc(m->blocks, wanted * sizeof *bigger);
+			if (!bigger)
+				return NULL;
+			m->blocks = bigger;
+			m->block_capacity = wanted;
+		}
+		if (!(m->blocks[m->block_count] = malloc(BLOCK * sizeof **m->blocks)))
+			return NULL;
+		m->block_count++;
+		m->block_used = 0;
+	}
+	return m->blocks[m->block_count - 1] + m->block_used;
+}
+
+static const struct lod_steps *steps_of(struct lod_market *m, uint32_t ladder, bool beside_cells)
+{
+	struct lod_steps *steps = &m->ladder_steps[2 * (size_t)ladder + beside_cells];
+	const struct eco_scene *scene = m->p->scene;
+	const struct eco_ladder *l = &scene->ladders[ladder];
+	if (steps->count)
+		return steps;
+	struct lod_amount *amounts = take_amounts(m, LOD_STEPS_MAX);
+	if (!amounts)
+		return NULL;
+	bool coarse = scene->plants[l->plant].anchor_count > 1 && l->anchor == scene->plants[l->plant].anchor_first;
+	uint64_t full = lod_ladder_full(scene, l), end = coarse ? lod_ladder_stage_end(scene, l) : full;
+	lod_steps_make(steps, amounts, scene, l, beside_cells ? end : 0, beside_cells ? full : end, &m->p->candidates);
+	m->block_used += steps->count;
+	return steps;
+}
+
+static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
+{
+	if (!offer->steps)
+		return false;
+	if (m->offer_count == m->offer_capacity) {
+		uint32_t wanted = m->offer_capacity ? 2 * m->offer_capacity : 1024;
+		struct lod_offer *bigger = realloc(m->offers, wanted * sizeof *bigger);
+		if (!bigger)
+			return false;
+		m->offers = bigger;
+		m->offer_capacity = wanted;
+	}
+	m->offers[m->offer_count++] = *offer;
+	return true;
+}
+
+/* ---- Worth ---- */
+
+/* Pixels that one plant's organ would cover at full detail if nothing were before it: random leaves on an ellipse. Wood shows where leaves
+ * let it. Only the ratios of a plant's organs and cells matter: how much of all of it is seen is known from the screen. */
+static double organ_pixels(const struct lod_market *m, const struct eco_ladder *ladder, uint8_t band)
+{
+	const struct lod_planning *p = m->p;
+	const struct eco_plant *plant = &p->scene->plants[ladder->plant];
+	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
+	struct lod_body body = { anchor->radius, anchor->radius, ladder->area };
+	if (ladder->anchor == plant->anchor_first) {
+		body = p->bodies[ladder->plant];
+		body.area = ladder->area;
+	}
+	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
+	double pixels = lod_body_opacity(&body) * PI * body.across * body.up * px * px;
+	if (ladder->organ != ECO_ORGAN_WOOD)
+		return pixels;
+	body = p->bodies[ladder->plant];
+	body.area = fmax(0, plant->area - 2 * (double)ladder->area);
+	return pixels * fmax(HIDDEN_WOOD, 1 - lod_body_opacity(&body));
+}
+
+static double importance_of(const struct eco_ladder *ladder)
+{
+	return ladder->importance > 0 ? ladder->importance : 1;
+}
+
+/* Of everything at the slot's anchor. Of a cell, what the plant's own list does not draw already. */
+static double anchor_pixels(const struct lod_market *m, const struct lod_slot *slot)
+{
+	double sum = 0;
+	for (uint32_t i = m->p->ladder_first[slot->anchor]; i < m->p->ladder_first[slot->anchor + 1]; i++) {
+		const struct eco_ladder *ladder = &m->p->scene->ladders[m->p->ladder_order[i]];
+		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
+		sum += rest * organ_pixels(m, ladder, slot->band);
+	}
+	return sum;
+}
+
+static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double worth)
+{
+	const struct eco_scene *scene = m->p->scene;
+	const struct lod_slot *slot = &m->p->visible.slots[s];
+	const struct eco_ladder *ladder = &scene->ladders[id];
+	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = steps_of(m, id, false) };
+	offer.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
+	if (!add_offer(m, &offer))
+		return false;
+	if (offer.when == LOD_ALWAYS || ladder->flags & ECO_LADDER_FAR)
+		return true;
+	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
+	offer.when = LOD_NEAR;
+	offer.steps = steps_of(m, id, true);
+	offer.worth = worth * lod_ladder_share(scene, ladder, lod_ladder_full(scene, ladder));
+	return add_offer(m, &offer);
+}
+
+static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error *error)
+{
+	const struct eco_scene *scene = m->p->scene;
+	const struct lod_slot *slot = &m->p->visible.slots[s];
+	struct lod_lot *lot = &m->lots[s];
+	double all = anchor_pixels(m, slot);
+	bool good = true;
+	lot->offer_first = m->offer_count;
+	for (uint32_t i = m->p->ladder_first[slot->anchor]; good && i < m->p->ladder_first[slot->anchor + 1]; i++) {
+		uint32_t id = m->p->ladder_order[i];
+		const struct eco_ladder *ladder = &scene->ladders[id];
+		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
+		double part = all > 0 ? rest * organ_pixels(m, ladder, slot->band) / all : 0;
+		good = add_offers(m, s, id, part * lot->seen * importance_of(ladder));
+	}
+	lot->offer_count = m->offer_count - lot->offer_first;
+	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
+		const struct lod_amount *none = &m->offers[i].steps->amounts[0];
+		double wrong = m->offers[i].worth * (none->fp + none->fn);
+		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
+		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
+		lot->own += m->offers[i].when == LOD_NEAR ? m->offers[i].worth / importance_of(&scene->ladders[m->offers[i].ladder]) : 0;
+	}
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->offer_count);
+}
+
+/* ---- What is seen ---- */
+
+static double seen_pixels(const struct lod_sight *sight)
+{
+	return (double)sight->share * sight->pixels;
+}
+
+static void see_plants(struct lod_market *m)
+{
+	struct lod_planning *p = m->p;
+	double *counts = m->scratch;
+	memset(counts, 0, p->visible.slot_count * sizeof *counts);
+	for (uint32_t i = 0; i < p->screen.count; i++) {
+		const struct lod_sight *sight = &p->screen.sights[i];
+		if (sight->slot == ECO_NONE || !m->stalls[sight->node].open)
+			continue;
+		m->lots[sight->slot].seen += seen_pixels(sight);
+		counts[sight->slot] += 1;
+	}
+	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
+		const struct lod_slot *slot = &p->visible.slots[s];
+		if (slot->cell)
+			continue;
+		m->lots[s].seen = counts[s] > 0 ? m->lots[s].seen / counts[s] : 0;
+		m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
+	}
+}
+
+static uint32_t whole_slot(const struct lod_market *m, uint32_t plant, uint8_t band)
+{
+	return m->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
+}
+
+typedef void (*cell_fn)(struct lod_market *m, const struct lod_tally *tally, struct lod_lot *cell, struct lod_lot *whole);
+
+static void each_cell(struct lod_market *m, cell_fn fn)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	for (uint32_t n = 0; n < visible->node_count; n++) {
+		const struct lod_node *node = &visible->nodes[n];
+		for (uint32_t i = 0; m->stalls[n].open && i < node->tally_count; i++) {
+			const struct lod_tally *t = &node->tallies[i];
+			const struct lod_slot *slot = &visible->slots[t->slot];
+			if (slot->cell)
+				fn(m, t, &m->lots[t->slot], &m->lots[whole_slot(m, slot->plant, t->whole_band)]);
+		}
+	}
+}
+
+static void sum_parts(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
+{
+	(void)m;
+	whole->parts += t->count * cell->parts;
+}
+
+static void see_cell(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
+{
+	double rest = fmax(0, whole->seen - whole->own) * (double)m->counts[whole - m->lots];
+	cell->seen += whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
+	m->scratch[t->slot] += t->count;
+}
+
+/* What is seen of plants and not their own lists' is seen of their cells, in proportion to what these would cover. */
+static void see_cells(struct lod_market *m)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	memset(m->scratch, 0, visible->slot_count * sizeof *m->scratch);
+	for (uint32_t s = 0; s < visible->slot_count; s++)
+		if (visible->slots[s].cell)
+			m->lots[s].parts = anchor_pixels(m, &visible->slots[s]);
+	each_cell(m, sum_parts);
+	each_cell(m, see_cell);
+	for (uint32_t s = 0; s < visible->slot_count; s++)
+		if (visible->slots[s].cell && m->scratch[s] > 0)
+			m->lots[s].seen /= m->scratch[s];
+}
+
+/* ---- Tiles ---- */
+
+static void measure_stalls(struct lod_market *m)
+{
+	const struct lod_planning *p = m->p;
+	for (uint32_t i = 0; i < p->screen.count; i++) {
+		const struct lod_sight *sight = &p->screen.sights[i];
+		struct lod_stall *stall = &m->stalls[sight->node];
+		if (sight->slot != ECO_NONE && !m->stalls[sight->node].open)
+			continue;
+		stall->look.covered += sight->pixels;
+		stall->plants += 1;
+		if (sight->slot == ECO_NONE) {
+			stall->worth = seen_pixels(sight);
+			continue;
+		}
+		stall->factor += seen_pixels(sight);
+		stall->even += m->lots[sight->slot].seen;
+	}
+}
+
+static bool price_summary(struct lod_market *m, uint32_t n)
+{
+	struct lod_planning *p = m->p;
+	const struct lod_node *node = &p->visible.nodes[n];
+	struct lod_stall *stall = &m->stalls[n];
+	uint32_t list = p->scene->tiles[node->tile].summary;
+	double center[3], across, up, square = 0;
+	lod_visible_box(&p->visible, node, center, &across, &up);
+	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there */
+	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0
+		&& 2 * node->distance > fmax(across, up);
+	if (!stall->summary)
+		return true;
+	for (int i = 0; i < 3; i++)
+		square += (center[i] - p->visible.eye.at[i]) * (center[i] - p->visible.eye.at[i]);
+	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad), box = PI * across * fmax(up, across / 4) * px * px;
+	struct lod_summary_view *look = &stall->look;
+	look->area = 0.5 * node->area * px * px;
+	look->points = p->scene->lists[list].primitive_count;
+	look->plant = stall->plants > 0 ? look->covered / stall->plants : look->covered;
+	look->box = box;
+	look->covered = box * (1 - lod_exp_minus(look->covered / box));
+	struct lod_amount *amounts = take_amounts(m, 40);
+	if (!amounts)
+		return false;
+	stall->steps = (struct lod_steps){ amounts, 1 };
+	amounts[0] = (struct lod_amount){ .fn = 1 };
+	int halvings = 0;
+	while (halvings < 32 && (uint64_t)look->points >> (halvings + 1))
+		halvings++;
+	for (int k = halvings; k >= 0; k--) {
+		uint64_t points = (uint64_t)look->points >> k;
+		struct eco_curve curve = lod_summary_curve(look, (double)points);
+		amounts[stall->steps.count++] = (struct lod_amount){ .vertices = points, .fp = curve.fp, .fn = curve.fn };
+	}
+	p->candidates += stall->steps.count;
+	lod_steps_hull(&stall->steps);
+	m->block_used += stall->steps.count;
+	return true;
+}
+
+/* Children follow their parents: backwards, each is done before it is added up. */
+static enum eco_code make_stalls(struct lod_market *m, struct eco_error *error)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	measure_stalls(m);
+	for (uint32_t n = visible->node_count; n-- > 0;) {
+		const struct lod_node *node = &visible->nodes[n];
+		struct lod_stall *stall = &m->stalls[n];
+		if (node->state == LOD_CLOSED)
+			continue;
+		stall->factor = stall->even > 0 ? stall->factor / stall->even : 1;
+		for (uint32_t i = 0; stall->open && i < node->tally_count; i++) {
+			const struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
+			if (!slot->cell)
+				stall->worth += stall->factor * node->tallies[i].count * m->lots[node->tallies[i].slot].worth[0];
+		}
+		for (uint32_t c = 0; stall->open && c < node->child_count; c++) {
+			const struct lod_stall *child = &m->stalls[node->child_first + c];
+			stall->worth += child->worth;
+			stall->look.covered += child->plain;
+			stall->plants += child->plants;
+		}
+		stall->plain = stall->look.covered;
+		if (!price_summary(m, n))
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles", visible->node_count);
+	}
+	return ECO_OK;
+}
+
+/* ---- At a price ---- */
+
+static void buy(struct lod_cost *cost, const struct lod_steps *steps, double worth, double position)
+{
+	uint32_t whole = (uint32_t)position;
+	double part = position - whole;
+	const struct lod_amount *a = &steps->amounts[whole], *b = part > 0 ? a + 1 : a;
+	cost->fp += worth * (a->fp + part * (b->fp - a->fp));
+	cost->fn += worth * (a->fn + part * (b->fn - a->fn));
+	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
+}
+
+static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double times, double seen)
+{
+	sum->fp += seen * cost->fp;
+	sum->fn += seen * cost->fn;
+	sum->vertices += times * cost->vertices;
+}
+
+static double paid(const struct lod_cost *cost, double price)
+{
+	return cost->fp + cost->fn + price * cost->vertices;
+}
+
+static void price_lots(struct lod_market *m)
+{
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
+		struct lod_lot *lot = &m->lots[s];
+		lot->cost[0] = lot->cost[1] = lot->cells = (struct lod_cost){ 0 };
+		lot->cells_worth = 0;
+		for (uint32_t i = lot->offer_first; i < lot->offer_first + lot->offer_count; i++) {
+			struct lod_offer *offer = &m->offers[i];
+			offer->position = offer->worth > 0 ? lod_steps_position(offer->steps, m->price / offer->worth) : 0;
+			if (offer->when != LOD_NEAR)
+				buy(&lot->cost[0], offer->steps, offer->worth, offer->position);
+			if (offer->when != LOD_FAR)
+				buy(&lot->cost[1], offer->steps, offer->worth, offer->position);
+		}
+	}
+}
+
+static void sum_cells(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
+{
+	(void)m;
+	add_cost(&whole->cells, &cell->cost[1], t->count, t->count);
+	whole->cells_worth += t->count * cell->worth[1];
+}
+
+/* What the cells of each band of a plant come to, and up to which band they are worth it. */
+static void price_gates(struct lod_market *m)
+{
+	struct lod_planning *p = m->p;
+	each_cell(m, sum_cells);
+	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
+		double sum = 0, least = 0;
+		p->gates[plant] = 0;
+		for (uint32_t band = 0; band < m->gates_most[plant]; band++) {
+			uint32_t s = whole_slot(m, plant, (uint8_t)band);
+			if (s == ECO_NONE)
+				continue;
+			const struct lod_lot *lot = &m->lots[s];
+			double count = (double)m->counts[s];
+			sum += count * (paid(&lot->cost[1], m->price) - paid(&lot->cost[0], m->price)) + paid(&lot->cells, m->price);
+			if (sum < least || m->price <= 0) {
+				least = sum;
+				p->gates[plant] = (uint8_t)(band + 1);
+			}
+		}
+	}
+}
+
+static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
+{
+	const struct lod_node *node = &m->p->visible.nodes[n];
+	double factor = m->stalls[n].factor;
+	struct lod_cost sum = { 0 };
+	for (uint32_t i = 0; i < node->tally_count; i++) {
+		const struct lod_tally *t = &node->tallies[i];
+		const struct lod_slot *slot = &m->p->visible.slots[t->slot];
+		uint8_t band = slot->cell ? t->whole_band : slot->band;
+		bool near = band < m->p->gates[slot->plant];
+		if (!slot->cell || near)
+			add_cost(&sum, &m->lots[t->slot].cost[near], t->count, t->count * factor);
+	}
+	return sum;
+}
+
+static void price_stalls(struct lod_market *m)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	for (uint32_t n = visible->node_count; n-- > 0;) {
+		const struct lod_node *node = &visible->nodes[n];
+		struct lod_stall *stall = &m->stalls[n];
+		stall->cost = (struct lod_cost){ 0 };
+		stall->opened = false;
+		if (stall->summary) {
+			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth);
+			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
+		} else {
+			stall->cost.fn = stall->worth;
+		}
+		if (!stall->open)
+			continue;
+		struct lod_cost fine = plants_cost(m, n);
+		for (uint32_t c = 0; c < node->child_count; c++)
+			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1);
+		stall->opened = !stall->summary || m->price <= 0 || paid(&fine, m->price) < paid(&stall->cost, m->price);
+		if (stall->opened)
+			stall->cost = fine;
+	}
+}
+
+static void widen(const struct lod_steps *steps, double worth, double *high, double *low)
+{
+	for (uint32_t i = 1; i < steps->count && steps->amounts[i].price > 0; i++) {
+		double price = steps->amounts[i].price * worth;
+		*high = fmax(*high, price * LOD_STEPS_BLUR);
+		*low = fmin(*low, price / LOD_STEPS_BLUR);
+	}
+}
+
+void lod_market_prices(const struct lod_market *m, double *high, double *low)
+{
+	*high = 0;
+	*low = INFINITY;
+	for (uint32_t i = 0; i < m->offer_count; i++)
+		widen(m->offers[i].steps, m->offers[i].worth, high, low);
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
+		if (m->stalls[n].summary)
+			widen(&m->stalls[n].steps, m->stalls[n].worth, high, low);
+}
+
+void lod_market_price(struct lod_market *m, double price)
+{
+	m->price = price;
+	price_lots(m);
+	price_gates(m);
+	price_stalls(m);
+	m->cost = m->stalls[0].cost;
+}
+
+/* ---- The picture ---- */
+
+static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
+{
+	const struct lod_market *m = ctx;
+	uint32_t in = m->drawn_by[sight->node];
+	const struct lod_stall *stall = &m->stalls[in];
+	struct lod_cost cost = { .fn = 1 };
+	double worth = 1;
+	if (sight->slot != ECO_NONE && in == sight->node && stall->opened) {
+		const struct lod_slot *slot = &m->p->visible.slots[sight->slot];
+		const struct lod_lot *lot = &m->lots[sight->slot];
+		bool near = slot->band < m->p->gates[slot->plant];
+		double count = (double)m->counts[sight->slot];
+		cost = lot->cost[near];
+		worth = lot->worth[near];
+		if (near && count > 0) {
+			add_cost(&cost, &lot->cells, 0, 1 / count);
+			worth += lot->cells_worth / count;
+		}
+	} else if (stall->summary) {
+		cost = (struct lod_cost){ 0 };
+		buy(&cost, &stall->steps, 1, stall->position);
+	}
+	return worth > 0 ? lod_odds_of(sight->opacity, cost.fp / worth, cost.fn / worth) : lod_odds_of(sight->opacity, 0, 0);
+}
+
+/* Which tile's choice each tile is drawn by: its own where all above it are open. */
+static void find_drawn_by(struct lod_market *m)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	m->drawn_by[0] = 0;
+	for (uint32_t n = 0; n < visible->node_count; n++)
+		for (uint32_t c = 0; visible->nodes[n].expanded && c < visible->nodes[n].child_count; c++)
+			m->drawn_by[visible->nodes[n].child_first + c] = m->drawn_by[n] == n && m->stalls[n].opened
+				? visible->nodes[n].child_first + c : m->drawn_by[n];
+}
+
+enum eco_code lod_market_expect(struct lod_market *m, struct eco_prediction *prediction, struct eco_error *error)
+{
+	find_drawn_by(m);
+	return lod_screen_expect(&m->p->screen, odds_of, m, prediction, error);
+}
+
+void lod_market_settle(struct lod_market *m)
+{
+	struct lod_visible *visible = &m->p->visible;
+	find_drawn_by(m);
+	for (uint32_t n = 0; n < visible->node_count; n++) {
+		const struct lod_stall *stall = &m->stalls[n];
+		bool own = m->drawn_by[n] == n && (stall->open || stall->summary);
+		visible->nodes[n].state = !own ? LOD_CLOSED : stall->opened ? LOD_OPEN : stall->summary ? LOD_SUMMARY : LOD_CLOSED;
+	}
+	lod_visible_recount(visible, m->p->gates);
+}
+
+/* ---- Making ---- */
+
+/* Tiles that are not opened are seen as wholes. */
+static enum eco_code add_tiles(struct lod_planning *p, struct eco_error *error)
+{
+	for (uint32_t n = 0; n < p->visible.node_count; n++) {
+		const struct lod_node *node = &p->visible.nodes[n];
+		double center[3];
+		struct lod_body body = { .area = node->area };
+		if (node->state != LOD_SUMMARY)
+			continue;
+		lod_visible_box(&p->visible, node, center, &body.across, &body.up);
+		struct lod_sight *sight = lod_screen_add(&p->screen, center, &body);
+		if (sight) {
+			sight->node = n;
+			sight->slot = ECO_NONE;
+		} else
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles in view", p->visible.node_count);
+	}
+	return ECO_OK;
+}
+
+enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, struct eco_error *error)
+{
+	const struct eco_scene *scene = p->scene;
+	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
+	*m = (struct lod_market){ .p = p };
+	m->lots = calloc(slots + 1, sizeof *m->lots);
+	m->scratch = calloc(slots + 1, sizeof *m->scratch);
+	m->counts = calloc(slots + 1, sizeof *m->counts);
+	m->stalls = calloc(nodes + 1, sizeof *m->stalls);
+	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
+	m->ladder_steps = calloc(2 * (size_t)scene->ladder_count + 1, sizeof *m->ladder_steps);
+	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
+	m->gates_most = malloc(scene->plant_count + 1u);
+	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->ladder_steps || !m->slot_of || !m->gates_most)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
+	memcpy(m->gates_most, p->gates, scene->plant_count);
+	for (uint32_t s = 0; s < slots; s++)
+		m->counts[s] = p->visible.slots[s].count;
+	for (uint32_t n = 0; n < nodes; n++)
+		m->stalls[n].open = p->visible.nodes[n].state == LOD_OPEN;
+	enum eco_code code = add_tiles(p, error);
+	if (!code)
+		code = lod_screen_shares(&p->screen, !p->input->ignore_occlusion, error);
+	if (code)
+		return code;
+	see_plants(m);
+	for (uint32_t s = 0; !code && s < slots; s++)
+		if (!p->visible.slots[s].cell)
+			code = make_lot(m, s, error);
+	see_cells(m);
+	for (uint32_t s = 0; !code && s < slots; s++)
+		if (p->visible.slots[s].cell)
+			code = make_lot(m, s, error);
+	return code ? code : make_stalls(m, error);
+}
+
+void lod_market_free(struct lod_market *m)
+{
+	for (uint32_t i = 0; i < m->block_count; i++)
+		free(m->blocks[i]);
+	free(m->blocks);
+	free(m->lots);
+	free(m->scratch);
+	free(m->counts);
+	free(m->stalls);
+	free(m->drawn_by);
+	free(m->offers);
+	free(m->ladder_steps);
+	free(m->slot_of);
+	free(m->gates_most);
+	*m = (struct lod_market){ 0 };
+}

@@ -1,0 +1,82 @@
+/* What the planner can buy: for each slot the amounts of its ladders, for each tile its summary or its plants, and what all of it comes to
+ * at a price (wrong pixels that a vertex must save).
+ *
+ *   lod_market_make(&market, p, &error);                 after lod_planning_open: worth, steps, tiles; nothing of it depends on the budget
+ *   lod_market_price(&market, price)                     the best at this price: gates, which tiles are open, wrong pixels, vertices
+ *   lod_market_expect(&market, &prediction, &error)      the picture at that price
+ *
+ * At a price everything decides for itself: a slot's ladder takes the steps that gain more than they cost; a band of a plant draws its
+ * cells where they are worth more than the whole plant's lists; a tile, from the leaves up, draws its plants and its
+ * children's best where that beats its summary. This is the Lagrangian of the one objective: the amounts found at a price are
+ * the best there are for the vertices they come to. Lower prices buy more. */
+#ifndef LOD_MARKET_H
+#define LOD_MARKET_H
+
+#include "lod/planning.h"
+#include "lod/steps.h"
+#include "lod/summary.h"
+
+enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
+
+struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, seen ones */
+
+struct lod_offer {                   /* a ladder for the plants of one slot */
+	uint32_t slot, ladder;
+	uint8_t when;
+	double worth;                /* seen pixels of one plant that it is about, times its importance: wrong by this much at an error of 1 */
+	const struct lod_steps *steps;
+	double position;             /* at the last price */
+};
+
+struct lod_lot {                     /* a slot, per plant; [0]: as far plants are drawn, [1] as near ones are */
+	uint32_t offer_first, offer_count;
+	double seen;                 /* pixels of one of its plants that are seen, mean; of a cell likewise */
+	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
+	double worth[2];             /* wrong when nothing is drawn */
+	struct lod_cost cost[2];     /* at the last price */
+	struct lod_cost cells;       /* of all its plants' cells */
+	double cells_worth;
+};
+
+struct lod_stall {                   /* a tile */
+	bool open, summary;          /* its plants are known; it has a summary */
+	bool opened;                 /* at the last price */
+	double worth;                /* wrong when nothing of it is drawn, its children's too */
+	double even, plants, plain;  /* while it is made: seen pixels if each plant were seen as its slot is; plants; covered pixels */
+	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
+	struct lod_summary_view look;
+	struct lod_steps steps;      /* of the summary */
+	double position;             /* at the last price */
+	struct lod_cost cost;        /* of the better choice */
+};
+
+struct lod_market {
+	struct lod_planning *p;
+	struct lod_lot *lots;                /* per slot */
+	struct lod_offer *offers;            uint32_t offer_count, offer_capacity;
+	struct lod_stall *stalls;            /* per node */
+	uint32_t *drawn_by;                  /* per node, at the last expectation */
+	uint64_t *counts;                    /* per slot: plants, all that is open being drawn */
+	double *scratch;                     /* per slot */
+	struct lod_steps *ladder_steps;      /* per ladder, [2 i]; [2 i + 1] of whole-plant lists beside cells; made when first asked for */
+	struct lod_amount **blocks;          uint32_t block_count, block_capacity, block_used;
+	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
+	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */
+	double price;
+	struct lod_cost cost;                /* at the last price */
+};
+
+enum eco_code lod_market_make(struct lod_market *market, struct lod_planning *p, struct eco_error *error);
+void lod_market_free(struct lod_market *market);
+
+/* Between these prices something changes: above the first nothing is bought, below the second all that gains. */
+void lod_market_prices(const struct lod_market *market, double *high, double *low);
+
+/* Sets p->gates too. Price 0 takes every step. */
+void lod_market_price(struct lod_market *market, double price);
+enum eco_code lod_market_expect(struct lod_market *market, struct eco_prediction *prediction, struct eco_error *error);
+
+/* Makes p's nodes and gates what the last price decided, and counts plants. */
+void lod_market_settle(struct lod_market *market);
+
+#endif

@@ -1,0 +1,294 @@
+/* One objective, expected wrong pixels, under one budget.
+ *
+ * Everything has an expected error, from its ladder's measured curve or its summary's, over the pixels of it that are seen. Seen shares
+ * are found first, once and without looking at the budget (lod/share.h), and then held fixed: so the objective is a sum, and at a price
+ * of a vertex each of its terms is minimised by itself (lod/market.h). Prices fall on a fixed grid until the budget is used: that
+ * decides gates and open tiles. Then, for these, the price is found that uses the budget (lod/spend.h); where the next price's gates
+ * and tiles leave less wrong with this budget, those are taken.
+ *
+ * What is wrong at a budget is read off the grid, where plans are the same whatever the budget: the grid's amounts never fall and its
+ * errors never rise, and between two prices it is linear, as the lower convex hull of what can be had is. The picture that is
+ * predicted is a function of that alone: pictures of a few prices, and what is between them. So more budget never predicts more. */
+#include "lod/planning.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/market.h"
+#include "lod/spend.h"
+
+#define PRICES_PER_OCTAVE 2
+#define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
+#define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
+#define PRICES_PER_PICTURE 4
+#define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
+#define CELLS_PX 2.0             /* ... and cells; further where the budget is larger than what there is */
+#define FINER_OCTAVES 3
+#define FINER_TIMES 3
+#define COARSEST -12
+#define THINNEST 0.01            /* area of a plant over its radius squared: whatever has no area is still to be seen */
+
+static double price_at(int index)
+{
+	if (index >= PRICE_COUNT)
+		return 0;
+	return ldexp(index % 2 ? 0.70710678118654752440 : 1, PRICE_HIGHEST - index / PRICES_PER_OCTAVE);
+}
+
+/* ---- Plants as bodies ---- */
+
+/* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is, else its height does. */
+static struct lod_body body_of(const struct eco_scene *scene, const struct eco_plant *plant)
+{
+	const struct eco_anchor *all = &scene->anchors[plant->anchor_first];
+	double r = all->radius, up = plant->height_m > 0 ? fmin(r, 0.5 * (double)plant->height_m) : r, across = 0;
+	for (uint32_t i = 1; i < plant->anchor_count; i++) {
+		const struct eco_anchor *cell = all + i;
+		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
+		across = fmax(across, sqrt(x * x + y * y) + 0.6 * cell->radius);
+	}
+	if (plant->anchor_count < 2)
+		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
+	double area = plant->area;
+	for (uint32_t i = 0; !(plant->area > 0) && i < plant->ladder_count; i++)
+		if (scene->ladders[plant->ladder_first + i].anchor == plant->anchor_first)
+			area += scene->ladders[plant->ladder_first + i].area;
+	return (struct lod_body){ fmin(across, r), up, fmax(area, THINNEST * r * r) };
+}
+
+static enum eco_code make_bodies(struct lod_planning *p, struct eco_error *error)
+{
+	p->bodies = calloc(p->scene->plant_count + 1u, sizeof *p->bodies);
+	if (!p->bodies)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", p->scene->plant_count);
+	for (uint32_t i = 0; i < p->scene->plant_count; i++)
+		p->bodies[i] = body_of(p->scene, &p->scene->plants[i]);
+	lod_screen_init(&p->screen, &p->visible.eye, &p->input->request->view, p->scene->ground_count > 0);
+	p->visible.screen = &p->screen;
+	p->visible.bodies = p->bodies;
+	return ECO_OK;
+}
+
+/* ---- Down the prices ---- */
+
+struct level { double vertices, wrong; };                /* what a price comes to */
+
+struct descent {
+	struct lod_market *market;
+	int first, last;             /* indices of prices at which anything is bought, and beyond which nothing more gains */
+	int index;                   /* the last that fits the budget */
+	struct level here, next;     /* there, and at the price after it */
+};
+
+/* The price after the last that something gains at is 0. */
+static int index_after(const struct descent *d, int index) { return index < d->last ? index + 1 : PRICE_COUNT; }
+
+static void find_ends(struct descent *d)
+{
+	double high, low;
+	lod_market_prices(d->market, &high, &low);
+	d->first = 1;
+	while (d->first < PRICE_COUNT - 1 && price_at(d->first) > high)
+		d->first++;
+	d->last = d->first;
+	while (d->last < PRICE_COUNT - 1 && price_at(d->last) > low)
+		d->last++;
+}
+
+/* What comes after `level`: never fewer vertices, nor more that is wrong. */
+static struct level level_at(struct lod_market *m, int index, struct level level)
+{
+	lod_market_price(m, price_at(index));
+	level.vertices = fmax(level.vertices, m->cost.vertices);
+	level.wrong = fmin(level.wrong, m->cost.fp + m->cost.fn);
+	return level;
+}
+
+static struct level level_empty(struct lod_market *m) { return (struct level){ 0, m->stalls[0].worth }; }
+
+static void descend(struct descent *d, uint64_t budget)
+{
+	find_ends(d);
+	d->index = d->first - 1;
+	d->here = level_empty(d->market);
+	for (;;) {
+		int next = index_after(d, d->index);
+		d->next = level_at(d->market, next, d->here);
+		if (d->next.vertices > (double)budget || next == PRICE_COUNT)
+			break;
+		d->index = next;
+		d->here = d->next;
+	}
+	if (d->next.vertices <= (double)budget) {
+		d->index = PRICE_COUNT;
+		d->here = d->next;
+	}
+}
+
+/* ---- The picture ---- */
+
+static struct eco_prediction between(const struct eco_prediction *a, const struct eco_prediction *b, double part)
+{
+	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
+}
+
+/* The market must be at the node's price. A picture is never worse than one of fewer vertices. */
+static enum eco_code look_at(struct lod_market *m, struct eco_prediction *picture, struct eco_error *error)
+{
+	struct eco_prediction next;
+	enum eco_code code = lod_market_expect(m, &next, error);
+	if (!code && next.fp + next.fn < picture->fp + picture->fn)
+		*picture = next;
+	return code;
+}
+
+/* What is expected to be wrong with the budget, and the picture for that. */
+static enum eco_code predict(const struct descent *d, uint64_t budget, struct eco_error *error)
+{
+	struct lod_market *m = d->market;
+	double room = d->next.vertices - d->here.vertices, part = room > 0 ? ((double)budget - d->here.vertices) / room : 0;
+	double wrong = d->here.wrong + (part > 1 ? 1 : part) * (d->next.wrong - d->here.wrong);
+	struct level from, level = level_empty(m);
+	struct eco_prediction before, picture = { .fp = INFINITY };
+	int index = d->first - 1;
+	enum eco_code code;
+	lod_market_price(m, price_at(0));
+	code = look_at(m, &picture, error);
+	do {
+		from = level;
+		before = picture;
+		for (int i = 0; i < PRICES_PER_PICTURE && index < PRICE_COUNT; i++) {
+			index = index_after(d, index);
+			level = level_at(m, index, level);
+		}
+		code = code ? code : look_at(m, &picture, error);
+	} while (!code && level.wrong > wrong && index < PRICE_COUNT);
+	room = from.wrong - level.wrong;
+	part = room > 0 ? (from.wrong - wrong) / room : 1;
+	m->p->prediction = between(&before, &picture, part < 0 ? 0 : part > 1 ? 1 : part);
+	return code;
+}
+
+/* ---- Amounts for the structure of a price ---- */
+
+static double closed_wrong(const struct lod_market *m)
+{
+	double sum = 0;
+	const struct lod_visible *visible = &m->p->visible;
+	for (uint32_t n = 0; n < visible->node_count; n++)
+		if (m->drawn_by[n] == n && visible->nodes[n].state == LOD_CLOSED)
+			sum += m->stalls[n].worth;
+	return sum;
+}
+
+/* What the structure of price `index` leaves wrong with all of the budget: infinitely much where it does not fit. */
+static enum eco_code try_structure(const struct descent *d, int index, uint64_t budget, struct lod_spend *spend, double *wrong,
+	struct eco_error *error)
+{
+	lod_market_price(d->market, price_at(index));
+	lod_market_settle(d->market);
+	enum eco_code code = lod_spend_make(spend, d->market, error);
+	if (code)
+		return code;
+	lod_spend_search(spend, price_at(index < d->last ? index : d->last), budget);
+	*wrong = spend->vertices <= budget ? spend->wrong + closed_wrong(d->market) : INFINITY;
+	return ECO_OK;
+}
+
+static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
+{
+	struct lod_spend spend = { 0 };
+	int next = index_after(d, d->index);
+	double wrong, best_wrong;
+	enum eco_code code = try_structure(d, d->index, budget, &spend, &wrong, error);
+	if (!code && next != d->index) {
+		lod_spend_free(&spend);
+		best_wrong = wrong;
+		code = try_structure(d, next, budget, &spend, &wrong, error);
+		if (!code && !(wrong < best_wrong)) {
+			lod_spend_free(&spend);
+			code = try_structure(d, d->index, budget, &spend, &wrong, error);
+		}
+	}
+	if (!code)
+		code = lod_spend_finish(&spend, budget, error);
+	d->market->p->cheapest = spend.cheapest;
+	d->market->p->wrong = spend.wrong + closed_wrong(d->market);
+	lod_spend_free(&spend);
+	return code;
+}
+
+/* ---- All ---- */
+
+/* The first level that is looked at predicts, so that all budgets of a view are predicted alike. */
+static enum eco_code plan_level(struct lod_planning *p, bool predicts, struct eco_error *error)
+{
+	struct lod_market market;
+	struct descent d = { .market = &market };
+	uint64_t budget = p->input->request->vertices;
+	enum eco_code code = lod_market_make(&market, p, error);
+	if (!code)
+		descend(&d, budget);
+	if (!code && predicts)
+		code = predict(&d, budget, error);
+	if (!code)
+		code = spend_budget(&d, budget, error);
+	lod_market_free(&market);
+	return code;
+}
+
+static enum eco_code open_level(struct lod_planning *p, int level, struct eco_error *error)
+{
+	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, -FINER_OCTAVES * level);
+	/* sights of tiles are made anew at each level; those of plants stay, and are the first */
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < p->screen.count; i++)
+		if (p->screen.sights[i].slot != ECO_NONE)
+			p->screen.sights[kept++] = p->screen.sights[i];
+	p->screen.count = kept;
+	return lod_planning_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
+}
+
+/* Is there anything that the level did not look at? */
+static bool complete(const struct lod_planning *p)
+{
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		if (p->visible.nodes[n].state == LOD_SUMMARY)
+			return false;
+	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
+		const struct lod_slot *slot = &p->visible.slots[s];
+		if (slot->count && !slot->cell && p->scene->plants[slot->plant].anchor_count > 1 && slot->band >= p->gates[slot->plant])
+			return false;
+	}
+	return true;
+}
+
+/* The finest level from `level` on towards coarser ones that is not too large to look at. */
+static enum eco_code open_possible(struct lod_planning *p, int *level, int coarsest, struct eco_error *error)
+{
+	for (;; --*level) {
+		struct eco_error local = { 0 };
+		enum eco_code code = open_level(p, *level, &local);
+		if (code != ECO_TOO_LARGE || *level <= coarsest)
+			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
+	}
+}
+
+enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)
+{
+	enum eco_code code = make_bodies(p, error);
+	int level = 0, asked = 0;
+	if (!code)
+		code = open_possible(p, &level, COARSEST, error);
+	for (bool first = true; !code; first = false) {
+		bool all = complete(p);
+		p->level = (uint32_t)(level - COARSEST);
+		code = plan_level(p, first, error);
+		if (code || all || p->cheapest != UINT64_MAX || level < asked || level >= FINER_TIMES)
+			break;
+		asked = ++level;
+		code = open_possible(p, &level, COARSEST, error);
+	}
+	return code;
+}

@@ -1,0 +1,250 @@
+/* Shares of the picture, cell by cell: see lod/share.h. */
+#include "lod/share.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+#define SEEN_LEAST 1e-5          /* cells of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
+#define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
+
+/* ---- Numbers ---- */
+
+double lod_exp_minus(double x)
+{
+	if (!(x < 700))
+		return 0;
+	double turns = floor(x * 1.4426950408889634 + 0.5), rest = turns * 0.69314718055994531 - x, sum = 1, term = 1;
+	for (int k = 1; k <= 9; k++) {
+		term *= rest / k;
+		sum += term;
+	}
+	return ldexp(sum, -(int)turns);
+}
+
+double lod_log(double x)
+{
+	int exponent;
+	double m = frexp(x, &exponent);
+	if (m < 0.70710678118654752440) {
+		m *= 2;
+		exponent--;
+	}
+	double t = (m - 1) / (m + 1), square = t * t, sum = 0, power = t;
+	for (int k = 1; k <= 13; k += 2) {
+		sum += power / k;
+		power *= square;
+	}
+	return 2 * sum + exponent * 0.69314718055994531;
+}
+
+/* ---- Sights ---- */
+
+void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground)
+{
+	uint32_t side = view->width > view->height ? view->width : view->height;
+	double cell = (double)side / LOD_SCREEN_COLUMNS;
+	cell = cell > 4 ? cell : 4;          /* of a picture of few pixels, few cells */
+	*screen = (struct lod_screen){ .eye = eye, .ground = ground, .columns = (uint32_t)ceil(view->width / cell),
+		.rows = (uint32_t)ceil(view->height / cell) };
+	screen->cell_x = (double)view->width / screen->columns;
+	screen->cell_y = (double)view->height / screen->rows;
+}
+
+void lod_screen_free(struct lod_screen *screen)
+{
+	free(screen->sights);
+	*screen = (struct lod_screen){ 0 };
+}
+
+void lod_screen_clear(struct lod_screen *screen)
+{
+	screen->count = 0;
+}
+
+double lod_body_opacity(const struct lod_body *body)
+{
+	double ellipse = PI * body->across * body->up;
+	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * body->area / ellipse) : 0;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
+{
+	if (screen->count == screen->capacity) {
+		uint32_t wanted = screen->capacity ? 2 * screen->capacity : 1024;
+		struct lod_sight *bigger = realloc(screen->sights, wanted * sizeof *bigger);
+		if (!bigger)
+			return NULL;
+		screen->sights = bigger;
+		screen->capacity = wanted;
+	}
+	const struct lod_eye *eye = screen->eye;
+	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
+	double ahead = dot(eye->forward, d), closest = 0.25 * fmax(body->across, body->up);
+	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
+	/* seen from above an ellipsoid is as deep as it is wide */
+	double steep = eye->forward[2] * eye->forward[2];
+	double tall = sqrt(body->up * body->up * (1 - steep) + body->across * body->across * steep);
+	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
+	struct lod_body seen = { body->across, tall, body->area };
+	struct lod_sight *sight = &screen->sights[screen->count++];
+	double y = 0.5 * screen->rows - dot(eye->up, d) * rows;
+	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
+		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows), .depth = (float)ahead,
+		.foot = (float)(y + body->up * eye->up[2] * rows), .opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1 };
+	sight->pixels = (float)(sight->opacity * PI * body->across * tall * px * px);
+	return sight;
+}
+
+/* ---- Boxes of cells ---- */
+
+struct span { int first, end; float low, high; };
+
+/* Cells [first, end) that [low, high) touches, inside [0, count). */
+static struct span span_of(double middle, double reach, uint32_t count)
+{
+	double low = middle - reach, high = middle + reach, all = count;
+	low = low < 0 ? 0 : low > all ? all : low;
+	high = high < 0 ? 0 : high > all ? all : high;
+	return (struct span){ (int)low, (int)ceil(high), (float)low, (float)high };
+}
+
+/* How much of cell i lies in the span. */
+static float inside(const struct span *s, int i)
+{
+	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high : (float)(i + 1);
+	return high - low;
+}
+
+/* ---- Front to back ---- */
+
+/* Indices sorted by depth, nearest first, of equal ones in order: radix sort of the bits of positive floats. */
+static void sort_by_depth(const struct lod_screen *screen, uint32_t *order, uint32_t *spare)
+{
+	for (uint32_t i = 0; i < screen->count; i++)
+		order[i] = i;
+	for (int shift = 0; shift < 33; shift += 11) {
+		uint32_t start[2049] = { 0 };
+		for (uint32_t i = 0; i < screen->count; i++) {
+			uint32_t bits;
+			memcpy(&bits, &screen->sights[i].depth, sizeof bits);
+			start[(bits >> shift & 2047) + 1]++;
+		}
+		for (int k = 0; k < 2047; k++)
+			start[k + 1] += start[k];
+		for (uint32_t i = 0; i < screen->count; i++) {
+			uint32_t bits;
+			memcpy(&bits, &screen->sights[order[i]].depth, sizeof bits);
+			spare[start[bits >> shift & 2047]++] = order[i];
+		}
+		uint32_t *swap = order;
+		order = spare;
+		spare = swap;
+	}
+}
+
+struct light { float *clear; float *horizon; };          /* per cell: share of light let through so far; per column: first row hidden by ground */
+
+/* What of a sight is in the picture and not behind what is nearer; without `hide` all that is in the picture. */
+static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
+{
+	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
+	double seen = 0, all = 4 * (double)sight->reach_x * (double)sight->reach_y;
+	for (int c = across.first; c < across.end; c++) {
+		struct span above = down;
+		above.high = fminf(above.high, light->horizon[c]);
+		for (int r = down.first; r < down.end; r++) {
+			float *clear = &light->clear[r * (int)screen->columns + c];
+			float width = inside(&across, c), part = width * fmaxf(0, inside(&above, r));
+			seen += part * *clear;
+			if (hide)
+				*clear *= 1 - part * sight->opacity;
+		}
+	}
+	seen = seen > SEEN_LEAST ? seen : SEEN_LEAST;
+	sight->share = all > seen ? (float)(seen / all) : 1;
+	sight->bottom = (float)screen->rows;
+	if (!hide || !screen->ground || !(sight->x >= 0 && sight->x < (float)screen->columns))
+		return;
+	int column = (int)sight->x;
+	/* what ground has hidden of it does not cover; and from now on its foot hides, by a cell less so as not to hide its neighbours */
+	sight->bottom = light->horizon[column];
+	light->horizon[column] = fminf(light->horizon[column], sight->foot + 1);
+}
+
+enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
+{
+	uint32_t cells = screen->columns * screen->rows;
+	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order), *spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
+	struct light light = { malloc(cells * sizeof *light.clear), malloc(screen->columns * sizeof *light.horizon) };
+	bool good = order && spare && light.clear && light.horizon;
+	if (good) {
+		for (uint32_t i = 0; i < cells; i++)
+			light.clear[i] = 1;
+		for (uint32_t c = 0; c < screen->columns; c++)
+			light.horizon[c] = (float)screen->rows;
+		sort_by_depth(screen, order, spare);
+		for (uint32_t i = 0; i < screen->count; i++)     /* an odd number of passes: the result is in `spare` */
+			look(screen, &screen->sights[spare[i]], &light, hide);
+	}
+	free(order);
+	free(spare);
+	free(light.clear);
+	free(light.horizon);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view", screen->count);
+}
+
+/* ---- The expected picture ---- */
+
+struct lod_odds lod_odds_of(double opacity, double fp, double fn)
+{
+	double reference = 1 - opacity, drawn = 1 - opacity * (1 - fn + fp), either = 1 - opacity * (1 + fp);
+	/* what is not covered in either is not covered in each */
+	drawn = drawn > 0 ? drawn : 0;
+	either = either > 0 ? either : 0;
+	return (struct lod_odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
+}
+
+static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_odds o, struct lod_odds *cells)
+{
+	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
+	down.high = fminf(down.high, sight->bottom);
+	for (int r = down.first; r < down.end; r++)
+		for (int c = across.first; c < across.end; c++) {
+			float part = inside(&across, c) * fmaxf(0, inside(&down, r));
+			struct lod_odds *cell = &cells[r * (int)screen->columns + c];
+			cell->reference *= 1 - part * (1 - o.reference);
+			cell->drawn *= 1 - part * (1 - o.drawn);
+			cell->either *= 1 - part * (1 - o.either);
+		}
+}
+
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odds, void *ctx, struct eco_prediction *prediction,
+	struct eco_error *error)
+{
+	uint32_t count = screen->columns * screen->rows;
+	struct lod_odds *cells = malloc(count * sizeof *cells);
+	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
+	if (!cells)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
+	for (uint32_t i = 0; i < count; i++)
+		cells[i] = (struct lod_odds){ 1, 1, 1 };
+	for (uint32_t i = 0; i < screen->count; i++)
+		cover(screen, &screen->sights[i], odds(ctx, &screen->sights[i]), cells);
+	for (uint32_t i = 0; i < count; i++) {
+		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
+		double either = fmin((double)cells[i].either, fmin(reference, drawn));
+		fp += reference - either;
+		fn += drawn - either;
+		tp += fmax(0, 1 - reference - drawn + either);
+	}
+	*prediction = (struct eco_prediction){ tp * pixels, fp * pixels, fn * pixels };
+	free(cells);
+	return ECO_OK;
+}

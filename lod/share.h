@@ -1,0 +1,73 @@
+/* What plants share of the picture: which part of each is seen behind those before it, and what all of them together are expected to
+ * cover. Both on a coarse grid of cells over the screen, from where plants stand and how dense they are: nothing is drawn.
+ *
+ *   lod_screen_init(&screen, &eye, &view, ground, &error);
+ *   lod_screen_add(&screen, &sight) ...                         one for each plant, or for a tile whose plants are not looked at
+ *   lod_screen_shares(&screen, &error)                          front to back: sets every sight's share
+ *   lod_screen_expect(&screen, odds, ctx, &prediction)          given how well each sight is drawn: pixels right and wrong
+ *
+ * A plant is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random leaves in
+ * random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it: whatever
+ * is farther away and lower on the screen than a foot in the same column is behind the ground.
+ *
+ * Expected pixels, in each cell, as if sights were independent of each other: none covers it in the reference, none as drawn, none in
+ * either: products over sights. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
+ * others behind it, and what is drawn beside a plant is not wrong where another stands. */
+#ifndef LOD_SHARE_H
+#define LOD_SHARE_H
+
+#include "lod/view.h"
+
+#define LOD_SCREEN_COLUMNS 48u
+
+struct lod_sight {
+	float x, y;                  /* centre, in cells from the top left */
+	float reach_x, reach_y;      /* half of its box, in cells */
+	float foot;                  /* row of its foot */
+	float depth;                 /* metres in front of the eye */
+	float opacity;               /* of what lies inside its box, at full detail */
+	float pixels;                /* covered at full detail, seen or not */
+	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
+	float share;                 /* of it that is in the picture and seen: set by lod_screen_shares; above 0 */
+	uint32_t node, slot;         /* the caller's */
+	uint16_t hash;               /* the caller's */
+};
+
+struct lod_screen {
+	const struct lod_eye *eye;
+	uint32_t columns, rows;
+	double cell_x, cell_y;       /* pixels */
+	bool ground;
+	struct lod_sight *sights;    uint32_t count, capacity;
+};
+
+/* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
+void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground);
+void lod_screen_free(struct lod_screen *screen);
+void lod_screen_clear(struct lod_screen *screen);        /* no sights; room is kept */
+
+/* The shape of what is seen, about a centre: half extents across and upwards, and its leaf area (a leaf counted once), in metres. */
+struct lod_body { double across, up, area; };
+/* Adds a body at `center` (world). The caller sets what is its own; NULL without memory. */
+struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body);
+
+/* Expected share of a box of its projected size that a body covers, at full detail. */
+double lod_body_opacity(const struct lod_body *body);
+
+/* Without `hide` only what lies beside the picture counts as not seen. */
+enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
+
+/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for an opacity and
+ * errors over covered pixels. While no sight's fn nor fp + fn rises, no more pixels are expected to be wrong. */
+struct lod_odds { float reference, drawn, either; };
+struct lod_odds lod_odds_of(double opacity, double fp, double fn);
+
+typedef struct lod_odds (*lod_odds_fn)(void *ctx, const struct lod_sight *sight);
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odds, void *ctx, struct eco_prediction *prediction,
+	struct eco_error *error);
+
+/* e^-x for x >= 0 and the logarithm of x > 0, the same on every machine, to about nine digits. */
+double lod_exp_minus(double x);
+double lod_log(double x);
+
+#endif

@@ -1,0 +1,459 @@
+/* Spending a budget to the last vertex: see lod/spend.h. */
+#include "lod/spend.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/ladder.h"
+
+#define HALVINGS 14              /* of the interval of prices: what is left is spent step by step */
+#define FALL 1.4                 /* of the price, while a price is looked for that does not fit */
+#define FALLS_MAX 400
+
+/* ---- Bids ---- */
+
+/* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
+static void see_slots(const struct lod_market *m, double *seen)
+{
+	const struct lod_planning *p = m->p;
+	for (uint32_t n = 0; n < p->visible.node_count; n++) {
+		const struct lod_node *node = &p->visible.nodes[n];
+		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
+			seen[node->tallies[i].slot] += node->tallies[i].count * m->stalls[n].factor;
+	}
+}
+
+static bool applies(const struct lod_planning *p, const struct lod_offer *offer)
+{
+	const struct lod_slot *slot = &p->visible.slots[offer->slot];
+	bool near = slot->band < p->gates[slot->plant];
+	return slot->count > 0 && (offer->when == LOD_ALWAYS || near == (offer->when == LOD_NEAR));
+}
+
+enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, struct eco_error *error)
+{
+	const struct lod_planning *p = m->p;
+	*spend = (struct lod_spend){ .market = m, .bids = malloc(((size_t)m->offer_count + p->visible.node_count + 1) * sizeof *spend->bids) };
+	if (!spend->bids)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->offer_count);
+	memset(m->scratch, 0, p->visible.slot_count * sizeof *m->scratch);
+	see_slots(m, m->scratch);
+	for (uint32_t i = 0; i < m->offer_count; i++) {
+		const struct lod_offer *o = &m->offers[i];
+		if (applies(p, o))
+			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = o->steps,
+				.count = p->visible.slots[o->slot].count, .worth = o->worth, .seen = o->worth * m->scratch[o->slot] };
+	}
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		if (p->visible.nodes[n].state == LOD_SUMMARY)
+			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = ECO_NONE, .node = n, .steps = &m->stalls[n].steps, .count = 1,
+				.worth = m->stalls[n].worth, .seen = m->stalls[n].worth };
+	return ECO_OK;
+}
+
+void lod_spend_free(struct lod_spend *spend)
+{
+	free(spend->bids);
+	free(spend->hash_first);
+	free(spend->hashes);
+	free(spend->sorted);
+	*spend = (struct lod_spend){ 0 };
+}
+
+/* ---- At a price ---- */
+
+static void add_vertices(struct lod_spend *spend, uint64_t count, uint64_t each)
+{
+	uint64_t product;
+	if (__builtin_mul_overflow(count, each, &product) || __builtin_add_overflow(spend->vertices, product, &spend->vertices))
+		spend->vertices = UINT64_MAX;
+}
+
+static const struct lod_amount *amount_of(const struct lod_bid *bid) { return &bid->steps->amounts[bid->step]; }
+
+static bool at_end(const struct lod_bid *bid) { return bid->step + 1 == bid->steps->count; }
+
+static void reach_step(struct lod_bid *bid, uint32_t step)
+{
+	bid->step = step;
+	bid->ahead = 0;
+	bid->low = amount_of(bid)->vertices;
+	bid->high = at_end(bid) ? bid->low : amount_of(bid)[1].vertices;
+}
+
+/* The amounts of a price; counts vertices, not what is wrong. */
+static void spend_at(struct lod_spend *spend, double price)
+{
+	spend->vertices = 0;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		struct lod_bid *bid = &spend->bids[i];
+		double position = bid->worth > 0 ? lod_steps_position(bid->steps, price / bid->worth) : price > 0 ? 0 : bid->steps->count - 1;
+		reach_step(bid, (uint32_t)position);
+		double part = position - bid->step;
+		if (bid->offer == ECO_NONE)          /* points of a summary can be had one by one */
+			bid->low += (uint64_t)(part * (double)(bid->high - bid->low));
+		else
+			bid->ahead = (uint64_t)(part * (double)bid->count);
+		add_vertices(spend, bid->count, bid->low);
+		add_vertices(spend, bid->ahead, bid->high - bid->low);
+	}
+}
+
+/* A tile that draws nothing, or whose plants are, is in no bid: what it leaves wrong is added by the caller. */
+static void sum_wrong(struct lod_spend *spend)
+{
+	spend->wrong = 0;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		const struct lod_bid *bid = &spend->bids[i];
+		const struct lod_amount *a = amount_of(bid);
+		double now = a->fp + a->fn, part = 0;
+		if (!at_end(bid))
+			part = ((double)(bid->low - a->vertices) + (double)bid->ahead / (double)bid->count * (double)(bid->high - bid->low))
+				/ (double)(a[1].vertices - a->vertices);
+		spend->wrong += bid->seen * (part > 0 ? now + part * (a[1].fp + a[1].fn - now) : now);
+	}
+}
+
+void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget)
+{
+	double high = price, low;
+	spend_at(spend, 0);
+	if (spend->vertices > budget) {
+		for (int i = 0; spend_at(spend, high), spend->vertices > budget && i < FALLS_MAX; i++)
+			high *= FALL;
+		low = high / FALL;
+		for (int i = 0; spend_at(spend, low), spend->vertices <= budget && i < FALLS_MAX; i++) {
+			high = low;
+			low /= FALL;
+		}
+		for (int i = 0; i < HALVINGS; i++) {
+			double middle = 0.5 * (low + high);
+			spend_at(spend, middle);
+			*(spend->vertices <= budget ? &high : &low) = middle;
+		}
+		spend_at(spend, high);
+	}
+	sum_wrong(spend);
+}
+
+/* ---- Hashes: which plants are ahead ---- */
+
+static void file_cells(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+{
+	struct lod_spend *spend = ctx;
+	(void)plant;
+	for (uint32_t i = 1; i < anchor_count; i++) {
+		uint32_t slot = lod_visible_slot(&spend->market->p->visible, anchors[i].anchor, anchors[i].band);
+		if (slot != ECO_NONE)
+			spend->hashes[spend->hash_first[slot]++] = (uint16_t)hash;
+	}
+}
+
+/* Hashes of all plants and cells that are drawn, slot by slot. */
+static bool file_hashes(struct lod_spend *spend)
+{
+	struct lod_planning *p = spend->market->p;
+	uint32_t slots = p->visible.slot_count, sum = 0;
+	spend->hash_first = malloc(((size_t)slots + 2) * sizeof *spend->hash_first);
+	spend->sorted = calloc((size_t)slots + 1, 1);
+	if (!spend->hash_first || !spend->sorted)
+		return false;
+	for (uint32_t s = 0; s < slots; s++) {
+		spend->hash_first[s] = sum;
+		sum += (uint32_t)p->visible.slots[s].count;
+	}
+	spend->hash_first[slots] = sum;
+	spend->hashes = malloc(((size_t)sum + 1) * sizeof *spend->hashes);
+	if (!spend->hashes)
+		return false;
+	for (uint32_t i = 0; i < p->screen.count; i++) {
+		const struct lod_sight *sight = &p->screen.sights[i];
+		if (sight->slot != ECO_NONE && p->visible.nodes[sight->node].state == LOD_OPEN)
+			spend->hashes[spend->hash_first[sight->slot]++] = sight->hash;
+	}
+	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
+		if (p->gates[plant])
+			lod_visible_each(&p->visible, plant, p->gates, file_cells, spend);
+	for (uint32_t s = 0, end = 0; s < slots; s++)        /* what is drawn is what was counted */
+		assert(spend->hash_first[s] == (end += (uint32_t)p->visible.slots[s].count));
+	memmove(spend->hash_first + 1, spend->hash_first, (size_t)slots * sizeof *spend->hash_first);
+	spend->hash_first[0] = 0;
+	return true;
+}
+
+static int ascending(const void *a, const void *b)
+{
+	return *(const uint16_t *)a - *(const uint16_t *)b;
+}
+
+static const uint16_t *hashes_of(struct lod_spend *spend, const struct lod_bid *bid)
+{
+	uint32_t slot = spend->market->offers[bid->offer].slot;
+	uint16_t *hashes = spend->hashes + spend->hash_first[slot];
+	if (!spend->sorted[slot])
+		qsort(hashes, bid->count, sizeof *hashes, ascending);
+	spend->sorted[slot] = 1;
+	return hashes;
+}
+
+/* Plants of one hash are treated alike. The most plants, not above `wanted`, that a share can hold. */
+static uint64_t share_floor(struct lod_spend *spend, const struct lod_bid *bid, uint64_t wanted)
+{
+	if (wanted == 0 || wanted >= bid->count)
+		return wanted < bid->count ? wanted : bid->count;
+	const uint16_t *hashes = hashes_of(spend, bid);
+	while (wanted > 0 && hashes[wanted - 1] == hashes[wanted])
+		wanted--;
+	return wanted;
+}
+
+/* The fewest that a share can hold and that are more than `plants` < count. */
+static uint64_t share_next(struct lod_spend *spend, const struct lod_bid *bid, uint64_t plants)
+{
+	const uint16_t *hashes = hashes_of(spend, bid);
+	while (++plants < bid->count && hashes[plants - 1] == hashes[plants])
+		;
+	return plants;
+}
+
+/* ---- What is left ---- */
+
+struct choice { double price; uint32_t bid; };
+
+static bool before(const struct choice *a, const struct choice *b)
+{
+	return a->price > b->price || (a->price == b->price && a->bid < b->bid);
+}
+
+static void sift_down(struct choice *heap, uint32_t count, uint32_t at)
+{
+	for (;;) {
+		uint32_t best = at;
+		for (uint32_t child = 2 * at + 1; child <= 2 * at + 2 && child < count; child++)
+			if (before(&heap[child], &heap[best]))
+				best = child;
+		if (best == at)
+			return;
+		struct choice swap = heap[at];
+		heap[at] = heap[best];
+		heap[best] = swap;
+		at = best;
+	}
+}
+
+static double next_price(const struct lod_bid *bid)
+{
+	return at_end(bid) ? 0 : amount_of(bid)[1].price * bid->worth;
+}
+
+static const struct eco_ladder *ladder_of(const struct lod_spend *spend, const struct lod_bid *bid)
+{
+	return &spend->market->p->scene->ladders[spend->market->offers[bid->offer].ladder];
+}
+
+/* All have reached `vertices`, on the way to the next amount or there. */
+static void reach(struct lod_bid *bid, uint64_t vertices)
+{
+	bid->low = vertices;
+	bid->ahead = 0;
+	bid->high = amount_of(bid)[1].vertices;
+	if (bid->low == bid->high)
+		reach_step(bid, bid->step + 1);
+}
+
+/* As many plants as `left` takes all the way. */
+static uint64_t buy_plants(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
+{
+	uint64_t each = bid->high - bid->low, most = left / each, behind = bid->count - bid->ahead;
+	uint64_t plants = share_floor(spend, bid, bid->ahead + (most < behind ? most : behind));
+	uint64_t spent = plants > bid->ahead ? (plants - bid->ahead) * each : 0;
+	if (spent)
+		bid->ahead = plants;
+	if (bid->ahead == bid->count)
+		reach(bid, bid->high);
+	return spent;
+}
+
+/* Less than a step for one plant is left: all plants go part of the way, and some of them one primitive further. */
+static uint64_t buy_evenly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
+{
+	const struct eco_scene *scene = spend->market->p->scene;
+	const struct eco_ladder *ladder = ladder_of(spend, bid);
+	uint64_t each = left / bid->count, spent = 0, to = lod_ladder_floor(scene, ladder, each < bid->high - bid->low ? bid->low + each : bid->high);
+	if (to > bid->low) {
+		spent = (to - bid->low) * bid->count;
+		bid->low = to;
+	}
+	uint64_t next = lod_ladder_next(scene, ladder, bid->low);
+	if (next < bid->high && next - bid->low <= left - spent) {
+		uint64_t plants = share_floor(spend, bid, (left - spent) / (next - bid->low));
+		if (plants > 0) {
+			bid->high = next;
+			bid->ahead = plants;
+			spent += plants * (next - bid->low);
+		}
+	}
+	return spent;
+}
+
+/* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
+static uint64_t buy_thinly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
+{
+	uint64_t had = bid->ahead * (bid->high - bid->low), plants = share_next(spend, bid, bid->ahead);
+	uint64_t to = lod_ladder_floor(spend->market->p->scene, ladder_of(spend, bid), bid->low + (had + left) / plants);
+	if (to <= bid->low || to >= bid->high || plants * (to - bid->low) <= had)
+		return 0;
+	uint64_t spent = plants * (to - bid->low) - had;
+	bid->ahead = plants;
+	bid->high = to;
+	if (plants == bid->count)
+		reach(bid, to);
+	return spent;
+}
+
+static uint64_t buy_points(struct lod_bid *bid, uint64_t left)
+{
+	uint64_t points = left < bid->high - bid->low ? left : bid->high - bid->low;
+	reach(bid, bid->low + points);
+	return points;
+}
+
+/* As much as `left` allows of the way to the bid's next amount. */
+static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
+{
+	if (bid->offer == ECO_NONE)
+		return buy_points(bid, left);
+	uint64_t spent = buy_plants(spend, bid, left);
+	if (spent == 0)
+		spent = bid->ahead ? buy_thinly(spend, bid, left) : buy_evenly(spend, bid, left);
+	return spent;
+}
+
+static bool buy_rest(struct lod_spend *spend, uint64_t budget)
+{
+	struct choice *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
+	uint32_t count = 0;
+	if (!heap)
+		return false;
+	spend->vertices = 0;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		struct lod_bid *bid = &spend->bids[i];
+		bid->ahead = bid->ahead ? share_floor(spend, bid, bid->ahead) : 0;
+		add_vertices(spend, bid->count, bid->low);
+		add_vertices(spend, bid->ahead, bid->high - bid->low);
+		if (next_price(bid) > 0)
+			heap[count++] = (struct choice){ next_price(bid), i };
+	}
+	for (uint32_t i = count; i-- > 0;)
+		sift_down(heap, count, i);
+	uint64_t left = budget - spend->vertices;
+	while (count && left) {
+		struct lod_bid *bid = &spend->bids[heap[0].bid];
+		uint32_t step = bid->step;
+		uint64_t spent = buy(spend, bid, left);
+		left -= spent;
+		if (bid->step != step && next_price(bid) > 0)
+			heap[0].price = next_price(bid);
+		else if (spent == 0 || bid->step != step)
+			heap[0] = heap[--count];
+		sift_down(heap, count, 0);
+	}
+	spend->vertices = budget - left;
+	free(heap);
+	return true;
+}
+
+/* Vertices that one step more would take, of any kind. */
+static uint64_t cheapest_step(struct lod_spend *spend)
+{
+	uint64_t cheapest = UINT64_MAX;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		const struct lod_bid *bid = &spend->bids[i];
+		if (!(next_price(bid) > 0))
+			continue;
+		uint64_t cost = 1;
+		if (bid->offer != ECO_NONE && bid->ahead)
+			cost = (share_next(spend, bid, bid->ahead) - bid->ahead) * (bid->high - bid->low);
+		else if (bid->offer != ECO_NONE)
+			cost = share_next(spend, bid, 0) * (lod_ladder_next(spend->market->p->scene, ladder_of(spend, bid), bid->low) - bid->low);
+		cheapest = cost < cheapest ? cost : cheapest;
+	}
+	return cheapest;
+}
+
+/* ---- Entries ---- */
+
+/* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
+static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_ORGAN_COUNT], double (*all)[ECO_ORGAN_COUNT])
+{
+	const struct lod_market *m = spend->market;
+	const struct lod_planning *p = m->p;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		const struct lod_bid *bid = &spend->bids[i];
+		if (bid->offer == ECO_NONE || !p->visible.slots[m->offers[bid->offer].slot].cell)
+			continue;
+		const struct eco_ladder *ladder = &p->scene->ladders[m->offers[bid->offer].ladder];
+		double end = (double)lod_ladder_stage_end(p->scene, ladder), part = end > 0 ? (double)bid->low / end : 1;
+		uint32_t slot = m->offers[bid->offer].slot;
+		drawn[slot][ladder->organ] += (part < 1 ? part : 1) * ladder->area;
+		all[slot][ladder->organ] += ladder->area;
+	}
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		for (uint32_t i = 0; p->visible.nodes[n].state == LOD_OPEN && i < p->visible.nodes[n].tally_count; i++) {
+			const struct lod_tally *t = &p->visible.nodes[n].tallies[i];
+			const struct lod_slot *slot = &p->visible.slots[t->slot];
+			if (!slot->cell || t->whole_band >= p->gates[slot->plant])
+				continue;
+			uint32_t whole = m->slot_of[slot->plant * (size_t)ECO_BANDS + t->whole_band] - 1;
+			for (int o = 0; o < ECO_ORGAN_COUNT; o++) {
+				drawn[whole][o] += t->count * drawn[t->slot][o];
+				all[whole][o] += t->count * all[t->slot][o];
+			}
+		}
+}
+
+static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *error)
+{
+	struct lod_market *m = spend->market;
+	struct lod_planning *p = m->p;
+	double (*drawn)[ECO_ORGAN_COUNT] = calloc(2 * (size_t)p->visible.slot_count + 1, sizeof *drawn);
+	double (*all)[ECO_ORGAN_COUNT] = drawn + p->visible.slot_count;
+	enum eco_code code = drawn ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", p->visible.slot_count);
+	if (drawn)
+		find_densities(spend, drawn, all);
+	p->vertices = spend->vertices;
+	p->entry_count = 0;
+	for (uint32_t i = 0; !code && i < spend->bid_count; i++) {
+		const struct lod_bid *bid = &spend->bids[i];
+		struct lod_entry entry = { .slot = ECO_NONE, .ladder = bid->node, .count = bid->count, .vertices = bid->low };
+		if (bid->offer == ECO_NONE) {
+			entry.full = lod_planning_count(p->scene, p->scene->tiles[p->visible.nodes[bid->node].tile].summary);
+		} else {
+			const struct lod_offer *o = &m->offers[bid->offer];
+			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
+			entry.slot = o->slot;
+			entry.ladder = o->ladder;
+			entry.full = lod_ladder_full(p->scene, ladder);
+			double own = o->when == LOD_NEAR ? lod_ladder_share(p->scene, ladder, entry.full) : 0, organ = all[o->slot][ladder->organ];
+			entry.wanted = o->when == LOD_NEAR && organ > 0 ? ladder->total * (own + (1 - own) * drawn[o->slot][ladder->organ] / organ) : 0;
+			if (bid->ahead) {        /* and less than all */
+				entry.more = bid->high;
+				entry.share = hashes_of(spend, bid)[bid->ahead];
+			}
+		}
+		code = lod_planning_add(p, &entry, error);
+	}
+	free(drawn);
+	return code;
+}
+
+enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, struct eco_error *error)
+{
+	if (!file_hashes(spend) || !buy_rest(spend, budget))
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", spend->bid_count);
+	spend->cheapest = cheapest_step(spend);
+	sum_wrong(spend);
+	return add_entries(spend, error);
+}

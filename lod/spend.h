@@ -1,0 +1,44 @@
+/* Down to the last vertex: amounts for tiles and gates that are decided. The price falls until the budget is used; what no price fits
+ * exactly is spent step by step, on single plants if need be.
+ *
+ *   lod_market_settle(&market);                       tiles, gates and counts
+ *   lod_spend_make(&spend, &market, &error);          what can be bought there
+ *   lod_spend_search(&spend, price, budget)           amounts that fit; spend.wrong is what they leave wrong
+ *   lod_spend_finish(&spend, budget, &error)          the rest of the budget; then entries of the plan
+ *   lod_spend_free(&spend) */
+#ifndef LOD_SPEND_H
+#define LOD_SPEND_H
+
+#include "lod/market.h"
+
+struct lod_bid {                     /* an offer for the plants of its slot that are drawn, or a tile's summary */
+	uint32_t offer, node;        /* one is ECO_NONE */
+	const struct lod_steps *steps;
+	uint64_t count;              /* plants; summary: 1 */
+	double worth;                /* of one plant, as its price is found */
+	double seen;                 /* of all of them: what an error of 1 comes to */
+	uint32_t step;               /* the last amount that all have reached */
+	uint64_t low;                /* vertices of all ... */
+	uint64_t high, ahead;        /* ... but so many, those with the smallest hashes, which have more */
+};
+
+struct lod_spend {
+	struct lod_market *market;
+	struct lod_bid *bids;        uint32_t bid_count;
+	uint64_t vertices;
+	uint64_t cheapest;           /* after lod_spend_finish: vertices of the cheapest step that would still gain; UINT64_MAX: none would */
+	double wrong;
+	uint32_t *hash_first;        /* per slot, into hashes; slot_count + 1 */
+	uint16_t *hashes;            /* of plants that are drawn, slot by slot, ascending where `sorted` */
+	uint8_t *sorted;             /* per slot */
+};
+
+/* What can be bought for the structure that lod_market_settle has decided. */
+enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *market, struct eco_error *error);
+void lod_spend_free(struct lod_spend *spend);
+/* The lowest price whose amounts fit, looked for from `price` > 0 on. Where not even the least fits, vertices stays above the budget. */
+void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget);
+/* After a search that fits. */
+enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, struct eco_error *error);
+
+#endif

@@ -1,0 +1,80 @@
+/* Convex hulls of ladders' errors: see lod/steps.h. */
+#include "lod/steps.h"
+
+#include <math.h>
+
+#define PER_OCTAVE_STEP 4u       /* amounts grow by a quarter: curves are smooth, and are sampled no finer */
+
+void lod_steps_hull(struct lod_steps *steps)
+{
+	struct lod_amount *a = steps->amounts;
+	uint32_t kept = 1;
+	a[0].price = INFINITY;
+	for (uint32_t i = 1; i < steps->count; i++) {
+		struct lod_amount next = a[i];
+		if (next.fn > a[kept - 1].fn) {
+			next.fp += next.fn - a[kept - 1].fn;
+			next.fn = a[kept - 1].fn;
+		}
+		for (;; kept--) {
+			double gain = a[kept - 1].fp + a[kept - 1].fn - next.fp - next.fn;
+			next.price = gain / (double)(next.vertices - a[kept - 1].vertices);
+			if (kept == 1 || next.price < a[kept - 1].price)
+				break;
+		}
+		if (next.price > 0)
+			a[kept++] = next;
+	}
+	steps->count = kept;
+}
+
+static struct lod_amount amount_at(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+{
+	double share = lod_ladder_share(scene, ladder, vertices);
+	if (ladder->curve_count == 0)        /* not measured */
+		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
+	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
+	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn };
+}
+
+void lod_steps_make(struct lod_steps *steps, struct lod_amount *amounts, const struct eco_scene *scene, const struct eco_ladder *ladder,
+	uint64_t from, uint64_t to, uint64_t *looked)
+{
+	uint64_t stage = lod_ladder_stage_end(scene, ladder), at = from;
+	*steps = (struct lod_steps){ amounts, 1 };
+	amounts[0] = amount_at(scene, ladder, from);
+	while (at < to && steps->count < LOD_STEPS_MAX - 2) {
+		uint64_t next = lod_ladder_next(scene, ladder, at), further = lod_ladder_floor(scene, ladder, at + at / PER_OCTAVE_STEP + 1);
+		next = further > next ? further : next;
+		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
+			next = stage;
+		at = next < to ? next : to;
+		amounts[steps->count++] = amount_at(scene, ladder, at);
+	}
+	if (at < to)
+		amounts[steps->count++] = amount_at(scene, ladder, to);
+	*looked += steps->count;
+	lod_steps_hull(steps);
+	/* all there is, for who can have everything */
+	const struct lod_amount *last = &amounts[steps->count - 1];
+	if (last->vertices < to)
+		amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn, .price = 0 };
+}
+
+double lod_steps_position(const struct lod_steps *steps, double price)
+{
+	/* the first step that not all plants have taken */
+	uint32_t low = 0, high = steps->count - 1;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (steps->amounts[middle + 1].price >= price * LOD_STEPS_BLUR)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	/* steps close to each other overlap: their shares add up */
+	double position = low;
+	for (uint32_t i = low + 1; i < steps->count && steps->amounts[i].price * LOD_STEPS_BLUR > price; i++)
+		position += (steps->amounts[i].price * LOD_STEPS_BLUR / price - 1) / (LOD_STEPS_BLUR * LOD_STEPS_BLUR - 1);
+	return position;
+}
