@@ -1,4 +1,4 @@
-/* The order of elements: a permutation that keeps what faces outwards and thins dense regions first. */
+/* Orders by name: at random, by density, by orientation, and both. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,11 +16,21 @@ static struct soup dice;
 static struct lod_v3 center[MOST], normal[MOST];
 static double survival[MOST], again[MOST];
 
-static void order(double *out, uint32_t count, double height, uint32_t seed)
+static const enum lod_order_method baselines[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+#define BASELINES (sizeof baselines / sizeof *baselines)
+
+static void order_by(double *out, enum lod_order_method method, uint32_t count, double height, uint32_t seed)
 {
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_order_survival(out, &(struct lod_order_input){ count, center, normal, height, seed }, &arena);
-	lod_arena_free(&arena);
+	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed }, &arena);
+	assert_null(arena.last);
+	for (uint32_t i = 0; i < count; i++)
+		assert_true(out[i] >= 0 && out[i] < 2.5);
+}
+
+static void order(double *out, uint32_t count, double height, uint32_t seed)
+{
+	order_by(out, LOD_ORDER_COMBINED, count, height, seed);
 }
 
 static double mean(const double *values, uint32_t first, uint32_t end)
@@ -44,16 +54,41 @@ static void values_are_in_range_and_repeatable(void **state)
 {
 	(void)state;
 	crown(MOST);
-	order(survival, MOST, 10, 1);
-	order(again, MOST, 10, 1);
-	assert_memory_equal(survival, again, sizeof survival);
-	for (uint32_t i = 0; i < MOST; i++)
-		assert_true(survival[i] >= 0 && survival[i] < 2.5);
-	order(again, MOST, 10, 2);
-	assert_true(memcmp(survival, again, sizeof survival) != 0);
+	for (size_t m = 0; m < BASELINES; m++) {
+		order_by(survival, baselines[m], MOST, 10, 1);
+		order_by(again, baselines[m], MOST, 10, 1);
+		assert_memory_equal(survival, again, sizeof survival);
+		order_by(again, baselines[m], MOST, 10, 2);
+		assert_true(memcmp(survival, again, sizeof survival) != 0);
+	}
 }
 
-/* On a shell, what lies in the surface (normal along the gradient) outlives what stands across. */
+/* A seed's random order has no direction: halves of the plant lose alike. */
+static void stochastic_order_ignores_place_and_normal(void **state)
+{
+	(void)state;
+	crown(MOST);
+	order_by(survival, LOD_ORDER_STOCHASTIC, MOST, 10, 1);
+	double sum[2] = { 0, 0 }, count[2] = { 0, 0 };
+	for (uint32_t i = 0; i < MOST; i++) {
+		sum[center[i].z > 0] += survival[i];
+		count[center[i].z > 0]++;
+	}
+	assert_true(fabs(sum[0] / count[0] - 0.5) < 0.03 && fabs(sum[1] / count[1] - 0.5) < 0.03);
+	for (uint32_t i = 0; i < MOST; i++)
+		center[i] = normal[i] = (struct lod_v3){ 0, 0, 0 };
+	order_by(again, LOD_ORDER_STOCHASTIC, MOST, 0, 1);
+	assert_memory_equal(survival, again, sizeof survival);
+}
+
+static void every_order_has_a_name(void **state)
+{
+	(void)state;
+	for (int m = 0; m < LOD_ORDER_COUNT; m++)
+		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
+}
+
+/* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does not know. */
 static void what_faces_outwards_survives(void **state)
 {
 	(void)state;
@@ -65,6 +100,10 @@ static void what_faces_outwards_survives(void **state)
 	}
 	order(survival, MOST, 10, 1);
 	assert_true(mean(survival, 0, MOST / 2) > mean(survival, MOST / 2, MOST) + 0.3);
+	order_by(survival, LOD_ORDER_ORIENTATION, MOST, 10, 1);
+	assert_true(mean(survival, 0, MOST / 2) > mean(survival, MOST / 2, MOST) + 0.3);
+	order_by(survival, LOD_ORDER_DENSITY, MOST, 10, 1);
+	assert_true(fabs(mean(survival, 0, MOST / 2) - mean(survival, MOST / 2, MOST)) < 0.05);
 }
 
 /* Three quarters of the elements in one corner: the first to go come from there, until density is even. */
@@ -77,12 +116,14 @@ static void dense_regions_are_thinned_first(void **state)
 		center[i] = i % 4 ? lod_v3_scale(p, 0.5) : lod_v3_add(p, (struct lod_v3){ 6, 0, 0 });
 		normal[i] = (struct lod_v3){ 0, 0, 0 };
 	}
-	order(survival, MOST, 10, 1);
-	uint32_t low[2] = { 0, 0 };
-	for (uint32_t i = 0; i < MOST; i++)
-		low[i % 4 != 0] += survival[i] < 0.3;
-	assert_true(low[1] > 100);
-	assert_true(low[0] < low[1] / 20);
+	for (int m = 0; m < 2; m++) {
+		order_by(survival, m ? LOD_ORDER_DENSITY : LOD_ORDER_COMBINED, MOST, 10, 1);
+		uint32_t low[2] = { 0, 0 };
+		for (uint32_t i = 0; i < MOST; i++)
+			low[i % 4 != 0] += survival[i] < 0.3;
+		assert_true(low[1] > 100);
+		assert_true(low[0] < low[1] / 20);
+	}
 }
 
 static void odd_plants_are_ordered_too(void **state)
@@ -90,15 +131,13 @@ static void odd_plants_are_ordered_too(void **state)
 	(void)state;
 	center[0] = normal[0] = (struct lod_v3){ 1, 2, 3 };
 	order(survival, 1, 0, 1);
-	assert_true(survival[0] >= 0);
 	for (uint32_t i = 0; i < 100; i++)
 		center[i] = (struct lod_v3){ 1, 2, 3 };          /* all in one point */
 	order(survival, 100, 0, 1);
 	for (uint32_t i = 0; i < 100; i++)
 		center[i] = (struct lod_v3){ 1e4 * i, 0, 0 };    /* a long flat cover */
-	order(survival, 100, 0.01, 1);
-	for (uint32_t i = 0; i < 100; i++)
-		assert_true(survival[i] >= 0 && survival[i] < 2.5);
+	for (size_t m = 0; m < BASELINES; m++)
+		order_by(survival, baselines[m], 100, 0.01, 1);
 	order(survival, 0, 1, 1);
 }
 
@@ -128,6 +167,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(values_are_in_range_and_repeatable),
+		cmocka_unit_test(stochastic_order_ignores_place_and_normal),
+		cmocka_unit_test(every_order_has_a_name),
 		cmocka_unit_test(what_faces_outwards_survives),
 		cmocka_unit_test(dense_regions_are_thinned_first),
 		cmocka_unit_test(odd_plants_are_ordered_too),
