@@ -13,9 +13,14 @@ const struct eco_generate_kind eco_generate_kinds[] = {
 	{ "park", "trees along a path, groups of conifers, palms, shrubs, grasses and flowers on a gentle lawn", 60 },
 	{ "forest", "a mixed stand on hills: stems with trunk diameters in a CSV file, shrubs and ferns below", 2000 },
 	{ "meadow", "grasses and patches of flowers from nested eco files, with a few trees", 4000 },
+	{ "grove", "trees of six kinds on gentle hills, along a ride that the camera walks", 640 },
+	{ "palms", "a palm grove", 1500 },
+	{ "sunflowers", "a field of sunflowers around an old tree", 13001 },
+	{ "outdoor", "groups of trees, shrubs and patches of grasses and flowers on hills", 40000 },
 	{ NULL, NULL, 0 },
 };
-static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) = { gen_park, gen_forest, gen_meadow };
+static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) = { gen_park, gen_forest, gen_meadow, gen_grove,
+	gen_palms, gen_sunflowers, gen_outdoor };
 
 static enum eco_code make_folder(const char *path, struct eco_error *error)
 {
@@ -34,10 +39,13 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 	while (eco_generate_kinds[kind].name && strcmp(eco_generate_kinds[kind].name, options->name) != 0)
 		kind++;
 	if (!eco_generate_kinds[kind].name)
-		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest or meadow", options->name);
+		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest, meadow, grove, palms, sunflowers or outdoor",
+			options->name);
 	if (options->plants > ECO_GENERATE_PLANTS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%u plants: at most %u are generated; nest eco files for more", options->plants,
 			ECO_GENERATE_PLANTS_MAX);
+	if (!(options->detail >= 0 && options->detail <= ECO_GENERATE_DETAIL_MAX))
+		return eco_fail(error, ECO_TOO_LARGE, "detail %g: 0.1 to %g times the leaves", options->detail, ECO_GENERATE_DETAIL_MAX);
 	if (snprintf(models, sizeof models, "%s/models", options->folder) >= (int)sizeof models)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", options->folder);
 	enum eco_code code = make_folder(options->folder, error);

@@ -14,11 +14,13 @@
 #include "ecofiles/status.h"
 
 #define ECO_GENERATE_PLANTS_MAX 20000000u
+#define ECO_GENERATE_DETAIL_MAX 64.0
 
 struct eco_generate_options {
-	const char *name;            /* park, forest, meadow */
+	const char *name;            /* of eco_generate_kinds */
 	const char *folder;          /* made if it is not there; files of the same names are replaced, each one whole */
 	uint32_t plants;             /* about so many instances; 0: the scene's own number */
+	double detail;               /* leaves of woody plants: so many times as many, each as much smaller, up to ECO_GENERATE_DETAIL_MAX; 0: 1 */
 	uint64_t seed;
 	/* Called before each piece of work with its name and the share done; false stops with ECO_INTERRUPTED; may be NULL. */
 	bool (*progress)(void *ctx, const char *stage, double share);

@@ -52,6 +52,7 @@ struct gen_mesh {
 	struct gen_face *faces;      uint32_t face_count, face_capacity;
 	struct gen_material materials[GEN_MATERIALS_MAX];
 	uint32_t material_count;
+	double detail;               /* plants grow so many times as many leaves, each as much smaller; 0: 1 */
 	bool failed;
 };
 void gen_mesh_free(struct gen_mesh *mesh);

@@ -12,6 +12,8 @@ static uint32_t shade_of(double light, uint32_t shades, struct gen_random *rando
 	return (uint32_t)gen_clamp((light + gen_random_in(random, -0.22, 0.22)) * shades, 0, shades - 1);
 }
 
+static double detail_of(const struct gen_mesh *mesh) { return mesh->detail > 0 ? mesh->detail : 1; }
+
 /* ---- Broad-leaved trees ---- */
 
 struct foliage {
@@ -45,10 +47,16 @@ static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const stru
 static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, const struct foliage *f, struct gen_random *random)
 {
 	struct gen_shoot shoots[SHOOTS_MAX];
+	struct foliage fine = *f;
+	double detail = detail_of(mesh);
+	fine.twigs = (uint32_t)(f->twigs * detail + 0.5);
+	fine.twigs += fine.twigs == 0;
+	fine.leaf_m /= sqrt(detail);
+	fine.width_m /= sqrt(detail);
 	gen_tree(mesh, f->bark, crown, random, shoots);
 	for (uint32_t i = 0; i < crown->shoots; i++)
-		for (uint32_t k = 0; k < f->twigs; k++)
-			grow_twig(mesh, f, &shoots[i], random);
+		for (uint32_t k = 0; k < fine.twigs; k++)
+			grow_twig(mesh, &fine, &shoots[i], random);
 }
 
 static void oak(struct gen_mesh *mesh, struct gen_random *random)
@@ -120,7 +128,8 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 		radius[i] = i == 4 ? 0 : (0.006 + 0.007 * length) * (1 - t);
 	}
 	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, 5, 3 });
-	uint32_t sprays = 2 * (uint32_t)(length / 0.16) + 3;
+	double detail = detail_of(mesh);
+	uint32_t sprays = 2 * (uint32_t)(length / 0.16 * detail) + 3;
 	for (uint32_t i = 0; i < sprays; i++) {
 		double t = i + 1 == sprays ? 1 : 0.16 + 0.82 * (i / 2 * 2 + 1.0) / sprays, along = t * 4;
 		int k = along < 3.999 ? (int)along : 3;
@@ -130,8 +139,8 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 		out.z += gen_random_in(random, -0.35, 0.10);
 		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8, 1.2) * (0.4 + 0.6 * gen_clamp(length, 0, 1));
 		gen_leaf(mesh, (uint8_t)(w->leaf + shade_of(0.25 + 0.55 * t, w->shades, random)), &(struct gen_leaf){ .at = foot, .along = out,
-			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)), .length = size, .width = w->needle_width,
-			.bend = 0.2, .shape = GEN_LEAF_RHOMB });
+			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)), .length = size / sqrt(detail),
+			.width = w->needle_width / sqrt(detail), .bend = 0.2, .shape = GEN_LEAF_RHOMB });
 	}
 }
 
@@ -196,7 +205,7 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 		bool old = i >= 23;
 		gen_frond(mesh, &(struct gen_frond){ .at = gen_mad(points[RINGS - 1], gen_v3(0, 0, 1), 0.1 - 0.25 * age), .azimuth_deg = 137.5 * i,
 			.elevation_deg = old ? -35 : 78 - 82 * age, .sink_deg = old ? 50 : 70 + 20 * age, .length = gen_random_in(random, 2.5, 3.1),
-			.leaflet = 0.72, .width = 0.062, .pairs = 34, .rib = rib, .leaf = old ? dry : leaf, .shades = old ? 2 : 5,
+			.leaflet = 0.72, .width = 0.062 / detail_of(mesh), .pairs = (uint32_t)(34 * detail_of(mesh) + 0.5), .rib = rib, .leaf = old ? dry : leaf, .shades = old ? 2 : 5,
 			.rib_radius = 0.024, .shape = GEN_LEAF_BLADE }, random);
 	}
 }
@@ -361,11 +370,62 @@ static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
 	grow_flower(mesh, random, petal, 3, button, 9, 0.040, 0.020, 0.45);
 }
 
+/* A head on a tall stalk: rays around a disc of florets on a spiral, as they grow. */
+static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct gen_v3 at, struct gen_v3 face, struct gen_random *random)
+{
+	enum { RAYS = 34, FLORETS = 1240 };
+	struct gen_v3 across = gen_across(face);
+	const double disc = 0.085;
+	for (uint32_t i = 0; i < RAYS; i++) {
+		struct gen_v3 way = gen_turned(across, face, 360.0 * i / RAYS + gen_random_in(random, -4, 4));
+		gen_leaf(mesh, (uint8_t)(ray + shade_of(0.55, 3, random)), &(struct gen_leaf){ .at = gen_mad(at, way, 0.92 * disc),
+			.along = gen_mad(way, face, gen_random_in(random, 0.02, 0.3)), .face = face, .length = gen_random_in(random, 0.08, 0.105),
+			.width = 0.028, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
+	}
+	for (uint32_t i = 0; i < FLORETS; i++) {
+		double r = disc * sqrt((i + 0.5) / FLORETS);
+		struct gen_v3 way = gen_turned(across, face, 137.50776405 * i), spot = gen_mad(at, way, r);
+		gen_leaf(mesh, (uint8_t)(floret + (r > 0.6 * disc)), &(struct gen_leaf){ .at = gen_mad(spot, face, 0.012 * (1 - r / disc)),
+			.along = gen_mad(face, way, 0.7), .face = gen_mad(way, face, -0.7), .length = 0.011, .width = 0.007, .bend = 0.1,
+			.shape = GEN_LEAF_HEXAGON });
+	}
+}
+
+static void sunflower(struct gen_mesh *mesh, struct gen_random *random)
+{
+	enum { RINGS = 7, LEAVES = 22 };
+	uint8_t stem = gen_material(mesh, "stem", 96, 124, 62, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 46, 82, 34 }, (uint8_t[]){ 116, 148, 70 }, 4);
+	uint8_t ray = gen_material_shades(mesh, "petal", (uint8_t[]){ 226, 150, 16 }, (uint8_t[]){ 252, 206, 44 }, 3);
+	uint8_t floret = gen_material_shades(mesh, "floret", (uint8_t[]){ 62, 42, 26 }, (uint8_t[]){ 132, 88, 34 }, 2);
+	double azimuth = gen_random_in(random, 0, 360), radius[RINGS];
+	struct gen_v3 points[RINGS], south = gen_heading(azimuth, 0);
+	for (int i = 0; i < RINGS; i++) {
+		double t = i / (RINGS - 1.0);
+		points[i] = gen_mad(gen_v3(0, 0, 1.72 * t - 0.06 * gen_smooth(0.85, 1, t)), south, 0.16 * t * t * t);
+		radius[i] = 0.016 * (1 - 0.5 * t);
+	}
+	gen_tube(mesh, stem, &(struct gen_tube){ points, radius, RINGS, 6 });
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		double t = 0.12 + 0.78 * (i + 0.5) / LEAVES, at = t * (RINGS - 1), size = 0.12 + 0.30 * t * (1.25 - t);
+		int k = (int)at;
+		struct gen_v3 out = gen_heading(137.5 * i + gen_random_in(random, -15, 15), 0);
+		struct gen_v3 foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k), tip = gen_mad(foot, out, 0.45 * size);
+		gen_tube(mesh, stem, &(struct gen_tube){ (struct gen_v3[]){ foot, gen_mad(tip, gen_v3(0, 0, 1), 0.04) }, (double[]){ 0.005, 0.003 }, 2, 3 });
+		gen_leaf(mesh, (uint8_t)(leaf + shade_of(0.25 + 0.6 * t, 4, random)), &(struct gen_leaf){ .at = gen_mad(tip, gen_v3(0, 0, 1), 0.04),
+			.along = gen_mad(out, gen_v3(0, 0, 1), gen_random_in(random, -0.5, 0.1)), .face = gen_mad(gen_v3(0, 0, 1), gen_random_way(random), 0.3),
+			.length = size, .width = 0.75 * size, .bend = 0.3, .shape = GEN_LEAF_HEXAGON });
+	}
+	struct gen_v3 face = gen_unit(gen_add(gen_mul(south, 0.9), gen_v3(0, 0, 0.35)));
+	grow_head(mesh, ray, floret, gen_mad(points[RINGS - 1], face, 0.02), face, random);
+}
+
 const struct gen_plant gen_plants[] = {
 	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden }, { "beech", NULL, beech },
 	{ "maple", "spray.png", maple }, { "spruce", NULL, spruce }, { "pine", NULL, pine },
 	{ "palm", NULL, palm }, { "fern", NULL, fern }, { "shrub", "leaf.png", shrub }, { "azalea", NULL, azalea }, { "grass", NULL, grass },
 	{ "turf", NULL, turf }, { "daisy", NULL, daisy }, { "poppy", NULL, poppy }, { "cornflower", NULL, cornflower },
+	{ "sunflower", NULL, sunflower },
 };
 const uint32_t gen_plant_count = sizeof gen_plants / sizeof *gen_plants;
 

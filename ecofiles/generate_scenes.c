@@ -7,99 +7,13 @@
 #include "ecofiles/generate_scenes.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/generate_plants.h"
 
-/* ---- Texts ---- */
-
-struct text { FILE *out; char *bytes; size_t size; };
-
-static enum eco_code text_open(struct text *text, struct eco_error *error)
-{
-	*text = (struct text){ 0 };
-	text->out = open_memstream(&text->bytes, &text->size);
-	return text->out ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "generating: no memory");
-}
-
-static enum eco_code text_write(struct text *text, const struct gen_layout *layout, const char *name, struct eco_error *error)
-{
-	char path[4096];
-	enum eco_code code = ECO_OK;
-	if (fclose(text->out))
-		code = eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
-	else if (snprintf(path, sizeof path, "%s/%s", layout->options->folder, name) >= (int)sizeof path)
-		code = eco_fail(error, ECO_BAD_INPUT, "%s: path too long", layout->options->folder);
-	else
-		code = gen_file_write(path, text->bytes, text->size, error);
-	free(text->bytes);
-	return code;
-}
-
-static enum eco_code progress(const struct gen_layout *layout, const char *stage, double share, struct eco_error *error)
-{
-	const struct eco_generate_options *o = layout->options;
-	return !o->progress || o->progress(o->ctx, stage, share) ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted");
-}
-
-/* ---- Shared parts of scenes ---- */
-
-static enum eco_code write_model(const struct gen_layout *layout, const char *name, struct eco_error *error)
-{
-	const struct gen_plant *plant = gen_plant_find(name);
-	char folder[4096];
-	struct gen_mesh mesh = { 0 };
-	uint64_t seed = layout->options->seed;
-	for (const char *c = name; *c; c++)
-		seed = seed * 131 + (unsigned char)*c;
-	struct gen_random random = { seed };
-	snprintf(folder, sizeof folder, "%s/models", layout->options->folder);
-	plant->grow(&mesh, &random);
-	enum eco_code code = gen_mesh_write(&mesh, folder, name, error);
-	gen_mesh_free(&mesh);
-	if (!code && plant->texture)
-		code = gen_texture_write(folder, plant->texture, error);
-	return code;
-}
-
-static enum eco_code write_models(const struct gen_layout *layout, const char *const names[], struct eco_error *error)
-{
-	uint32_t count = 0;
-	while (names[count])
-		count++;
-	for (uint32_t i = 0; i < count; i++) {
-		enum eco_code code = progress(layout, names[i], 0.8 * i / count, error);
-		if (!code)
-			code = write_model(layout, names[i], error);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
-}
-
-static void print_head(FILE *out, const char *name, uint32_t tile_instances)
-{
-	fprintf(out, "{\n  \"name\": \"%s\", \"crs\": \"" GEN_CRS "\", \"origin\": [%.0f, %.0f, %.0f],\n", name, GEN_EASTING, GEN_NORTHING,
-		GEN_ALTITUDE);
-	fprintf(out, "  \"ground\": {\"heights\": \"dem.tif\"}, \"tile\": {\"instances\": %u},\n", tile_instances);
-}
-
-static bool has_flowers(const char *name)
-{
-	return !strcmp(name, "azalea") || !strcmp(name, "daisy") || !strcmp(name, "poppy") || !strcmp(name, "cornflower");
-}
-
-static void print_plants(FILE *out, const char *const names[])
-{
-	fputs("  \"plants\": {", out);
-	for (uint32_t i = 0; names[i]; i++)
-		fprintf(out, "%s\n    \"%s\": {\"model\": \"models/%s.obj\"%s}", i ? "," : "", names[i], names[i],
-			has_flowers(names[i]) ? ", \"importance\": {\"flower\": 2}" : "");
-	fputs("\n  },\n", out);
-}
+/* ---- Plants one by one ---- */
 
 struct gen_instance { const char *plant; double x, y, yaw_deg, scale; };
 
@@ -108,98 +22,6 @@ static void print_instances(FILE *out, const struct gen_instance *instances, uin
 	for (uint32_t i = 0; i < count; i++)
 		fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %.1f, \"scale\": %.3f}", i ? "," : "",
 			instances[i].plant, instances[i].x, instances[i].y, instances[i].yaw_deg, instances[i].scale);
-}
-
-/* Eye and target in metres above the ground below them. */
-struct look { double time_s, eye[3], target[3], fov_deg; };
-
-static enum eco_code write_camera(const struct gen_layout *layout, const struct gen_terrain *terrain, const struct look *looks,
-	uint32_t count, struct eco_error *error)
-{
-	struct text text;
-	enum eco_code code = text_open(&text, error);
-	if (code)
-		return code;
-	fputs("{\"fps\": 1, \"keyframes\": [", text.out);
-	for (uint32_t i = 0; i < count; i++) {
-		const struct look *l = &looks[i];
-		fprintf(text.out, "%s\n  {\"time_s\": %.0f, \"eye\": [%.2f, %.2f, %.2f], \"target\": [%.2f, %.2f, %.2f], \"up\": [0, 0, 1], "
-			"\"fov_y_deg\": %.0f}", i ? "," : "", l->time_s, l->eye[0], l->eye[1], l->eye[2] + gen_terrain_height(terrain, l->eye[0], l->eye[1]),
-			l->target[0], l->target[1], l->target[2] + gen_terrain_height(terrain, l->target[0], l->target[1]), l->fov_deg);
-	}
-	fputs("\n]}\n", text.out);
-	return text_write(&text, layout, "camera.json", error);
-}
-
-static enum eco_code write_ground(const struct gen_layout *layout, const struct gen_terrain *terrain, double half_m, double step_m,
-	struct eco_error *error)
-{
-	char path[4096];
-	enum eco_code code = progress(layout, "ground", 0.8, error);
-	if (code)
-		return code;
-	snprintf(path, sizeof path, "%s/dem.tif", layout->options->folder);
-	while (half_m / step_m > 1000)
-		step_m *= 2;
-	return gen_terrain_write(terrain, ceil(half_m / step_m) * step_m, step_m, path, error);
-}
-
-/* ---- Plants that keep their distance: a hash grid of what stands already ---- */
-
-struct stand {
-	struct standing { float x, y, room; uint32_t next; } *plants;
-	uint32_t count, capacity, *cells, side;
-	double cell_m, half_m, room_max;
-	bool failed;
-};
-
-static enum eco_code stand_open(struct stand *stand, uint32_t capacity, double half_m, double room_max, struct eco_error *error)
-{
-	*stand = (struct stand){ .capacity = capacity, .half_m = half_m, .room_max = room_max, .cell_m = room_max };
-	while (half_m * 2 / stand->cell_m > 4096)
-		stand->cell_m *= 2;
-	stand->side = (uint32_t)(2 * half_m / stand->cell_m) + 1;
-	stand->plants = malloc(((size_t)capacity + 1) * sizeof *stand->plants);
-	stand->cells = malloc((size_t)stand->side * stand->side * sizeof *stand->cells);
-	if (!stand->plants || !stand->cells) {
-		free(stand->plants);
-		free(stand->cells);
-		return eco_fail(error, ECO_NO_MEMORY, "generating: no memory for %u plants", capacity);
-	}
-	memset(stand->cells, 0xFF, (size_t)stand->side * stand->side * sizeof *stand->cells);
-	return ECO_OK;
-}
-
-static void stand_close(struct stand *stand)
-{
-	free(stand->plants);
-	free(stand->cells);
-}
-
-static uint32_t stand_cell(const struct stand *stand, double v)
-{
-	return (uint32_t)gen_clamp((v + stand->half_m) / stand->cell_m, 0, stand->side - 1);
-}
-
-/* Stands there if nothing is nearer than the mean of both rooms. */
-static bool stand_add(struct stand *stand, double x, double y, double room)
-{
-	uint32_t column = stand_cell(stand, x), row = stand_cell(stand, y);
-	for (uint32_t r = row ? row - 1 : 0; r <= row + 1 && r < stand->side; r++) {
-		for (uint32_t c = column ? column - 1 : 0; c <= column + 1 && c < stand->side; c++) {
-			for (uint32_t i = stand->cells[(size_t)r * stand->side + c]; i != ECO_NONE; i = stand->plants[i].next) {
-				double dx = stand->plants[i].x - x, dy = stand->plants[i].y - y, far = 0.5 * (stand->plants[i].room + room);
-				if (dx * dx + dy * dy < far * far)
-					return false;
-			}
-		}
-	}
-	if (stand->count >= stand->capacity)
-		return false;
-	uint32_t *cell = &stand->cells[(size_t)row * stand->side + column];
-	stand->plants[stand->count] = (struct standing){ (float)x, (float)y, (float)room, *cell };
-	*cell = stand->count++;
-	return true;
 }
 
 /* ---- Park ---- */
@@ -230,7 +52,7 @@ static bool on_path(double x, double y, double span)
 static double turn_anyhow(struct gen_random *random) { return floor(gen_random_in(random, 0, 3600)) / 10; }
 
 /* `wanted` plants of a bed; those for which no room is found within many throws are left out. */
-static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, double stretch, uint32_t wanted, struct stand *stand,
+static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, double stretch, uint32_t wanted, struct gen_stand *stand,
 	struct gen_instance *out)
 {
 	uint32_t count = 0;
@@ -238,7 +60,7 @@ static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, doub
 		struct gen_v3 way = gen_heading(gen_random_in(&layout->random, 0, 360), 0);
 		double r = bed->radius * stretch * sqrt(gen_random_unit(&layout->random));
 		double x = bed->x * stretch + r * way.x, y = bed->y * stretch + r * way.y;
-		if (on_path(x, y, PARK_HALF_M * stretch) || !stand_add(stand, x, y, bed->room))
+		if (on_path(x, y, PARK_HALF_M * stretch) || !gen_stand_add(stand, x, y, bed->room))
 			continue;
 		out[count++] = (struct gen_instance){ bed->plant, x, y, turn_anyhow(&layout->random),
 			gen_random_in(&layout->random, bed->small, bed->large) };
@@ -246,7 +68,7 @@ static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, doub
 	return count;
 }
 
-static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t wanted, struct stand *stand, struct gen_instance *out)
+static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t wanted, struct gen_stand *stand, struct gen_instance *out)
 {
 	double span = PARK_HALF_M * stretch;
 	uint32_t count = 0;
@@ -256,7 +78,7 @@ static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t
 		double slope = (path_y(x + 0.5, span) - path_y(x - 0.5, span)), length = sqrt(1 + slope * slope);
 		double y = path_y(x, span) + side * 4.6 / length;
 		x -= side * 4.6 * slope / length;
-		if (stand_add(stand, x, y, 6))
+		if (gen_stand_add(stand, x, y, 6))
 			out[count++] = (struct gen_instance){ "linden", x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.85, 1.08) };
 	}
 	return count;
@@ -268,18 +90,18 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 		"cornflower", NULL };
 	double share = (double)layout->plants / PARK_PLANTS, stretch = share > 1 ? sqrt(share) : 1;
 	struct gen_terrain terrain = { layout->options->seed + 11, 9, 105, 0.5, 21 };
-	struct stand stand;
-	struct text text;
-	enum eco_code code = write_models(layout, names, error);
+	struct gen_stand stand;
+	struct gen_text text;
+	enum eco_code code = gen_write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, 220 + 60 * stretch, 4, error);
-	const struct look looks[] = {
+		code = gen_write_ground(layout, &terrain, 220 + 60 * stretch, 4, error);
+	const struct gen_look looks[] = {
 		{ 0, { 36 * stretch, -46 * stretch, 24 * stretch }, { -1, 1, 0 }, 42 }, { 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
 		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 }, { 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
 	if (!code)
-		code = write_camera(layout, &terrain, looks, 4, error);
+		code = gen_write_camera(layout, &terrain, looks, 4, error);
 	if (!code)
-		code = stand_open(&stand, layout->plants + 64, 50 * stretch, 11, error);
+		code = gen_stand_open(&stand, layout->plants + 64, 50 * stretch, 11, error);
 	if (code)
 		return code;
 	struct gen_instance *instances = calloc((size_t)layout->plants + 64, sizeof *instances);
@@ -290,17 +112,17 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 			uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5), left = layout->plants - count;
 			count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left, &stand, instances + count);
 		}
-		code = text_open(&text, error);
+		code = gen_text_open(&text, error);
 	} else
 		code = eco_fail(error, ECO_NO_MEMORY, "generating: no memory for %u plants", layout->plants);
-	stand_close(&stand);
+	gen_stand_close(&stand);
 	if (!code) {
-		print_head(text.out, "park", 16);
-		print_plants(text.out, names);
+		gen_print_head(text.out, "park", 16);
+		gen_print_plants(text.out, names);
 		fputs("  \"instances\": [", text.out);
 		print_instances(text.out, instances, count);
 		fputs("\n  ]\n}\n", text.out);
-		code = text_write(&text, layout, "scene.json", error);
+		code = gen_text_write(&text, layout, "scene.json", error);
 	}
 	free(instances);
 	return code;
@@ -335,11 +157,11 @@ static double stem_mm(double rank)
 	return 70 + 560 * thin * thin * (0.25 + 0.75 * thin);
 }
 
-static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, double half_m, struct stand *stand, struct eco_error *error)
+static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, double half_m, struct gen_stand *stand, struct eco_error *error)
 {
-	struct text text;
+	struct gen_text text;
 	uint64_t site_seed = layout->options->seed + 29;
-	enum eco_code code = text_open(&text, error);
+	enum eco_code code = gen_text_open(&text, error);
 	if (code)
 		return code;
 	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
@@ -348,13 +170,13 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 		/* as many as were asked for: where no room is found, the stem makes do with less */
 		for (int attempt = 0; attempt < 600; attempt++, room *= attempt > 24 ? 0.98 : 1) {
 			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
-			if (!stand_add(stand, x, y, room))
+			if (!gen_stand_add(stand, x, y, room))
 				continue;
 			fprintf(text.out, "%u,%s,%.2f,%.2f,%.0f\n", tag++, species_at(site_seed, x, y, &layout->random)->code, GEN_EASTING + x,
 				GEN_NORTHING + y, dbh);
 			break;
 		}
-		if (i % 65536 == 65535 && (code = progress(layout, "stems", 0.85 + 0.1 * i / trees, error)))
+		if (i % 65536 == 65535 && (code = gen_progress(layout, "stems", 0.85 + 0.1 * i / trees, error)))
 			break;
 	}
 	if (code) {
@@ -362,16 +184,16 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 		free(text.bytes);
 		return code;
 	}
-	return text_write(&text, layout, "stems.csv", error);
+	return gen_text_write(&text, layout, "stems.csv", error);
 }
 
 /* Shrubs and ferns grow in patches where slow noise lets light in. */
-static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted, double half_m, struct stand *stand,
+static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted, double half_m, struct gen_stand *stand,
 	struct eco_error *error)
 {
-	struct text text;
+	struct gen_text text;
 	uint64_t seed = layout->options->seed + 31;
-	enum eco_code code = text_open(&text, error);
+	enum eco_code code = gen_text_open(&text, error);
 	if (code)
 		return code;
 	fputs("plant,easting,northing,height_m\n", text.out);
@@ -380,19 +202,19 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 		double light = gen_noise(seed, x / 14, y / 14);
 		bool fern = gen_noise(seed + 1, x / 22, y / 22) + gen_random_in(&layout->random, -0.15, 0.15) > 0.45;
-		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease || !stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
+		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease || !gen_stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
 			continue;
 		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x, GEN_NORTHING + y,
 			fern ? gen_random_in(&layout->random, 0.4, 0.75) : gen_random_in(&layout->random, 1.0, 2.6));
 		count++;
 	}
-	return text_write(&text, layout, "understory.csv", error);
+	return gen_text_write(&text, layout, "understory.csv", error);
 }
 
 static void print_forest(FILE *out, const char *const names[])
 {
-	print_head(out, "forest", 128);
-	print_plants(out, names);
+	gen_print_head(out, "forest", 128);
+	gen_print_plants(out, names);
 	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", \"species\": \"species\",\n"
 		"     \"map\": {", out);
 	for (size_t i = 0; i < SPECIES; i++)
@@ -409,30 +231,30 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 	double half_m = 0.5 * sqrt(trees / 0.060);           /* 600 stems a hectare */
 	half_m = half_m < 8 ? 8 : half_m;
 	struct gen_terrain terrain = { layout->options->seed + 13, 38, 170, 5, 48 };
-	struct stand stand;
-	struct text text;
-	enum eco_code code = write_models(layout, names, error);
+	struct gen_stand stand;
+	struct gen_text text;
+	enum eco_code code = gen_write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, half_m + 200, 5, error);
-	const struct look looks[] = {
+		code = gen_write_ground(layout, &terrain, half_m + 200, 5, error);
+	const struct gen_look looks[] = {
 		{ 0, { 0.6 * half_m, -half_m - 60, 0.55 * half_m + 45 }, { 0, -0.1 * half_m, 8 }, 45 },
 		{ 3, { 0.25 * half_m, -1.0 * half_m - 30, 18 }, { 0, 0, 10 }, 48 },
 		{ 6, { 0, -half_m - 4, 1.7 }, { -4, -half_m + 26, 6 }, 60 } };
 	if (!code)
-		code = write_camera(layout, &terrain, looks, 3, error);
+		code = gen_write_camera(layout, &terrain, looks, 3, error);
 	if (!code)
-		code = stand_open(&stand, layout->plants, half_m, 6.9, error);
+		code = gen_stand_open(&stand, layout->plants, half_m, 6.9, error);
 	if (code)
 		return code;
-	code = progress(layout, "stems", 0.85, error);
+	code = gen_progress(layout, "stems", 0.85, error);
 	if (!code)
 		code = write_stems(layout, trees, half_m, &stand, error);
 	if (!code)
 		code = write_understory(layout, low, half_m, &stand, error);
-	stand_close(&stand);
-	if (!code && !(code = text_open(&text, error))) {
+	gen_stand_close(&stand);
+	if (!code && !(code = gen_text_open(&text, error))) {
 		print_forest(text.out, names);
-		code = text_write(&text, layout, "scene.json", error);
+		code = gen_text_write(&text, layout, "scene.json", error);
 	}
 	return code;
 }
@@ -447,10 +269,10 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 	struct eco_error *error)
 {
 	struct gen_instance instances[PATCH_PLANTS];
-	struct stand stand;
-	struct text text;
+	struct gen_stand stand;
+	struct gen_text text;
 	char path[64];
-	enum eco_code code = stand_open(&stand, PATCH_PLANTS, PATCH_M, 1, error);
+	enum eco_code code = gen_stand_open(&stand, PATCH_PLANTS, PATCH_M, 1, error);
 	if (code)
 		return code;
 	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
@@ -461,21 +283,21 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 		uint32_t kind = 0, at = stand.count;
 		while (plants[kind + 1] && (pick -= shares[kind]) >= 0)
 			kind++;
-		if (stand_add(&stand, x, y, throw < 2000 ? 0.62 : 0.4))
+		if (gen_stand_add(&stand, x, y, throw < 2000 ? 0.62 : 0.4))
 			instances[at] = (struct gen_instance){ plants[kind], x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.75, 1.25) };
 	}
 	uint32_t count = stand.count;
-	stand_close(&stand);
-	code = text_open(&text, error);
+	gen_stand_close(&stand);
+	code = gen_text_open(&text, error);
 	if (code)
 		return code;
 	fprintf(text.out, "{\n  \"name\": \"%s\",\n", name);
-	print_plants(text.out, plants);
+	gen_print_plants(text.out, plants);
 	fputs("  \"instances\": [", text.out);
 	print_instances(text.out, instances, count);
 	fputs("\n  ]\n}\n", text.out);
 	snprintf(path, sizeof path, "%s.json", name);
-	return text_write(&text, layout, path, error);
+	return gen_text_write(&text, layout, path, error);
 }
 
 static const char *const patch_names[] = { "grasses", "daisies", "poppies" };
@@ -516,39 +338,39 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 	double half_m = 0.5 * PATCH_M * ceil(sqrt((double)layout->plants / PATCH_PLANTS));
 	struct gen_terrain terrain = { layout->options->seed + 17, 4, 95, 0.15, 25 };
 	struct gen_instance standing[48];
-	struct stand stand;
-	struct text text;
+	struct gen_stand stand;
+	struct gen_text text;
 	uint32_t count = 0, wanted = (uint32_t)gen_clamp(6 + layout->plants / 2000.0, 6, 48);
-	enum eco_code code = write_models(layout, names, error);
+	enum eco_code code = gen_write_models(layout, names, error);
 	if (!code)
-		code = write_ground(layout, &terrain, half_m + 160, 4, error);
-	const struct look looks[] = {
+		code = gen_write_ground(layout, &terrain, half_m + 160, 4, error);
+	const struct gen_look looks[] = {
 		{ 0, { 0.7 * half_m, -1.5 * half_m - 8, 0.6 * half_m + 6 }, { 0, 0, 0 }, 45 }, { 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
 		{ 6, { 0, -0.6 * half_m, 1.2 }, { -1, -0.6 * half_m + 9, 0.5 }, 55 } };
 	if (!code)
-		code = write_camera(layout, &terrain, looks, 3, error);
+		code = gen_write_camera(layout, &terrain, looks, 3, error);
 	if (!code)
 		code = write_patches(layout, error);
 	if (!code)
-		code = stand_open(&stand, 48, half_m, 9, error);
+		code = gen_stand_open(&stand, 48, half_m, 9, error);
 	if (code)
 		return code;
 	for (uint32_t throw = 0; throw < 4000 && count < wanted; throw++) {
 		const char *plant = trees[gen_random_bits(&layout->random) % 3];
 		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, 0.1 * half_m, half_m);
-		if (stand_add(&stand, x, y, 9))
+		if (gen_stand_add(&stand, x, y, 9))
 			standing[count++] = (struct gen_instance){ plant, x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.5, 0.95) };
 	}
-	stand_close(&stand);
-	code = text_open(&text, error);
+	gen_stand_close(&stand);
+	code = gen_text_open(&text, error);
 	if (code)
 		return code;
-	print_head(text.out, "meadow", 32);
-	print_plants(text.out, trees);
+	gen_print_head(text.out, "meadow", 32);
+	gen_print_plants(text.out, trees);
 	fputs("  \"instances\": [", text.out);
 	print_instances(text.out, standing, count);
 	fputs("\n  ],\n  \"children\": [", text.out);
 	print_patches(text.out, layout, half_m);
 	fputs("\n  ]\n}\n", text.out);
-	return text_write(&text, layout, "scene.json", error);
+	return gen_text_write(&text, layout, "scene.json", error);
 }

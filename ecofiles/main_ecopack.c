@@ -131,6 +131,7 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 	struct eco_generate_options generate = { .seed = 1, .progress = generate_progress };
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &generate.folder, 0, 0, 0, NULL },
 		{ "plants", 0, MAIN_COUNT, &plants, 1, ECO_GENERATE_PLANTS_MAX, 0, NULL },
+		{ "detail", 0, MAIN_NUMBER, &generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX, 0, NULL },
 		{ "seed", 0, MAIN_COUNT, &generate.seed, 0, 9007199254740992.0, 0, NULL }, { 0 } };
 	enum eco_code code = main_arguments(argc, argv, "generate", options, "the name of a scene", &generate.name, 1, NULL, error);
 	if (!code && !generate.folder)
@@ -144,10 +145,11 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 	return code;
 }
 
-const struct main_command main_command_generate = { "generate", "NAME -o DIR [--plants N] [--seed S]",
+const struct main_command main_command_generate = { "generate", "NAME -o DIR [--plants N] [--detail D] [--seed S]",
 	"writes an example scene with models of its own into a folder, where files of the same names are replaced",
 	"  -o, --output DIR    the folder\n"
 	"      --plants N      about so many plants\n"
+	"      --detail D      woody plants have D times as many leaves, each as much smaller\n"
 	"      --seed S        another scene of the same kind; 1 if not given\n", run_generate };
 
 /* ---- Help ---- */

@@ -87,6 +87,10 @@ static const struct { const char *name; uint32_t plants; const char *files[12]; 
 		"models/spruce.obj" } },
 	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv", "models/beech.obj", "models/fern.obj", "models/leaf.png" } },
 	{ "meadow", 500, { "scene.json", "camera.json", "dem.tif", "grasses.json", "poppies.json", "models/poppy.obj" } },
+	{ "grove", 120, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/oak.obj", "models/spruce.obj" } },
+	{ "palms", 60, { "scene.json", "camera.json", "plants.csv", "models/palm.obj" } },
+	{ "sunflowers", 400, { "scene.json", "camera.json", "plants.csv", "models/sunflower.obj", "models/maple.obj" } },
+	{ "outdoor", 500, { "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -125,7 +129,7 @@ static void test_scenes_and_cameras_parse(void **state)
 		snprintf(path, sizeof path, "%s/camera.json", folder);
 		if (eco_camera_load(&camera, path, &error))
 			fail_msg("%s", error.text);
-		assert_in_range(eco_camera_frame_count(camera), 6, 8);
+		assert_in_range(eco_camera_frame_count(camera), 6, 40);
 		eco_camera_free(camera);
 		remove_folder(folder);
 	}
@@ -168,13 +172,47 @@ static void test_stems_keep_their_distance(void **state)
 	remove_folder(folder);
 }
 
+static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
+{
+	static const struct { const char *name; uint32_t plants; } cases[] = { { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
+		{ "sunflowers", 900 }, { "outdoor", 1000 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const char *folder = fresh("exact");
+		size_t size, lines = 0;
+		generate(cases[i].name, folder, cases[i].plants, 9);
+		char *csv = read_file(folder, "plants.csv", &size);
+		for (size_t k = 0; k < size; k++)
+			lines += csv[k] == '\n';
+		free(csv);
+		assert_int_equal(lines, cases[i].plants + 1);
+		remove_folder(folder);
+	}
+}
+
+static void test_detail_multiplies_leaves(void **state)
+{
+	static const struct { const char *name; double least, most; } cases[] = { { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
+		gen_plant_find(cases[i].name)->grow(&once, &(struct gen_random){ 5 });
+		gen_plant_find(cases[i].name)->grow(&fine, &(struct gen_random){ 5 });
+		double times = (double)fine.face_count / once.face_count;
+		if (!(times >= cases[i].least && times <= cases[i].most))
+			fail_msg("%s: %g times the faces", cases[i].name, times);
+		gen_mesh_free(&once);
+		gen_mesh_free(&fine);
+	}
+}
+
 static void test_plants_have_believable_sizes(void **state)
 {
 	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
 		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 }, { "spruce", 14, 18, 5, 6000 },
 		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 }, { "palm", 7, 11, 5, 3000 }, { "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
 		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 }, { "daisy", 0.3, 0.8, 0.6, 300 },
-		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 } };
+		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 }, { "sunflower", 1.4, 2.1, 0.7, 1000 } };
 	(void)state;
 	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
 	for (uint32_t i = 0; i < gen_plant_count; i++) {
@@ -249,6 +287,8 @@ int main(void)
 		cmocka_unit_test(test_scenes_and_cameras_parse),
 		cmocka_unit_test(test_park_has_about_as_many_as_asked),
 		cmocka_unit_test(test_stems_keep_their_distance),
+		cmocka_unit_test(test_measured_scenes_have_exactly_as_many_as_asked),
+		cmocka_unit_test(test_detail_multiplies_leaves),
 		cmocka_unit_test(test_plants_have_believable_sizes),
 		cmocka_unit_test(test_ground_is_smooth),
 		cmocka_unit_test(test_stopping_leaves_no_scene),

@@ -65,22 +65,36 @@ static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
 	return true;
 }
 
+static void grow(struct gen_mesh *mesh)
+{
+	struct gen_random random = { .state = 6143 };
+	struct gen_shoot shoots[SHOOTS];
+	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL), leaf = gen_material(mesh, "leaf", 76, 110, 40, NULL);
+	uint32_t left = BENCH_CROWN_LEAVES;
+	gen_tree(mesh, bark, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3, .lean = 0.4, .lobes = 15,
+		.shoots = SHOOTS }, &random, shoots);
+	for (uint32_t i = 0; i < SHOOTS; i++)
+		grow_leaves(mesh, bark, leaf, &shoots[i], &random, &left);
+}
+
 enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
 {
 	struct gen_mesh mesh = { 0 };
-	struct gen_random random = { .state = 6143 };
-	struct gen_shoot shoots[SHOOTS];
-	uint8_t bark = gen_material(&mesh, "bark", 88, 72, 56, NULL), leaf = gen_material(&mesh, "leaf", 76, 110, 40, NULL);
-	uint32_t left = BENCH_CROWN_LEAVES;
 	memset(model, 0, sizeof *model);
-	gen_tree(&mesh, bark, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3, .lean = 0.4, .lobes = 15,
-		.shoots = SHOOTS }, &random, shoots);
-	for (uint32_t i = 0; i < SHOOTS; i++)
-		grow_leaves(&mesh, bark, leaf, &shoots[i], &random, &left);
+	grow(&mesh);
 	bool made = !mesh.failed && convert(model, &mesh);
 	gen_mesh_free(&mesh);
 	if (made)
 		return ECO_OK;
 	eco_model_free(model);
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for a crown of %u leaves", BENCH_CROWN_LEAVES);
+}
+
+enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error)
+{
+	struct gen_mesh mesh = { 0 };
+	grow(&mesh);
+	enum eco_code code = gen_mesh_write(&mesh, folder, name, error);
+	gen_mesh_free(&mesh);
+	return code;
 }

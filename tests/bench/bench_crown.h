@@ -8,5 +8,7 @@
 
 /* To be freed with eco_model_free. */
 enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error);
+/* The same as FOLDER/NAME.obj and .mtl. */
+enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
 #endif
