@@ -85,17 +85,27 @@ static bool texture_make(struct texture *t, const struct lod_mask *mask, const s
 	return true;
 }
 
-static uint32_t wrap(double at, uint32_t size)
+/* Texels in 1/2^32, so that a step is an addition. */
+static int64_t texel_of(double at)
 {
-	double turns = floor(at / size), rest = floor(at - turns * size);
-	return rest < 0 ? 0 : rest >= size ? size - 1 : (uint32_t)rest;
+	return fabs(at) < 1 << 30 ? (int64_t)(at * 4294967296.0) : 0;
+}
+
+static uint32_t wrap(int64_t at, uint32_t size)
+{
+	int64_t texel = at >> 32, rest;
+	if (texel >= 0 && texel < (int64_t)size)
+		return (uint32_t)texel;
+	rest = texel % (int64_t)size;
+	return (uint32_t)(rest < 0 ? rest + (int64_t)size : rest);
 }
 
 static void set_opaque(uint64_t *row, int32_t first, int32_t end, int32_t y, const struct texture *t)
 {
-	for (int32_t x = first; x < end; x++) {
-		uint32_t column = wrap(t->u + x * t->u_x + y * t->u_y, t->mask->width);
-		uint32_t line = wrap(t->v + x * t->v_x + y * t->v_y, t->mask->height);
+	uint64_t u = (uint64_t)texel_of(t->u + first * t->u_x + y * t->u_y), u_x = (uint64_t)texel_of(t->u_x);
+	uint64_t v = (uint64_t)texel_of(t->v + first * t->v_x + y * t->v_y), v_x = (uint64_t)texel_of(t->v_x);
+	for (int32_t x = first; x < end; x++, u += u_x, v += v_x) {
+		uint32_t column = wrap((int64_t)u, t->mask->width), line = wrap((int64_t)v, t->mask->height);
 		row[x / 64] |= (t->mask->opaque[(size_t)line * t->mask->words + column / 64] >> column % 64 & 1) << (x % 64);
 	}
 }
@@ -135,6 +145,57 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 	}
 }
 
+static int64_t turn(const struct point *a, const struct point *b, const struct point *c)
+{
+	return (int64_t)(b->x - a->x) * (c->y - b->y) - (int64_t)(b->y - a->y) * (c->x - b->x);
+}
+
+/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (A star turns one way too, but not from its
+ * first corner.) */
+static int way_around(const struct point *p, uint32_t corners)
+{
+	int64_t low = 0, high = 0;
+	for (uint32_t i = 0; i < corners; i++) {
+		int64_t bend = turn(&p[i], &p[(i + 1) % corners], &p[(i + 2) % corners]);
+		low = bend < low ? bend : low;
+		high = bend > high ? bend : high;
+	}
+	for (uint32_t i = 1; i + 1 < corners; i++) {
+		int64_t part = turn(&p[0], &p[i], &p[i + 1]);
+		low = part < low ? part : low;
+		high = part > high ? part : high;
+	}
+	return low < 0 && high > 0 ? 0 : high > 0 ? 1 : -1;
+}
+
+/* In one go, as most leaves are: each row of the picture lies between one edge that goes down and one that goes up. */
+static void fill_convex(struct lod_footprint *print, const struct point *p, uint32_t corners, int way, int32_t pixels)
+{
+	int32_t left[LOD_FOOTPRINT_PIXELS], right[LOD_FOOTPRINT_PIXELS], top = (int32_t)print->y, end = top + (int32_t)print->rows;
+	left[end - top - 1] = right[end - top - 1] = 0;          /* a corner on a centre reaches it, but covers it not */
+	int32_t left_most = (int32_t)print->word * 64, right_most = left_most + (int32_t)print->words * 64;
+	right_most = right_most > pixels ? pixels : right_most;
+	for (uint32_t i = 0; i < corners; i++) {
+		struct point a = p[i], b = p[i + 1 < corners ? i + 1 : 0];
+		bool down = a.y < b.y;
+		int32_t *side = down == (way > 0) ? right : left;
+		int32_t y = first_centre(down ? a.y : b.y), last = first_centre(down ? b.y : a.y);
+		y = y < top ? top : y;
+		last = last > end ? end : last;
+		if (y >= last)
+			continue;
+		struct edge edge = down ? edge_make(a, b, y) : edge_make(b, a, y);
+		for (; y < last; y++, edge.x += edge.slope) {
+			int64_t x = (edge.x + (1 << 23) - 1) >> 24;
+			side[y - top] = (int32_t)(x < left_most ? left_most : x > right_most ? right_most : x);
+		}
+	}
+	uint64_t *row = print->bits - print->word;
+	for (int32_t y = 0; y < end - top; y++, row += print->words)
+		if (left[y] < right[y])
+			set_bits(row, left[y], right[y]);
+}
+
 /* The words that corners reach, cleared. */
 static bool open_box(struct lod_footprint *print, const struct point *p, uint32_t corners, int32_t pixels)
 {
@@ -170,10 +231,16 @@ bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen,
 	}
 	if (!open_box(print, p, fan->corners, (int32_t)pixels))
 		return false;
+	bool solid = !fan->cutout || !fan->uv;
+	int way = solid ? way_around(p, fan->corners) : 0;
+	if (way) {
+		fill_convex(print, p, fan->corners, way, (int32_t)pixels);
+		return true;
+	}
 	for (uint32_t t = 0; t + 2 < fan->corners; t++) {
 		const struct point corner[3] = { p[0], p[t + 1], p[t + 2] };
 		struct texture texture;
-		if (fan->cutout && fan->uv) {
+		if (!solid) {
 			const float *const uv[3] = { fan->uv[0], fan->uv[t + 1], fan->uv[t + 2] };
 			if (texture_make(&texture, fan->cutout, corner, uv))
 				fill(print, corner, &texture, (int32_t)pixels);
@@ -194,36 +261,47 @@ static inline uint32_t bits_of(uint64_t x)
 	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
 }
 
-static inline void count(uint64_t bits, uint64_t reference, uint64_t once, uint64_t twice, struct lod_gain *gain)
-{
-	uint64_t fresh = bits & ~once, again = bits & once & ~twice & reference;
-	if (fresh) {
-		gain->right += bits_of(fresh & reference);
-		gain->wrong += bits_of(fresh & ~reference);
-	}
-	if (again)
-		gain->second += bits_of(again);
-}
-
 void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
 {
 	const uint64_t *bits = print->bits;
 	for (uint32_t r = 0; r < print->rows; r++) {
 		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
-		for (uint32_t w = 0; w < print->words; w++, bits++)
-			count(*bits, canvas->reference[at + w], canvas->once[at + w], canvas->twice[at + w], gain);
+		for (uint32_t w = 0; w < print->words; w++, bits++) {
+			const uint64_t *times = canvas->times[at + w], reference = canvas->reference[at + w];
+			uint64_t more = times[1] | times[2], fresh = *bits & ~(times[0] | more), again = *bits & times[0] & ~more & reference;
+			if (fresh) {
+				gain->right += bits_of(fresh & reference);
+				gain->wrong += bits_of(fresh & ~reference);
+			}
+			if (again)
+				gain->second += bits_of(again);
+		}
 	}
 }
 
-void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
+/* Counting down is counting up in the digits' complement. */
+static void change(const struct lod_footprint *print, const struct lod_canvas *canvas, uint64_t down)
 {
 	const uint64_t *bits = print->bits;
 	for (uint32_t r = 0; r < print->rows; r++) {
 		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
 		for (uint32_t w = 0; w < print->words; w++, bits++) {
-			count(*bits, canvas->reference[at + w], canvas->once[at + w], canvas->twice[at + w], gain);
-			canvas->twice[at + w] |= *bits & canvas->once[at + w];
-			canvas->once[at + w] |= *bits;
+			uint64_t *times = canvas->times[at + w], carry = *bits & ~(times[0] & times[1] & times[2]);
+			for (int k = 0; k < LOD_CANVAS_DIGITS && carry; k++) {
+				uint64_t digit = times[k];
+				times[k] = digit ^ carry;
+				carry &= digit ^ down;
+			}
 		}
 	}
+}
+
+void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas)
+{
+	change(print, canvas, 0);
+}
+
+void lod_footprint_remove(const struct lod_footprint *print, const struct lod_canvas *canvas)
+{
+	change(print, canvas, ~UINT64_C(0));
 }

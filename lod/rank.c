@@ -12,6 +12,7 @@
 
 #include "ecofiles/list.h"
 #include "lod/rank_crown.h"
+#include "lod/rank_quad.h"
 #include "lod/sort.h"
 
 #define TRIAL_STRIDE 4u                  /* one view in so many */
@@ -20,6 +21,7 @@
 #define SCALES 5u                        /* tried at every step */
 #define CANDIDATES_LEAST 1024u
 #define CANDIDATES_SHARE 32u             /* times what a step's end has */
+#define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
 #define BATCH 256u
 
 struct weights { int64_t right, wrong, second; };
@@ -32,6 +34,7 @@ struct ranking {
 	struct lod_arena *arena;
 	uint32_t *order, picked, count;
 	uint8_t *growth;
+	struct lod_quad *simple;
 	bool *taken;
 	struct candidate *heap;
 	uint32_t heap_count;
@@ -125,7 +128,9 @@ static void run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_
 static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 {
 	uint64_t most = (uint64_t)end * CANDIDATES_SHARE > CANDIDATES_LEAST ? (uint64_t)end * CANDIDATES_SHARE : CANDIDATES_LEAST;
+	uint64_t enough = CANDIDATES_MOST + 3 * (uint64_t)(end - r->picked);
 	uint32_t left = r->count - r->picked;
+	most = most < enough ? most : enough;
 	r->heap_count = 0;
 	for (uint32_t i = 0; i < r->count; i++)
 		if (!r->taken[i] && (most >= left || lod_mix(salt * r->count + i) % left < most))
@@ -135,6 +140,8 @@ static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 static void make_heap(struct ranking *r)
 {
 	run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch);
+	for (uint32_t i = 0; i < r->heap_count; i++)
+		r->growth[r->heap[i].element] = r->heap[i].code;         /* where the next look begins */
 	for (uint32_t i = r->heap_count / 2; i-- > 0;)
 		sift_down(r->heap, r->heap_count, i);
 }
@@ -226,7 +233,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 			best = t;
 			best_scale = scale;
 		}
-		if (scale == 1)
+		if (scale == 1 || t.quality < best.quality - 0.002)
 			break;
 	}
 	r->weights = gradient(best.quality);
@@ -243,6 +250,16 @@ static uint32_t next_end(uint32_t count, uint32_t picked)
 		next = share + 0.1;
 	uint32_t end = (uint32_t)(next * count + 0.5);
 	return next > 0.95 || end > count ? count : end > picked ? end : picked + 1;
+}
+
+static void fit_batch(void *pieces, uint32_t batch)
+{
+	struct ranking *r = pieces;
+	uint32_t end = (batch + 1) * BATCH < r->count ? (batch + 1) * BATCH : r->count;
+	for (uint32_t i = batch * BATCH; i < end; i++) {
+		struct lod_fan fan = lod_foliage_fan(r->crown.foliage, i, r->crown.cutout[i]);
+		lod_quad_fit(&r->simple[i], &fan);
+	}
 }
 
 static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
@@ -283,12 +300,10 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	const struct lod_arena_piece *mark = arena->last;
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
-	for (uint32_t i = 0; i < r.count; i++) {
-		uint32_t corners = foliage->first[i + 1] - foliage->first[i];
-		rank->simple[i].corners = (uint8_t)(corners < 4 ? corners : 4);
-		memcpy(rank->simple[i].corner, foliage->corner[foliage->first[i]], rank->simple[i].corners * sizeof rank->simple[i].corner[0]);
-	}
 	enum eco_code code = lod_crown_open(&r.crown, foliage, options, arena, error);
+	r.simple = rank->simple;
+	if (!code && !options->plain)
+		run(&r, (r.count + BATCH - 1) / BATCH, fit_batch);
 	if (!code)
 		code = make_steps(&r, error);
 	lod_arena_release(arena, mark);

@@ -5,9 +5,9 @@
 
 #include "lod/sort.h"
 
-#define VIEWS 32u
+#define VIEWS 24u
 #define PIXELS_LEAST 256u
-#define PIXELS_MOST 768u
+#define PIXELS_MOST 512u
 #define PIXELS_FEWEST 48u
 #define PER_ELEMENT 200.0           /* pixels of a picture: an element is a few pixels wide then */
 #define WIDE 2.0                         /* pixels: so wide a leaf of the usual size is while it is judged */
@@ -64,8 +64,7 @@ static enum eco_code open_level(struct lod_crown *crown, const double (*directio
 	level->canvas = lod_arena_take(arena, crown->views, sizeof *level->canvas);
 	for (uint32_t v = 0; v < crown->views; v++)
 		level->canvas[v] = (struct lod_canvas){ .row_words = level->sights.words / pixels, .reference = level->sights.reference[v],
-			.once = lod_arena_take(arena, level->sights.words, sizeof(uint64_t)),
-			.twice = lod_arena_take(arena, level->sights.words, sizeof(uint64_t)) };
+			.times = lod_arena_take(arena, level->sights.words, sizeof *level->canvas[v].times) };
 	return ECO_OK;
 }
 
@@ -100,11 +99,11 @@ void lod_crown_set_level(struct lod_crown *crown, uint32_t count)
 
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 {
-	size_t bytes = crown->level->sights.words * sizeof(uint64_t);
-	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
-		memcpy(crown->level->canvas[v].once, crown->level->sights.wood[v], bytes);
-		memcpy(crown->level->canvas[v].twice, crown->level->sights.wood[v], bytes);
-	}
+	const struct lod_sights *sights = &crown->level->sights;
+	for (uint32_t v = views.first; v < sights->count; v += views.stride)
+		for (uint32_t i = 0; i < sights->words; i++)
+			for (int k = 0; k < LOD_CANVAS_DIGITS; k++)
+				crown->level->canvas[v].times[i][k] = sights->wood[v][i];        /* covered for good */
 }
 
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain)
@@ -120,29 +119,40 @@ void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge
 	}
 }
 
-void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
+static void change(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views,
+	void (*how)(const struct lod_footprint *, const struct lod_canvas *))
 {
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
 	struct lod_footprint print;
-	struct lod_gain gain = { 0 };
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
 		if (lod_fan_cover(&print, &seen, edge, crown->level->sights.pixels))
-			lod_footprint_add(&print, &crown->level->canvas[v], &gain);
+			how(&print, &crown->level->canvas[v]);
 	}
+}
+
+void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
+{
+	change(crown, element, edge, views, lod_footprint_add);
+}
+
+void lod_crown_remove(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
+{
+	change(crown, element, edge, views, lod_footprint_remove);
 }
 
 struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views)
 {
+	const struct lod_sights *sights = &crown->level->sights;
 	struct lod_crown_sum sum = { 0 };
-	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
-		const struct lod_canvas *c = &crown->level->canvas[v];
-		for (uint32_t i = 0; i < crown->level->sights.words; i++) {
-			sum.right += (uint64_t)__builtin_popcountll(c->once[i] & c->reference[i]);
-			sum.wrong += (uint64_t)__builtin_popcountll(c->once[i] & ~c->reference[i]);
+	for (uint32_t v = views.first; v < sights->count; v += views.stride) {
+		for (uint32_t i = 0; i < sights->words; i++) {
+			const uint64_t *times = crown->level->canvas[v].times[i], covered = times[0] | times[1] | times[2];
+			sum.right += (uint64_t)__builtin_popcountll(covered & sights->reference[v][i]);
+			sum.wrong += (uint64_t)__builtin_popcountll(covered & ~sights->reference[v][i]);
 		}
-		sum.wanted += crown->level->sights.reference_pixels[v];
+		sum.wanted += sights->reference_pixels[v];
 	}
 	return sum;
 }

@@ -3,7 +3,7 @@
  *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
  *   lod_crown_clear(&crown);                                             the wood alone
  *   lod_crown_gain(&crown, element, edge, first, stride, &gain);         views first, first + stride, ...
- *   lod_crown_add(&crown, element, edge, first, stride, &gain); */
+ *   lod_crown_add(&crown, element, edge, first, stride); */
 #ifndef LOD_RANK_CROWN_H
 #define LOD_RANK_CROWN_H
 
@@ -37,6 +37,7 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
 /* The element with edges multiplied by `edge`: sums over the views. Different elements may be asked about at once. */
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain);
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
+void lod_crown_remove(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
 
 /* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */
 struct lod_crown_sum { uint64_t right, wrong, wanted; };
