@@ -5,6 +5,7 @@
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   test                 everything that tests, counted; layers and headers alone check the includes
+#   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   deps, clean          installs what is missing; removes all output
@@ -71,7 +72,7 @@ LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread
 
-.PHONY: all deps demo test forest survey soak layers headers clean fuzz
+.PHONY: all deps demo test bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -100,6 +101,7 @@ $(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_EC
 
 TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
 $(B)/tests/test_make $(B)/tests/test_cache $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
+$(B)/tests/test_bench: $(call objects,$(wildcard tests/bench/bench*.c))
 $(B)/tests/test_%: $(B)/obj/tests/test_%.o $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
@@ -148,6 +150,13 @@ survey: deps
 	@test -n "$(DATA)" || { echo "make survey needs DATA=DIR, a folder with models/ and inventories/" >&2; exit 2; }
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/survey.sh $(DATA)
+
+# What is done is kept, and done anew only where programs or inputs changed; Ctrl-C, and go on another time. DATA is a folder as above;
+# the one beside the checkout if there is one, and without any there are generated plants and scenes only.
+DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
+bench: deps
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
+	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data $(DATA_BENCH)) $(if $(ONLY),--only $(ONLY))
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps

@@ -115,18 +115,20 @@ static bool looks_like_number(const char *cell, size_t size)
 	for (size_t i = 0; i < size; i++) {
 		digit |= cell[i] >= '0' && cell[i] <= '9';
 		if (!strchr("0123456789.+-eE% x", cell[i]))
-			return size == 3 && (!strncmp(cell, "nan", 3) || !strncmp(cell, "inf", 3));
+			return false;
 	}
 	return digit || size == 0 || (size == 1 && *cell == '-');
 }
+
+static bool is_nan(const char *cell, size_t size) { return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4)); }
 
 static void print_cells(FILE *out, const char *line, const char *tag)
 {
 	for (const char *at = line;; at++) {
 		size_t size = strcspn(at, ",");
-		bool head = *tag == 't' && tag[1] == 'h', number = !head && looks_like_number(at, size);
+		bool head = *tag == 't' && tag[1] == 'h', none = is_nan(at, size), number = !head && (none || looks_like_number(at, size));
 		fprintf(out, "<%s%s>", tag, number ? " class=\"n\"" : "");
-		if (size == 3 && !strncmp(at, "nan", 3))
+		if (none)
 			fputs("\xe2\x80\x93", out);
 		else
 			escape(out, at, size);

@@ -32,6 +32,9 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 /* `sections`: as many as there are, NULL ends. */
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections, struct eco_error *error);
 
+/* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
+int bench_main(int argc, char **argv, const struct bench_section *const *sections);
+
 void bench_item(struct bench *bench, json_t *item);      /* takes it over */
 double bench_now_s(void);
 void bench_catch_interrupts(void);

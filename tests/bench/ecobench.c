@@ -1,17 +1,5 @@
-/* ecobench: runs the sections that are asked for, in the order below, and writes the report of all that is known.
- *
- * Every section runs even if one before it fails; Ctrl-C finishes the piece of work that runs. Run again, only what is missing is done. */
-#include <getopt.h>
-#include <locale.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
+/* ecobench: all sections, in the order in which they run and stand in the report. */
 #include "tests/bench/bench_state.h"
-
-#define SECTIONS_MAX 64u
-#define EXIT_INTERRUPTED 130
 
 extern const struct bench_section bench_species __attribute__((weak)), bench_path __attribute__((weak)), bench_lee __attribute__((weak)),
 	bench_scale __attribute__((weak)), bench_planner __attribute__((weak)), bench_frames __attribute__((weak)),
@@ -19,172 +7,14 @@ extern const struct bench_section bench_species __attribute__((weak)), bench_pat
 
 static const struct bench_section *const known[] = { &bench_frames, &bench_species, &bench_path, &bench_lee, &bench_scale, &bench_planner,
 	&bench_colour, &bench_steadiness, &bench_requests };
-
-/* Weak: a section whose file is not linked is not there. */
-static void find_sections(const struct bench_section *found[SECTIONS_MAX])
-{
-	uint32_t count = 0;
-	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-		if (known[i])
-			found[count++] = known[i];
-	found[count] = NULL;
-}
-
-static void print_help(FILE *out)
-{
-	fputs("ecobench [--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--trust] [--list]\n"
-		"      error against run time of the methods of the literature and ours, on the same scenes\n"
-		"\n"
-		"      --full          all methods, scenes and frames; else fewer of them, and the same keys\n"
-		"      --data DIR      a folder with models/, inventories/ and terrain/; generated plants and scenes only, if not given\n"
-		"      --out DIR       tables (CSV), plots, report.html and summary.json; BUILD/bench if not given\n"
-		"      --cache DIR     scenes, packs and finished pieces of work; OUT/cache if not given\n"
-		"      --build DIR     where the programs are; build if not given\n"
-		"      --only SECTION  this one only, or these (commas, or said again); the report keeps what is known of the others\n"
-		"      --trust         pieces of work that another build of ecobench did are taken as they are\n"
-		"      --list          names of sections, and which are finished\n"
-		"      --quiet         no progress\n"
-		"\n"
-		"Ctrl-C finishes the piece of work that runs and writes the report of what is there; run again, it goes on from there.\n"
-		"\n"
-		"Exit status: 0 done, 1 a section failed, 2 wrong usage, 130 interrupted.\n", out);
-}
-
-static void print_list(const struct bench *bench, const struct bench_section *const *sections)
-{
-	for (; *sections; sections++) {
-		char path[1024];
-		snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, (*sections)->name);
-		json_t *record = bench_json_read(path);
-		const char *state = json_string_value(json_object_get(record, "state"));
-		printf("%-12s %-12s %s\n", (*sections)->name, state ? state : "-", (*sections)->title);
-		json_decref(record);
-	}
-}
-
-/* Whether `name` is one of the words that stand between commas. */
-static bool has_word(const char *words, const char *name)
-{
-	size_t size = strlen(name);
-	for (const char *at = words; *at; at += strcspn(at, ",") + (at[strcspn(at, ",")] == ','))
-		if (strcspn(at, ",") == size && !strncmp(at, name, size))
-			return true;
-	return false;
-}
-
-static enum eco_code check_words(const char *words, const struct bench_section *const *sections, struct eco_error *error)
-{
-	for (const char *at = words; *at; at += strcspn(at, ",") + (at[strcspn(at, ",")] == ',')) {
-		char name[64];
-		const struct bench_section *const *s = sections;
-		snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
-		while (*s && strcmp((*s)->name, name))
-			s++;
-		if (!*s)
-			return eco_fail(error, ECO_BAD_USAGE, "no section is called %s; --list names them", name);
-	}
-	return ECO_OK;
-}
-
-static enum eco_code check_folders(const struct bench *bench, struct eco_error *error)
-{
-	char path[1024];
-	struct stat status;
-	if (bench->data) {
-		snprintf(path, sizeof path, "%s/models", bench->data);
-		if (stat(path, &status) || !S_ISDIR(status.st_mode))
-			return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that holds models/ (and inventories/ and terrain/)", path);
-	}
-	snprintf(path, sizeof path, "%s/ecopack", bench->build);
-	if (access(path, X_OK))
-		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --build is the folder that make writes programs to", path);
-	return ECO_OK;
-}
-
-/* What it comes to: 0, 1, or 130. */
-static int run_sections(struct bench *bench, const struct bench_section *const *sections, const char *only)
-{
-	int exit_status = 0;
-	for (const struct bench_section *const *s = sections; *s && !bench_stopped(bench); s++) {
-		struct eco_error error = { 0 };
-		if (*only && !has_word(only, (*s)->name))
-			continue;
-		bench_begin(bench, *s);
-		enum eco_code code = bench_end(bench, (*s)->run(bench, &error), &error);
-		if (code && code != ECO_INTERRUPTED)
-			exit_status = 1;
-		struct eco_error why = { 0 };
-		if (bench_report_write(bench, sections, &why)) {
-			fprintf(stderr, "ecobench: %s\n", why.text);
-			exit_status = 1;
-		}
-	}
-	return bench_interrupted() ? EXIT_INTERRUPTED : exit_status;
-}
-
-struct arguments { const char *out, *cache; char only[1024]; bool list, help; };
-
-static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, struct arguments *a, struct eco_error *error)
-{
-	enum { FULL = 256, DATA, OUT, CACHE, BUILD, ONLY, TRUST, LIST, QUIET, HELP };
-	static const struct option options[] = { { "full", 0, NULL, FULL }, { "data", 1, NULL, DATA }, { "out", 1, NULL, OUT },
-		{ "cache", 1, NULL, CACHE }, { "build", 1, NULL, BUILD }, { "only", 1, NULL, ONLY }, { "trust", 0, NULL, TRUST },
-		{ "list", 0, NULL, LIST }, { "quiet", 0, NULL, QUIET }, { "help", 0, NULL, HELP }, { 0 } };
-	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
-		switch (c) {
-		case FULL: bench->full = true; break;
-		case DATA: bench->data = *optarg ? optarg : NULL; break;
-		case OUT: a->out = optarg; break;
-		case CACHE: a->cache = optarg; break;
-		case BUILD: bench->build = optarg; break;
-		case ONLY:
-			if (strlen(a->only) + strlen(optarg) + 2 > sizeof a->only)
-				return eco_fail(error, ECO_BAD_USAGE, "--only: too many names");
-			strcat(strcat(a->only, *a->only ? "," : ""), optarg);
-			break;
-		case TRUST: bench->state->trust = true; break;
-		case LIST: a->list = true; break;
-		case QUIET: bench->state->quiet = true; break;
-		case HELP: a->help = true; break;
-		default: return eco_fail(error, ECO_BAD_USAGE, "see ecobench --help");
-		}
-	if (optind < argc)
-		return eco_fail(error, ECO_BAD_USAGE, "what is %s? ecobench takes options only: see ecobench --help", argv[optind]);
-	return ECO_OK;
-}
-
-static int fail(const struct eco_error *error)
-{
-	fprintf(stderr, "ecobench: %s\n", error->text);
-	return eco_exit_status(error->code);
-}
+#define SECTIONS (sizeof known / sizeof *known)
 
 int main(int argc, char **argv)
 {
-	static struct bench_state state;
-	static char out[1000], cache[1008];
-	struct bench bench = { .build = "build", .out = out, .cache = cache, .state = &state };
-	struct arguments a = { 0 };
-	struct eco_error error = { 0 };
-	const struct bench_section *sections[SECTIONS_MAX];
-	find_sections(sections);
-	if (read_arguments(argc, argv, &bench, &a, &error))
-		return fail(&error);
-	if (a.help) {
-		print_help(stdout);
-		return 0;
-	}
-	snprintf(out, sizeof out, "%s%s", a.out ? a.out : bench.build, a.out ? "" : "/bench");
-	snprintf(cache, sizeof cache, "%s%s", a.cache ? a.cache : out, a.cache ? "" : "/cache");
-	if (a.list) {
-		print_list(&bench, sections);
-		return 0;
-	}
-	if (check_words(a.only, sections, &error) || check_folders(&bench, &error) || bench_open(&bench, &error))
-		return fail(&error);
-	bench_catch_interrupts();
-	int status = run_sections(&bench, sections, a.only);
-	bench_close(&bench);
-	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", out, out);
-	return status;
+	const struct bench_section *sections[SECTIONS + 1] = { NULL };
+	uint32_t count = 0;
+	for (size_t i = 0; i < SECTIONS; i++)
+		if (known[i])                                    /* weak: one whose file is not linked is not there */
+			sections[count++] = known[i];
+	return bench_main(argc, argv, sections);
 }

@@ -1,0 +1,283 @@
+/* The frame of ecobench, with sections of this file: units are done once, whatever happens; reports say what is there. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/bench/bench_state.h"
+
+#define ROOT "build/tmp/bench"
+
+/* ---- Sections ---- */
+
+#define UNITS 5
+static int stop_after = -1;              /* Ctrl-C while this unit is at work */
+
+static void mark(const char *what)       /* in a file, as sections run in a child */
+{
+	FILE *log = fopen(ROOT "/work.log", "a");
+	fprintf(log, "%s\n", what);
+	fclose(log);
+}
+
+static enum eco_code run_tiny(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "tiny", "unit,square", true);
+	double sum = 0;
+	enum eco_code code = ECO_OK;
+	for (int i = 0; i < UNITS && !code; i++) {
+		char unit[32];
+		snprintf(unit, sizeof unit, "tiny %d", i);
+		bench_progress(bench, i / (double)UNITS, unit);
+		json_t *result = bench_recall(bench, unit, "v1");
+		if (!result) {
+			mark(unit);
+			if (i == stop_after)
+				raise(SIGINT);
+			result = bench_keep(bench, unit, "v1", json_pack("{s:f}", "square", (double)i * i));
+		}
+		sum += json_number_value(json_object_get(result, "square"));
+		bench_table_row(table, "%d,%g", i, json_number_value(json_object_get(result, "square")));
+		if (bench_stopped(bench))
+			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	bench_table_close(table);
+	bench_say(bench, "Squares <of> %d & more \"numbers\"", UNITS);
+	if (!code)
+		bench_key(bench, "tiny_sum", sum, "<= 30");
+	return code;
+}
+
+static enum eco_code run_keys(struct bench *bench, struct eco_error *error)
+{
+	(void)error;
+	bench_key(bench, "more", 2, ">= 3");
+	bench_key(bench, "percent", 0.049, "at most 5 %");
+	bench_key(bench, "unicode", 0.76, "\xe2\x89\xa5 76 %");
+	bench_key(bench, "exact", 0, "0");
+	bench_key(bench, "thousands", 100000, "100,000 with FULL=1");
+	bench_key(bench, "unmeasured", NAN, "<= 1");
+	bench_key(bench, "shown", 7, "shown");
+	return ECO_OK;
+}
+
+static enum eco_code run_failing(struct bench *bench, struct eco_error *error)
+{
+	bench_say(bench, "before it fails");
+	return eco_fail(error, ECO_BAD_INPUT, "this section fails <always>");
+}
+
+static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
+{
+	static const double x[] = { 1, 10, NAN, 1000, 1e6 }, y[] = { 0.5, 0, 0.2, -1, NAN }, one[] = { 3 };
+	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true }, { "one", one, one, 1, false }, { "none", x, y, 0, false } };
+	for (int log = 0; log < 4; log++) {
+		char name[32];
+		snprintf(name, sizeof name, "plot%d", log);
+		if (bench_plot(bench, &(struct bench_plot){ name, "A title", "x", "y", log & 1, log & 2, series, 4 }, error))
+			return error->code;
+	}
+	if (bench_plot(bench, &(struct bench_plot){ "empty", "Nothing", "x", "y", true, true, series, 0 }, error))
+		return error->code;
+	static const uint8_t rgb[2 * 3 * 3];
+	if (bench_picture_write(bench, "picture.png", 3, 2, rgb, error))
+		return error->code;
+	bench_picture(bench, "picture.png", "black");
+	return ECO_OK;
+}
+
+static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
+{
+	if (bench_command(bench, error, "exit %d", 0))
+		return error->code;
+	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? *error = (struct eco_error){ 0 }, ECO_OK : ECO_BAD_INPUT;
+}
+
+static const struct bench_section tiny = { "tiny", "Squares", run_tiny }, keys = { "keys", "Keys", run_keys },
+	failing = { "failing", "Fails", run_failing }, plots = { "plots", "Plots", run_plots }, commands = { "commands", "Commands", run_commands };
+static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, NULL };
+
+/* ---- Running ---- */
+
+/* ecobench in a child, its folders below ROOT; exit status. */
+static int run(const char *const arguments[])
+{
+	char *argv[24] = { "ecobench" };
+	int argc = 1, status;
+	while (*arguments)
+		argv[argc++] = (char *)(uintptr_t)*arguments++;
+	fflush(NULL);
+	pid_t child = fork();
+	if (child == 0) {
+		if (!freopen(ROOT "/stdout", "w", stdout) || !freopen(ROOT "/stderr", "w", stderr))
+			_exit(99);
+		int code = bench_main(argc, argv, all);
+		fflush(NULL);
+		_exit(code);
+	}
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_true(WIFEXITED(status));
+	return WEXITSTATUS(status);
+}
+
+#define RUN(...) run((const char *const[]){ "--build", ROOT "/programs", "--out", ROOT "/out", __VA_ARGS__, NULL })
+
+static char *text_of(const char *name)
+{
+	static char text[1 << 18];
+	char path[256];
+	snprintf(path, sizeof path, ROOT "/%s", name);
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		fail_msg("%s is not there", path);
+	text[fread(text, 1, sizeof text - 1, file)] = 0;
+	fclose(file);
+	return text;
+}
+
+static bool says(const char *name, const char *what) { return strstr(text_of(name), what) != NULL; }
+
+static uint32_t lines_of(const char *name)
+{
+	uint32_t count = 0;
+	for (const char *c = text_of(name); *c; c++)
+		count += *c == '\n';
+	return count;
+}
+
+static int set_up(void **state)
+{
+	(void)state;
+	stop_after = -1;
+	return system("rm -rf " ROOT " && mkdir -p " ROOT "/programs && cp /bin/true " ROOT "/programs/ecopack && : >" ROOT "/work.log") != 0;
+}
+
+/* ---- Tests ---- */
+
+static void test_command_line_is_checked(void **state)
+{
+	static const struct { const char *argument, *value; int status; const char *says; } cases[] = {
+		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" }, { "--nonsense", NULL, 2, "" }, { "--only", "none", 2, "no section is called none" },
+		{ "--only", "tiny,non", 2, "no section is called non" }, { "--only", "tin", 2, "no section is called tin" },
+		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
+		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		int status = RUN(cases[i].argument, cases[i].value);
+		if (status != cases[i].status)
+			fail_msg("%s %s: status %d, not %d", cases[i].argument, cases[i].value ? cases[i].value : "", status, cases[i].status);
+		assert_true(says(status ? "stderr" : "stdout", cases[i].says));
+	}
+	assert_int_equal(lines_of("work.log"), 0);
+}
+
+static void test_a_run_leaves_tables_report_and_summary(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_string_equal(text_of("out/tiny.csv"), "unit,square\n0,0\n1,1\n2,4\n3,9\n4,16\n");
+	assert_true(says("out/report.html", "Squares &lt;of&gt; 5 &amp; more &quot;numbers&quot;"));
+	json_t *summary = bench_json_read(ROOT "/out/summary.json");
+	assert_true(json_number_value(json_object_get(summary, "tiny_sum")) == 30);
+	assert_true(json_is_true(json_object_get(json_object_get(summary, "reached"), "tiny_sum")));
+	json_decref(summary);
+}
+
+static void test_interrupted_runs_go_on(void **state)
+{
+	(void)state;
+	stop_after = 2;
+	assert_int_equal(RUN(NULL), 130);
+	assert_int_equal(lines_of("work.log"), 3);
+	assert_true(says("out/report.html", "not complete (interrupted"));
+	assert_true(says("out/report.html", "<td class=\"n\">4"));
+	assert_false(says("out/summary.json", "tiny_sum"));
+	stop_after = -1;
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_int_equal(lines_of("work.log"), UNITS);
+	assert_true(says("out/summary.json", "tiny_sum"));
+	/* what was finished once is not lost by a later interruption */
+	assert_int_equal(system("rm -r " ROOT "/out/cache/units"), 0);
+	stop_after = 0;
+	assert_int_equal(RUN("--only", "tiny"), 130);
+	assert_true(says("out/summary.json", "tiny_sum"));
+}
+
+static void test_damaged_units_are_done_anew(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	static const char *const damages[] = { "truncate -s 0", "truncate -s 9", "sed -i s/tiny/tidy/", "sed -i s/result/resalt/", "cp /bin/true" };
+	for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
+		char command[256];
+		snprintf(command, sizeof command, "%s " ROOT "/out/cache/units/tiny-3-*.json", damages[i]);
+		assert_int_equal(system(command), 0);
+		assert_int_equal(RUN("--only", "tiny"), 0);
+		assert_int_equal(lines_of("work.log"), UNITS + i + 1);
+		assert_true(says("stderr", "is damaged"));
+		assert_true(says("out/tiny.csv", "3,9\n"));
+	}
+}
+
+static void test_units_of_another_program_are_done_anew_unless_trusted(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_int_equal(system("sed -i 's/\"program\":\"[0-9a-f]*\"/\"program\":\"0123456789abcdef\"/' " ROOT "/out/cache/units/*.json"), 0);
+	assert_int_equal(RUN("--only", "tiny", "--trust"), 0);
+	assert_int_equal(lines_of("work.log"), UNITS);
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_int_equal(lines_of("work.log"), 2 * UNITS);
+}
+
+static void test_a_failure_does_not_end_the_run(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN(NULL), 1);
+	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
+	assert_true(says("out/report.html", "before it fails"));
+	assert_true(says("out/summary.json", "\"exact\": 0"));
+	assert_int_equal(RUN("--list"), 0);
+	assert_true(says("stdout", "failed"));
+	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK) | access(ROOT "/out/picture.png", R_OK), 0);
+}
+
+static void test_bars_in_words_are_compared(void **state)
+{
+	static const struct { const char *key; int reached; } cases[] = { { "more", 0 }, { "percent", 1 }, { "unicode", 1 }, { "exact", 1 },
+		{ "thousands", 1 }, { "unmeasured", 0 }, { "shown", -1 } };
+	(void)state;
+	assert_int_equal(RUN("--only", "keys"), 0);
+	json_t *summary = bench_json_read(ROOT "/out/summary.json"), *reached = json_object_get(summary, "reached");
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		json_t *value = json_object_get(reached, cases[i].key);
+		if (!value || (json_is_true(value) ? 1 : json_is_false(value) ? 0 : -1) != cases[i].reached)
+			fail_msg("%s", cases[i].key);
+	}
+	assert_true(json_is_null(json_object_get(summary, "unmeasured")));
+	json_decref(summary);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_command_line_is_checked, set_up),
+		cmocka_unit_test_setup(test_a_run_leaves_tables_report_and_summary, set_up),
+		cmocka_unit_test_setup(test_interrupted_runs_go_on, set_up),
+		cmocka_unit_test_setup(test_damaged_units_are_done_anew, set_up),
+		cmocka_unit_test_setup(test_units_of_another_program_are_done_anew_unless_trusted, set_up),
+		cmocka_unit_test_setup(test_a_failure_does_not_end_the_run, set_up),
+		cmocka_unit_test_setup(test_bars_in_words_are_compared, set_up),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
