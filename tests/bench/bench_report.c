@@ -207,9 +207,16 @@ static void print_figure(FILE *out, const json_t *value)
 
 static void print_keys(FILE *out, json_t *records)
 {
-	size_t i, k;
+	size_t i, k, count = 0;
 	json_t *record, *key;
-	fputs("<h2 id=\"bars\">Figures and bars</h2>\n<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>should be<th><th>section", out);
+	fputs("<h2 id=\"bars\">Figures and bars</h2>\n", out);
+	json_array_foreach(records, i, record)
+		count += json_array_size(json_object_get(record, "keys"));
+	if (!count) {
+		fputs("<p>None yet: they come when a section is complete.</p>\n", out);
+		return;
+	}
+	fputs("<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>should be<th><th>section", out);
 	json_array_foreach(records, i, record)
 		json_array_foreach(json_object_get(record, "keys"), k, key) {
 			const char *bar = json_string_value(json_object_get(key, "bar"));
@@ -244,7 +251,7 @@ static void print_section(FILE *out, const struct bench *bench, const json_t *re
 	fputs("</h2>\n", out);
 	if (state && strcmp(state, "done")) {
 		fprintf(out, "<p class=\"note\">This section is not complete (%s)", state);
-		if (why) {
+		if (why && strcmp(why, state)) {
 			fputs(": ", out);
 			escape_all(out, why);
 		}
