@@ -178,18 +178,15 @@ static void rims_that_show_nothing_close_leaves_and_are_not_stored(void **state)
 	struct lod_texels texels;
 	lod_texels_open(&texels, soup.image, true, &arena);
 	for (uint32_t t = 0; t < mesh.triangle_count; t++) {
-		struct lod_sample_input in = { .uv = mesh.uv + 6 * (size_t)t, .texels = &texels, .tint = soup.material[0].rgb, .seed = t };
-		int32_t position[2][3];
-		uint8_t rgb[2][3];
+		struct lod_sample_input in = { .uv = mesh.uv + 6 * (size_t)t, .texels = &texels, .tint = soup.material[0].rgb };
+		struct lod_sample sample;
 		assert_true(organs.components[mesh.component[t]].closed);
 		for (int k = 0; k < 3; k++)
 			in.corner[k] = mesh.grid + 3 * (size_t)mesh.index[3 * (size_t)t + k];
-		lod_sample_triangle(&in, position, rgb);
-		for (int k = 0; k < 2; k++) {
-			assert_in_range(rgb[k][0], 39, 91);
-			assert_int_equal(rgb[k][1], 160);
-			assert_int_equal(rgb[k][2], 30);
-		}
+		lod_sample_triangle(&in, &sample);
+		assert_in_range(sample.rgb[0], 39, 91);
+		assert_int_equal(sample.rgb[1], 160);
+		assert_int_equal(sample.rgb[2], 30);
 	}
 	lod_arena_free(&arena);
 	soup_free(&soup);
