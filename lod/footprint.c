@@ -150,8 +150,8 @@ static int64_t turn(const struct point *a, const struct point *b, const struct p
 	return (int64_t)(b->x - a->x) * (c->y - b->y) - (int64_t)(b->y - a->y) * (c->x - b->x);
 }
 
-/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (A star turns one way too, but not from its
- * first corner.) */
+/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (Stars and spirals turn one way too: the fan's
+ * triangles must do so as well, and lie to one side of the first edge.) */
 static int way_around(const struct point *p, uint32_t corners)
 {
 	int64_t low = 0, high = 0;
@@ -161,9 +161,11 @@ static int way_around(const struct point *p, uint32_t corners)
 		high = bend > high ? bend : high;
 	}
 	for (uint32_t i = 1; i + 1 < corners; i++) {
-		int64_t part = turn(&p[0], &p[i], &p[i + 1]);
+		int64_t part = turn(&p[0], &p[i], &p[i + 1]), side = turn(&p[0], &p[1], &p[i + 1]);
 		low = part < low ? part : low;
+		low = side < low ? side : low;
 		high = part > high ? part : high;
+		high = side > high ? side : high;
 	}
 	return low < 0 && high > 0 ? 0 : high > 0 ? 1 : -1;
 }
@@ -268,7 +270,7 @@ void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canv
 		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
 		for (uint32_t w = 0; w < print->words; w++, bits++) {
 			const uint64_t *times = canvas->times[at + w], reference = canvas->reference[at + w];
-			uint64_t more = times[1] | times[2], fresh = *bits & ~(times[0] | more), again = *bits & times[0] & ~more & reference;
+			uint64_t fresh = *bits & ~times[0], again = *bits & times[0] & ~times[1] & reference;
 			if (fresh) {
 				gain->right += bits_of(fresh & reference);
 				gain->wrong += bits_of(fresh & ~reference);
@@ -279,29 +281,15 @@ void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canv
 	}
 }
 
-/* Counting down is counting up in the digits' complement. */
-static void change(const struct lod_footprint *print, const struct lod_canvas *canvas, uint64_t down)
+void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas)
 {
 	const uint64_t *bits = print->bits;
 	for (uint32_t r = 0; r < print->rows; r++) {
 		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
 		for (uint32_t w = 0; w < print->words; w++, bits++) {
-			uint64_t *times = canvas->times[at + w], carry = *bits & ~(times[0] & times[1] & times[2]);
-			for (int k = 0; k < LOD_CANVAS_DIGITS && carry; k++) {
-				uint64_t digit = times[k];
-				times[k] = digit ^ carry;
-				carry &= digit ^ down;
-			}
+			uint64_t *times = canvas->times[at + w];
+			times[1] |= *bits & times[0];
+			times[0] |= *bits;
 		}
 	}
-}
-
-void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas)
-{
-	change(print, canvas, 0);
-}
-
-void lod_footprint_remove(const struct lod_footprint *print, const struct lod_canvas *canvas)
-{
-	change(print, canvas, ~UINT64_C(0));
 }

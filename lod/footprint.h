@@ -2,7 +2,7 @@
  *
  *   lod_fan_see(&seen, &fan, &eye);                      once an element and view
  *   lod_fan_cover(&print, &seen, edge, pixels);          for each scale that is tried
- *   lod_footprint_gain(&print, &canvas, &gain);          what it would add; lod_footprint_add, lod_footprint_remove
+ *   lod_footprint_gain(&print, &canvas, &gain);          what it would add; lod_footprint_add: adds it
  *
  * Corners are snapped to 1/256 pixel and pixels whose centres lie inside are covered, as in raster.h, from which it differs where an edge
  * passes a centre within a thousandth of a pixel. Integers after the snapping: the same on every machine. */
@@ -36,20 +36,15 @@ struct lod_footprint {
 /* `edge`: what lengths are multiplied by about the middle. False where no pixel is covered. */
 bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels);
 
-/* A picture that is being covered: how often each pixel is, as binary digits, 64 pixels a word; what is covered LOD_CANVAS_MOST times
- * stays so. */
-#define LOD_CANVAS_DIGITS 3
-#define LOD_CANVAS_MOST 7
+/* A picture that is being covered. */
 struct lod_canvas {
 	uint32_t row_words;
 	const uint64_t *reference;   /* what is to be covered */
-	uint64_t (*times)[LOD_CANVAS_DIGITS];
+	uint64_t (*times)[2];        /* covered at least once, at least twice */
 };
 struct lod_gain { uint32_t right, wrong, second; };      /* pixels newly covered that should be, that should not; right ones covered a second time */
 /* Adds to `gain`. */
 void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain);
 void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas);
-/* Of one that was added. */
-void lod_footprint_remove(const struct lod_footprint *print, const struct lod_canvas *canvas);
 
 #endif

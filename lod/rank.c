@@ -11,11 +11,12 @@
 #include <string.h>
 
 #include "ecofiles/list.h"
+#include "lod/cover.h"
 #include "lod/rank_crown.h"
 #include "lod/rank_quad.h"
 #include "lod/sort.h"
 
-#define TRIAL_STRIDE 4u                  /* one view in so many */
+#define TRIAL_VIEWS 8u                   /* trials look at so many of the views, or one less than twice as many */
 #define SECOND 16                        /* a second layer counts a so manieth of the first */
 #define WEIGHT 4096
 #define SCALES 5u                        /* tried at every step */
@@ -23,6 +24,7 @@
 #define CANDIDATES_SHARE 32u             /* times what a step's end has */
 #define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
 #define BATCH 256u
+#define ASK 2048u                        /* looks between two questions whether to go on */
 
 struct weights { int64_t right, wrong, second; };
 
@@ -42,7 +44,7 @@ struct ranking {
 	struct lod_crown_views views;
 	struct weights weights;
 	double edge[ECO_GROWTHS];
-	uint64_t done, work;
+	bool stopped;
 };
 
 /* ---- What an element is worth ---- */
@@ -67,7 +69,7 @@ static void assess(const struct ranking *r, struct candidate *c)
 {
 	uint32_t code = c->code;
 	int64_t best = look(r, c->element, code);
-	if (!r->options->plain && !r->options->unscaled) {
+	if (!r->options->plain) {
 		for (int way = -1; way <= 1; way += 2) {
 			bool moved = false;
 			for (uint32_t next = code + (uint32_t)way; next < ECO_GROWTHS; next += (uint32_t)way) {
@@ -146,10 +148,18 @@ static void make_heap(struct ranking *r)
 		sift_down(r->heap, r->heap_count, i);
 }
 
+/* Asks whether to go on, now and then. */
+static bool goes_on(struct ranking *r)
+{
+	if (!r->stopped && r->options->progress)
+		r->stopped = !r->options->progress(r->options->ctx, (double)r->picked / r->count);
+	return !r->stopped;
+}
+
 /* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
 static void pick(struct ranking *r, uint32_t end)
 {
-	while (r->picked < end && r->heap_count) {
+	for (uint32_t looks = 1; r->picked < end && r->heap_count && (looks % ASK || goes_on(r)); looks++) {
 		struct candidate *top = &r->heap[0];
 		int64_t known = top->score;
 		assess(r, top);
@@ -175,7 +185,7 @@ static void pick(struct ranking *r, uint32_t end)
 static void set_scale(struct ranking *r, double scale)
 {
 	for (uint32_t c = 0; c < ECO_GROWTHS; c++)
-		r->edge[c] = r->options->unscaled ? 1 : sqrt(eco_growth(c, (float)scale));
+		r->edge[c] = sqrt(eco_growth(c, (float)scale));
 }
 
 static void redraw(struct ranking *r)
@@ -206,7 +216,7 @@ static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
 {
 	struct trial t;
 	uint32_t picked = r->picked;
-	r->views = (struct lod_crown_views){ 0, TRIAL_STRIDE };
+	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS : 1 };
 	set_scale(r, scale);
 	redraw(r);
 	gather(r, end, picked);
@@ -223,7 +233,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 {
 	double best_scale = 1;
 	struct trial best = { -2, 0, 0 };
-	if (end == r->count || r->options->unscaled)
+	if (end == r->count)
 		return 1;
 	for (uint32_t i = 0; i < SCALES; i++) {
 		static const double part[SCALES] = { 1, 0.8, 0.64, 0.5, 0.36 };
@@ -233,7 +243,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 			best = t;
 			best_scale = scale;
 		}
-		if (scale == 1 || t.quality < best.quality - 0.002)
+		if (r->stopped || scale == 1 || t.quality < best.quality - 0.002)
 			break;
 	}
 	r->weights = gradient(best.quality);
@@ -276,36 +286,49 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 		gather(r, end, r->picked);
 		make_heap(r);
 		pick(r, end);
-		if (r->options->progress && !r->options->progress(r->options->ctx, (double)end / r->count))
+		if (!goes_on(r))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
-#ifdef RANK_LOG
-		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
-		double p, q, rec;
-		q = quality(&sum, &p, &rec);
-		fprintf(stderr, "step to %u (%.4f) scale %.2f (cook %.2f) Q %.3f P %.3f R %.3f weights %ld %ld\n", end, (double)end / r->count, scale, (double)r->count / end, q, p, rec, (long)r->weights.right, (long)r->weights.wrong);
-#endif
 	}
 	return ECO_OK;
+}
+
+/* Sizes: larger plants are seen from fewer directions, as more of them lies in each. */
+static struct lod_crown_options crown_options(const struct lod_foliage *foliage, const struct lod_rank_options *options)
+{
+	uint32_t views = foliage->count > 20000 ? 24 : foliage->count > 8000 ? 32 : 48;
+	return (struct lod_crown_options){ options->views ? options->views : views, options->pixels, options->directions, options->seed };
+}
+
+static enum eco_code order_unscaled(struct ranking *r, struct eco_error *error)
+{
+	const struct lod_rank_options *options = r->options;
+	uint32_t views = r->crown.views;
+	double (*directions)[3] = lod_arena_take(r->arena, views, sizeof *directions);
+	for (uint32_t v = 0; v < views; v++)
+		for (int k = 0; k < 3; k++)
+			directions[v][k] = -r->crown.level->sights.eyes[v].forward[k];
+	return lod_cover_order(r->order, r->crown.foliage, &(struct lod_cover_options){ .directions = (const double (*)[3])directions,
+		.views = views, .pixels = r->crown.level->sights.pixels, .progress = options->progress, .ctx = options->ctx }, r->arena, error);
 }
 
 enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage, const struct lod_rank_options *options,
 	struct lod_arena *arena, struct eco_error *error)
 {
 	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
+	struct lod_crown_options crown = crown_options(foliage, options);
 	assert(foliage->count > 0);
 	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
 	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
-	rank->simple = lod_arena_take(arena, r.count, sizeof *rank->simple);
+	rank->simple = r.simple = lod_arena_take(arena, r.count, sizeof *rank->simple);
 	memset(r.growth, ECO_GROWTH_PLAIN, r.count);
 	const struct lod_arena_piece *mark = arena->last;
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
-	enum eco_code code = lod_crown_open(&r.crown, foliage, options, arena, error);
-	r.simple = rank->simple;
+	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
 	if (!code && !options->plain)
 		run(&r, (r.count + BATCH - 1) / BATCH, fit_batch);
 	if (!code)
-		code = make_steps(&r, error);
+		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
 	lod_arena_release(arena, mark);
 	return code;
 }

@@ -5,7 +5,6 @@
 
 #include "lod/sort.h"
 
-#define VIEWS 24u
 #define PIXELS_LEAST 256u
 #define PIXELS_MOST 512u
 #define PIXELS_FEWEST 48u
@@ -68,10 +67,10 @@ static enum eco_code open_level(struct lod_crown *crown, const double (*directio
 	return ECO_OK;
 }
 
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_rank_options *options,
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
 	struct lod_arena *arena, struct eco_error *error)
 {
-	uint32_t views = options->views ? options->views : VIEWS, pixels = options->pixels ? options->pixels : choose_pixels(foliage, arena);
+	uint32_t views = options->views, pixels = options->pixels ? options->pixels : choose_pixels(foliage, arena);
 	const double (*directions)[3] = options->directions;
 	enum eco_code code = ECO_OK;
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
@@ -102,8 +101,8 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 	const struct lod_sights *sights = &crown->level->sights;
 	for (uint32_t v = views.first; v < sights->count; v += views.stride)
 		for (uint32_t i = 0; i < sights->words; i++)
-			for (int k = 0; k < LOD_CANVAS_DIGITS; k++)
-				crown->level->canvas[v].times[i][k] = sights->wood[v][i];        /* covered for good */
+			for (int k = 0; k < 2; k++)
+				crown->level->canvas[v].times[i][k] = sights->wood[v][i];
 }
 
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain)
@@ -119,8 +118,7 @@ void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge
 	}
 }
 
-static void change(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views,
-	void (*how)(const struct lod_footprint *, const struct lod_canvas *))
+void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
 {
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
@@ -128,18 +126,8 @@ static void change(struct lod_crown *crown, uint32_t element, double edge, struc
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
 		if (lod_fan_cover(&print, &seen, edge, crown->level->sights.pixels))
-			how(&print, &crown->level->canvas[v]);
+			lod_footprint_add(&print, &crown->level->canvas[v]);
 	}
-}
-
-void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
-{
-	change(crown, element, edge, views, lod_footprint_add);
-}
-
-void lod_crown_remove(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
-{
-	change(crown, element, edge, views, lod_footprint_remove);
 }
 
 struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views)
@@ -148,7 +136,7 @@ struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_cro
 	struct lod_crown_sum sum = { 0 };
 	for (uint32_t v = views.first; v < sights->count; v += views.stride) {
 		for (uint32_t i = 0; i < sights->words; i++) {
-			const uint64_t *times = crown->level->canvas[v].times[i], covered = times[0] | times[1] | times[2];
+			const uint64_t *times = crown->level->canvas[v].times[i], covered = times[0];
 			sum.right += (uint64_t)__builtin_popcountll(covered & sights->reference[v][i]);
 			sum.wrong += (uint64_t)__builtin_popcountll(covered & ~sights->reference[v][i]);
 		}

@@ -2,13 +2,12 @@
  *
  *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
  *   lod_crown_clear(&crown);                                             the wood alone
- *   lod_crown_gain(&crown, element, edge, first, stride, &gain);         views first, first + stride, ...
- *   lod_crown_add(&crown, element, edge, first, stride); */
+ *   lod_crown_gain(&crown, element, edge, views, &gain);                 what the element would add, so large
+ *   lod_crown_add(&crown, element, edge, views); */
 #ifndef LOD_RANK_CROWN_H
 #define LOD_RANK_CROWN_H
 
 #include "lod/footprint.h"
-#include "lod/rank.h"
 
 /* The same views in several sizes: large elements are judged in small pictures, where they are a tenth of the work and as many pixels as
  * small ones are in large pictures. */
@@ -25,7 +24,12 @@ struct lod_crown {
 	struct lod_crown_level *level;           /* the one that is used now */
 };
 
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_rank_options *options,
+struct lod_crown_options {
+	uint32_t views, pixels;                  /* pixels 0: leaves of the usual size are two pixels wide */
+	const double (*directions)[3];           /* NULL: spread all around by `seed` */
+	uint32_t seed;
+};
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
 	struct lod_arena *arena, struct eco_error *error);
 
 /* The level that suits `count` elements drawn so large that they fill the crown. */
@@ -37,7 +41,6 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
 /* The element with edges multiplied by `edge`: sums over the views. Different elements may be asked about at once. */
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain);
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
-void lod_crown_remove(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
 
 /* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */
 struct lod_crown_sum { uint64_t right, wrong, wanted; };
