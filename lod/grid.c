@@ -70,6 +70,8 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	uint32_t bits, double *loss, struct eco_error *error)
 {
 	struct lod_plant_options finer = *options;
+	if (finer.order == LOD_ORDER_GREEDY)         /* a draft: grids are chosen by full detail */
+		finer.order = LOD_ORDER_COMBINED;
 	finer.grid_bits = bits;
 	finer.progress = NULL;
 	lod_plant_free(plant);
@@ -88,24 +90,69 @@ static uint32_t predict(uint32_t bits, double loss)
 	return bits;
 }
 
-enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error)
+/* Leaves in *chosen the bits that `plant` has. */
+static enum eco_code choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	uint32_t *chosen, struct eco_error *error)
 {
-	uint32_t bits = LOD_GRID_BITS_MIN, failed = bits - 1;
+	uint32_t bits = *chosen, failed = bits - 1;
 	double loss;
 	enum eco_code code = loss_of(plant, model, options, &loss, error);
 	while (!code && loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX) {
 		double before = loss;
 		failed = bits;
 		bits = predict(bits, loss);
-		code = rebuild(plant, model, options, bits, &loss, error);
+		code = rebuild(plant, model, options, *chosen = bits, &loss, error);
 		if (!code && loss > 0.75 * before)
-			return rebuild(plant, model, options, failed, &loss, error);
+			return rebuild(plant, model, options, *chosen = failed, &loss, error);
 	}
 	while (!code && loss < LOD_GRID_LOSS / 2 && bits > failed + 1) {
-		code = rebuild(plant, model, options, --bits, &loss, error);
+		code = rebuild(plant, model, options, *chosen = --bits, &loss, error);
 		if (!code && loss > LOD_GRID_LOSS)
-			return rebuild(plant, model, options, bits + 1, &loss, error);
+			return rebuild(plant, model, options, *chosen = bits + 1, &loss, error);
 	}
 	return code;
+}
+
+/* ---- The order that takes long, once the grid is known ---- */
+
+static bool tell_half(void *ctx, double share)
+{
+	const struct lod_plant_options *options = ctx;
+	return !options->progress || options->progress(options->ctx, 0.5 * share);
+}
+
+static void enter(void *ctx, enum lod_plant_stage stage)
+{
+	const struct lod_plant_options *options = ctx;
+	if (options->stage)
+		options->stage(options->ctx, stage);
+}
+
+static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	const struct lod_plant_options *options = ctx;
+	options->each(options->ctx, count, piece, pieces);
+}
+
+static enum eco_code rebuild_greedily(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	uint32_t bits, struct eco_error *error)
+{
+	struct lod_plant_options callers = *options, final = *options;
+	final.grid_bits = bits;
+	final.progress = tell_half;
+	final.stage = enter;
+	final.each = options->each ? each : NULL;
+	final.ctx = &callers;
+	lod_plant_free(plant);
+	enum eco_code code = lod_plant_build(plant, model, &final, error);
+	enter(&callers, LOD_STAGE_CURVES);
+	return code;
+}
+
+enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error)
+{
+	uint32_t bits = LOD_GRID_BITS_MIN;
+	enum eco_code code = choose(plant, model, options, &bits, error);
+	return code || options->order != LOD_ORDER_GREEDY ? code : rebuild_greedily(plant, model, options, bits, error);
 }

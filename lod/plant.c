@@ -9,6 +9,7 @@
 
 #include "lod/grid.h"
 #include "lod/plant_state.h"
+#include "lod/salience.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
 
@@ -16,7 +17,7 @@
 #define CELL_TRIANGLES 4096u
 #define WHOLE_COMPONENT 512u     /* wood of up to this many triangles goes to one cell as a whole */
 
-enum { FAILED_MEMORY = 1, FAILED_INTERRUPTED };
+enum { FAILED_MEMORY = 1, FAILED_INTERRUPTED, FAILED_REPORTED };
 
 uint32_t lod_build_cell(const struct lod_build *b, struct lod_v3 point)
 {
@@ -26,11 +27,10 @@ uint32_t lod_build_cell(const struct lod_build *b, struct lod_v3 point)
 struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group *group, uint32_t anchor, uint8_t flags)
 {
 	struct eco_ladder *ladder = lod_draft_ladder(&b->draft);
-	float importance = b->options->importance[group->organ];
 	ladder->anchor = anchor;
 	ladder->organ = group->organ;
 	ladder->flags = flags;
-	ladder->importance = importance > 0 ? importance : 1;
+	ladder->importance = group->importance;
 	return ladder;
 }
 
@@ -83,6 +83,33 @@ static void number_images(struct lod_build *b)
 	}
 }
 
+/* What the user asked for; leaves' from their colours where he asked for nothing. */
+static void find_importance(struct lod_build *b)
+{
+	const float *asked = b->options->importance;
+	bool any = false;
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		any = any || asked[i] > 0;
+	for (uint32_t g = 0; g < b->group_count; g++)
+		b->groups[g].importance = asked[b->groups[g].organ] > 0 ? asked[b->groups[g].organ] : 1;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_salience *plant = lod_arena_take(&b->arena, 1, sizeof *plant);
+	struct lod_tone *groups = lod_arena_take(&b->arena, b->group_count, sizeof *groups);
+	for (uint32_t g = 0; g < b->group_count && !any; g++)
+		for (uint32_t k = b->groups[g].first; k < b->groups[g].end; k++) {
+			const struct lod_element *e = &b->elements.items[b->order[k]];
+			for (uint32_t t = 0; t + 2 < e->corners; t++) {
+				const uint8_t *rgb = b->organs.rgb[e->triangle[t]];
+				lod_salience_add(plant, rgb, b->organs.area[e->triangle[t]]);
+				lod_tone_add(&groups[g], rgb, b->organs.area[e->triangle[t]]);
+			}
+		}
+	for (uint32_t g = 0; g < b->group_count && !any; g++)
+		if (b->groups[g].organ != ECO_ORGAN_WOOD)
+			b->groups[g].importance = (float)lod_salience_of(plant, &groups[g]);
+	lod_arena_release(&b->arena, mark);
+}
+
 static void find_groups(struct lod_build *b)
 {
 	const struct lod_mesh *mesh = &b->mesh;
@@ -100,6 +127,7 @@ static void find_groups(struct lod_build *b)
 		group->end = i + 1;
 	}
 	number_images(b);
+	find_importance(b);
 }
 
 /* ---- Cells ---- */
@@ -313,7 +341,8 @@ static void build(struct lod_build *b)
 	advance(b, 0.4);
 	count_everything(b);
 	lod_leaves_measure(b);
-	lod_leaves_order(b);
+	if ((b->code = lod_leaves_order(b, b->error)) != ECO_OK)
+		longjmp(b->arena.failed, FAILED_REPORTED);
 	enter(b, LOD_STAGE_LISTS);
 	find_groups(b);
 	find_cells(b);
@@ -348,6 +377,7 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 	b->plant = plant;
 	b->model = model;
 	b->options = options;
+	b->error = error;
 	strncpy(plant->plant.name, options->name ? options->name : "", sizeof plant->plant.name - 1);
 	switch (setjmp(b->arena.failed)) {
 	case 0:
@@ -358,6 +388,9 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 		break;
 	case FAILED_INTERRUPTED:
 		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built", plant->plant.name);
+		break;
+	case FAILED_REPORTED:
+		code = b->code;
 		break;
 	default:
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a model of %u triangles", plant->plant.name, model->triangle_count);

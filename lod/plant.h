@@ -47,9 +47,11 @@ enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LO
 
 struct lod_plant_options {
 	const char *name;
-	float importance[ECO_ORGAN_COUNT];   /* 0 means 1 */
+	float importance[ECO_ORGAN_COUNT];   /* all 0: from colours (lod/salience.h); else 0 means 1 */
 	uint32_t seed;
-	enum lod_order_method order;         /* 0: LOD_ORDER_GREEDY */
+	/* 0: LOD_ORDER_GREEDY. It takes long, so that lod_plant_build makes a draft in combined order where grid_bits is 0, and
+	 * lod_plant_measure builds anew, once the grid is chosen. */
+	enum lod_order_method order;
 	uint32_t cell_triangles;             /* a cell is split above this many triangles (octree); 0: default 4096 */
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */

@@ -9,6 +9,7 @@
 #include "lod/light.h"
 #include "lod/order.h"
 #include "lod/plant_state.h"
+#include "lod/rank.h"
 #include "lod/sample.h"
 #include "lod/sort.h"
 
@@ -16,6 +17,7 @@
 #define BLADE_SHARE 0.6          /* of a group's area that makes it one of blades */
 #define COARSE_LEAST 256u        /* elements of the whole-plant list of a plant with cells */
 #define COARSE_DIVISOR 8u
+#define SIMPLE_GAIN 1.3          /* simple forms are worth a list of their own where elements have so many times their triangles */
 
 static struct lod_v3 corner(const struct lod_build *b, const struct lod_element *e, uint32_t i)
 {
@@ -41,28 +43,96 @@ static uint64_t group_key(const struct lod_build *b, uint32_t element)
 	return (uint64_t)c->organ << 32 | (image ? (uint32_t)(image - b->model->images) + 1 : 0);
 }
 
-/* Elements of one group together, by falling survival in it. The field is that of all leaves and flowers of the plant. */
-void lod_leaves_order(struct lod_build *b)
+static void sort_by(struct lod_build *b, const double *survival)
 {
 	uint32_t n = b->elements.count;
-	b->order = lod_arena_take(&b->arena, n, sizeof *b->order);
-	struct lod_arena_piece *mark = b->arena.last;
-	struct lod_v3 *normal = lod_arena_take(&b->arena, n, sizeof *normal);
-	double *survival = lod_arena_take(&b->arena, n, sizeof *survival);
 	struct lod_keyed *by = lod_arena_take(&b->arena, n, sizeof *by);
-	for (uint32_t i = 0; i < n; i++)
-		normal[i] = lod_element_normal(&b->elements.items[i], &b->mesh);
-	lod_order_survival(survival, &(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
-		b->options->seed }, &b->arena);
 	for (uint32_t i = 0; i < n; i++)
 		by[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
 	lod_sort(&b->arena, by, n);
 	for (uint32_t i = 0; i < n; i++)
-		by[i].key = group_key(b, by[i].value);
+		b->order[i] = by[i].value;
+}
+
+/* The field of the static orders is that of all leaves and flowers of the plant. */
+static void order_by_survival(struct lod_build *b, enum lod_order_method method)
+{
+	uint32_t n = b->elements.count;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_v3 *normal = lod_arena_take(&b->arena, n, sizeof *normal);
+	double *survival = lod_arena_take(&b->arena, n, sizeof *survival);
+	for (uint32_t i = 0; i < n; i++)
+		normal[i] = lod_element_normal(&b->elements.items[i], &b->mesh);
+	lod_order_survival_by(survival, method, &(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
+		b->options->seed }, &b->arena);
+	sort_by(b, survival);
+	lod_arena_release(&b->arena, mark);
+}
+
+static bool rank_goes_on(void *ctx, double share)
+{
+	struct lod_build *b = ctx;
+	return !b->options->progress || b->options->progress(b->options->ctx, 0.4 + 0.1 * share);
+}
+
+static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	const struct lod_build *b = ctx;
+	if (b->options->each)
+		b->options->each(b->options->ctx, count, piece, pieces);
+	else
+		for (uint32_t i = 0; i < count; i++)
+			piece(pieces, i);
+}
+
+/* Into b->order, growth and simple, which outlive what it takes beside them. */
+static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error)
+{
+	uint32_t n = b->elements.count;
+	struct lod_foliage foliage;
+	struct lod_rank rank;
+	b->growth = lod_arena_take(&b->arena, n, sizeof *b->growth);
+	b->simple = lod_arena_take(&b->arena, n, sizeof *b->simple);
+	struct lod_arena_piece *mark = b->arena.last;
+	lod_foliage_from(&foliage, &(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
+	enum eco_code code = lod_rank_make(&rank, &foliage, &(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on,
+		.each = rank_each, .ctx = b }, &b->arena, error);
+	if (!code) {
+		memcpy(b->order, rank.order, n * sizeof *b->order);
+		memcpy(b->growth, rank.growth, n * sizeof *b->growth);
+		memcpy(b->simple, rank.simple, n * sizeof *b->simple);
+	}
+	lod_arena_release(&b->arena, mark);
+	return code;
+}
+
+/* Elements of one group together, in it in the order of the whole plant. */
+static void sort_groups(struct lod_build *b)
+{
+	uint32_t n = b->elements.count;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_keyed *by = lod_arena_take(&b->arena, n, sizeof *by);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ group_key(b, b->order[i]), b->order[i] };
 	lod_sort(&b->arena, by, n);
 	for (uint32_t i = 0; i < n; i++)
 		b->order[i] = by[i].value;
 	lod_arena_release(&b->arena, mark);
+}
+
+enum eco_code lod_leaves_order(struct lod_build *b, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	b->order = lod_arena_take(&b->arena, b->elements.count, sizeof *b->order);
+	if (b->options->order != LOD_ORDER_GREEDY)
+		order_by_survival(b, b->options->order);
+	else if (!b->options->grid_bits || b->elements.count == 0)
+		order_by_survival(b, LOD_ORDER_COMBINED);
+	else
+		code = order_greedily(b, error);
+	if (!code)
+		sort_groups(b);
+	return code;
 }
 
 /* ---- Blades ---- */
@@ -174,6 +244,32 @@ void lod_leaves_represent(struct lod_build *b)
 
 /* ---- Ladders ---- */
 
+/* All of a list have as many corners: a triangle's last corner is repeated where the others have four. ECO_NONE where that draws no
+ * fewer vertices than the elements themselves. */
+static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count, const uint8_t *growth)
+{
+	uint64_t full = 0;
+	uint32_t corners = 3;
+	for (uint32_t i = 0; i < count; i++) {
+		full += b->elements.items[items[i]].corners - 2u;
+		corners = b->simple[items[i]].corners > corners ? b->simple[items[i]].corners : corners;
+	}
+	if ((corners - 2u) * SIMPLE_GAIN * count > (double)full)
+		return ECO_NONE;
+	struct lod_facet *facet = lod_arena_take(&b->arena, count, sizeof *facet);
+	const struct lod_facet **facets = lod_arena_take(&b->arena, count, sizeof *facets);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_quad *quad = &b->simple[items[i]];
+		for (uint32_t k = 0; k < corners; k++)
+			for (int a = 0; a < 3; a++)
+				facet[i].corner[k][a] = (int32_t)floor((quad->corner[k < quad->corners ? k : quad->corners - 1u][a] - b->mesh.origin[a])
+					/ b->mesh.step + 0.5);
+		memcpy(facet[i].rgb, b->point[items[i]].rgb, sizeof facet[i].rgb);
+		facets[i] = &facet[i];
+	}
+	return lod_draft_facets(&b->draft, triangles, facets, corners, growth);
+}
+
 /* Lists of items[0..count) under `ladder`. */
 static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items,
 	uint32_t count)
@@ -182,7 +278,12 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);
 	for (uint32_t i = 0; i < count; i++)
 		fans[i] = &b->elements.items[items[i]];
-	ladder->triangles = lod_draft_fans(&b->draft, fans, NULL, count, group->image);
+	uint8_t *growth = b->growth ? lod_arena_take(&b->arena, count, sizeof *growth) : NULL;
+	for (uint32_t i = 0; growth && i < count; i++)
+		growth[i] = b->growth[items[i]];
+	ladder->triangles = lod_draft_fans(&b->draft, fans, growth, count, group->image);
+	if (b->simple)
+		ladder->simple = write_simple(b, ladder->triangles, items, count, growth);
 	if (group->blades) {
 		const struct lod_line **lines = lod_arena_take(&b->arena, count, sizeof *lines);
 		for (uint32_t i = 0; i < count; i++) {

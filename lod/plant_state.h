@@ -4,6 +4,7 @@
 
 #include "lod/cell.h"
 #include "lod/draft.h"
+#include "lod/foliage.h"
 
 /* Elements, or wood, of one organ with one texture: what shares ladders. */
 struct lod_group {
@@ -12,6 +13,7 @@ struct lod_group {
 	uint32_t first, end;         /* leaves: in build.order */
 	bool blades;                 /* leaves: lines instead of points */
 	double area;                 /* leaves */
+	float importance;
 };
 
 struct lod_build {
@@ -19,6 +21,8 @@ struct lod_build {
 	struct lod_plant *plant;
 	const struct eco_model *model;
 	const struct lod_plant_options *options;
+	struct eco_error *error;
+	enum eco_code code;          /* of a stage that failed and said why */
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_elements elements;
@@ -35,6 +39,8 @@ struct lod_build {
 	struct lod_v3 *center;
 	double *area;
 	uint32_t *order;             /* by group, in each the one worth most first */
+	uint8_t *growth;             /* codes, and simpler forms: of the greedy order; else NULL */
+	struct lod_quad *simple;
 	struct lod_line *blade;      /* of groups of blades */
 	double *blade_error;
 	struct lod_point *point;
@@ -46,7 +52,7 @@ struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_gr
 
 /* Center, area, and for the blades lines, for the others points. Groups must be known. */
 void lod_leaves_measure(struct lod_build *build);
-void lod_leaves_order(struct lod_build *build);
+enum eco_code lod_leaves_order(struct lod_build *build, struct eco_error *error);
 void lod_leaves_represent(struct lod_build *build);
 
 /* Whole-plant ladders, then those of cells. */

@@ -34,7 +34,7 @@ static void make_model(struct soup *soup, enum kind kind)
 
 static struct lod_plant_options options_for(enum kind kind)
 {
-	return (struct lod_plant_options){ .name = "test", .seed = 3, .grid_bits = 14, .cell_triangles = kind == SMALL_TREE ? 0 : 600,
+	return (struct lod_plant_options){ .name = "test", .seed = 3, .order = LOD_ORDER_COMBINED, .grid_bits = 14, .cell_triangles = kind == SMALL_TREE ? 0 : 600,
 		.importance = { [ECO_ORGAN_FLOWER] = 3 } };
 }
 
@@ -514,7 +514,7 @@ static void coarse_grids_drop_and_count(void **state)
 	for (uint32_t bits = 1; bits <= 12; bits++) {
 		struct lod_plant plant;
 		struct eco_error error = { 0 };
-		struct lod_plant_options options = { .grid_bits = bits };
+		struct lod_plant_options options = { .order = LOD_ORDER_COMBINED, .grid_bits = bits };
 		uint32_t dropped = 0;
 		enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
 		for (int d = 0; d < ECO_DROP_COUNT && code == ECO_OK; d++)
@@ -535,7 +535,7 @@ static void any_soup_is_stored_completely(void **state)
 		struct soup soup;
 		struct lod_plant plant;
 		struct eco_error error = { 0 };
-		struct lod_plant_options options = { .name = "soup", .grid_bits = 10, .cell_triangles = 20 };
+		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED, .grid_bits = 10, .cell_triangles = 20 };
 		soup_begin(&soup);
 		soup.state = seed;
 		uint32_t m = soup_material(&soup, 255, 255, 255, seed % 2 ? soup_disc_image(&soup, 8) : ECO_NONE, seed % 4 == 1), n = 5 + seed;

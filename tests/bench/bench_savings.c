@@ -1,0 +1,517 @@
+/* See bench_savings.h. Each method is tabulated over lambda: the scale (and with simpler leaves how many elements are drawn) that is best on
+ * one set of views, and the Q of that on another. Between lambdas both are interpolated, as a client does. */
+#include "tests/bench/bench_savings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/list.h"
+#include "lod/cook.h"
+#include "lod/order.h"
+#include "lod/rank.h"
+#include "lod/sort.h"
+#include "tests/bench/bench_leaves.h"
+
+#define PIXELS 256u
+#define TUNING_VIEWS 5u
+#define TUNING_SEED 7411u
+#define TEST_SEED 90217u
+#define ROWS_MAX 48u
+#define LAMBDA_LEAST 2e-4
+#define KNEE 0.3                 /* lambdas are a constant factor apart below, a constant step above */
+#define FACTOR 1.4
+#define STEP 0.05
+#define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
+#define WAYS 5                   /* from as they are to as many as can be, simpler */
+#define BESIDE_STRIDE 4u         /* distances that owners and colours are compared at */
+
+const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, one scale", "greedy",
+	"greedy, simpler leaves" };
+
+struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) simpler */
+
+struct study {
+	struct bench_leaves leaves;
+	struct lod_sights tuning, tests;
+	uint32_t *order[BENCH_METHODS], n;
+	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: of QUADS */
+	uint8_t *growth;
+	struct lod_quad *quad, *shape;
+	float *factor;
+	double share;                /* of the outline, by one leaf */
+	struct row rows[BENCH_METHODS][ROWS_MAX];
+	uint32_t row_count;
+};
+
+double bench_distance(uint32_t i)
+{
+	return i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
+}
+
+/* ---- Orders ---- */
+
+static void sort_by(uint32_t *order, const double *survival, uint32_t count, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *items = lod_arena_take(arena, count, sizeof *items);
+	for (uint32_t i = 0; i < count; i++)
+		items[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
+	lod_sort(arena, items, count);
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = items[i].value;
+	lod_arena_release(arena, mark);
+}
+
+static bool rank_goes_on(void *ctx, double share)
+{
+	struct bench *bench = ctx;
+	(void)share;
+	return !bench_stopped(bench);
+}
+
+static enum eco_code make_orders(struct bench *bench, struct study *s, struct eco_error *error)
+{
+	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+	const struct lod_foliage *f = &s->leaves.foliage;
+	struct lod_arena *arena = &s->leaves.arena;
+	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
+	struct lod_rank rank, plain;
+	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++) {
+		lod_order_survival_by(survival, methods[m], &(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
+		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
+		sort_by(s->order[m], survival, f->count, arena);
+	}
+	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 1, .progress = rank_goes_on, .ctx = bench }, arena, error);
+	if (!code)
+		code = lod_rank_make(&plain, f, &(struct lod_rank_options){ .seed = 1, .plain = true, .progress = rank_goes_on, .ctx = bench }, arena, error);
+	if (code)
+		return code;
+	s->order[BENCH_PLAIN] = plain.order;
+	s->order[BENCH_PRUNED] = s->order[BENCH_QUADS] = rank.order;
+	s->growth = rank.growth;
+	s->quad = rank.simple;
+	return ECO_OK;
+}
+
+static void count_vertices(struct study *s)
+{
+	const uint32_t *first = s->leaves.foliage.first;
+	for (int m = 0; m < BENCH_METHODS; m++) {
+		s->full[m] = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->full[m]);
+		for (uint32_t k = 0; k < s->n; k++)
+			s->full[m][k + 1] = s->full[m][k] + 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
+	}
+	s->simple = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->simple);
+	for (uint32_t k = 0; k < s->n; k++) {
+		uint64_t simple = 3 * (s->quad[s->order[BENCH_QUADS][k]].corners - 2u), full = s->full[BENCH_QUADS][k + 1] - s->full[BENCH_QUADS][k];
+		s->simple[k + 1] = s->simple[k] + (simple < full ? simple : full);
+	}
+}
+
+/* Depth complexity: leaves' projected area over what they cover. */
+static void measure_share(struct study *s)
+{
+	const struct lod_foliage *f = &s->leaves.foliage;
+	double projected = 0, covered = 0;
+	for (uint32_t v = 0; v < s->tuning.count; v++) {
+		const struct lod_eye *eye = &s->tuning.eyes[v];
+		struct lod_v3 to = lod_v3_sub(lod_v3_mix(f->low, f->high, 0.5), (struct lod_v3){ eye->at[0], eye->at[1], eye->at[2] });
+		double away = lod_v3_length(to), pixel = eye->pixel_rad * away;
+		for (uint32_t i = 0; i < f->count; i++)
+			projected += fabs(lod_v3_dot(f->normal[i], to)) / away / (pixel * pixel);
+		for (uint32_t i = 0; i < s->tuning.words; i++)
+			covered += __builtin_popcountll(s->tuning.reference[v][i] & ~s->tuning.wood[v][i]);
+	}
+	s->share = lod_cook_share(s->n, projected / s->tuning.count, covered / s->tuning.count);
+}
+
+/* ---- A subset's quality ---- */
+
+static uint32_t whole(double x, uint32_t most)
+{
+	return x < 1 ? 1 : x > most ? most : (uint32_t)(x + 0.5);
+}
+
+/* Cook's scale times so many eighths of an octave. */
+static double scale_of(const struct study *s, double count, double step)
+{
+	return count >= s->n ? 1 : s->n / count * exp2(step / 8);
+}
+
+static struct lod_sights_drawing prepare(struct study *s, enum bench_method method, const struct row *row)
+{
+	uint32_t count = whole(row->count, s->n), fine = row->fine < 0.5 ? 0 : whole(row->fine, count);
+	float scale = (float)scale_of(s, row->count, row->step);
+	struct lod_sights_drawing drawing = { .order = s->order[method], .count = count, .scale = scale };
+	if (method >= BENCH_PRUNED) {
+		float by_code[ECO_GROWTHS];
+		for (uint32_t c = 0; c < ECO_GROWTHS; c++)
+			by_code[c] = eco_growth(c, scale);
+		for (uint32_t k = 0; k < count; k++)
+			s->factor[drawing.order[k]] = by_code[s->growth[drawing.order[k]]];
+		drawing.factor = s->factor;
+	}
+	if (method == BENCH_QUADS) {
+		for (uint32_t k = 0; k < count; k++) {
+			uint32_t i = drawing.order[k];
+			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1] - s->full[method][k];
+			s->shape[i] = simpler ? s->quad[i] : (struct lod_quad){ .corners = 0 };
+		}
+		drawing.shape = s->shape;
+	}
+	return drawing;
+}
+
+static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing)
+{
+	struct bench_wrong sum = { 0 };
+	for (uint32_t v = 0; v < sights->count; v++)
+		bench_leaves_compare(&s->leaves, sights, v, drawing, &sum);
+	return bench_wrong_q(&sum);
+}
+
+static double try_row(struct study *s, enum bench_method method, const struct lod_sights *sights, const struct row *row)
+{
+	const struct lod_sights_drawing drawing = prepare(s, method, row);
+	return q_of(s, sights, &drawing);
+}
+
+/* ---- Tables ---- */
+
+/* Elements of a prefix that comes to so many vertices, with parts. */
+static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
+{
+	uint32_t low = 0, high = n;
+	while (low < high) {
+		uint32_t middle = (low + high + 1) / 2;
+		if ((double)sum[middle] <= vertices)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
+}
+
+/* Way 0 draws all as they are, WAYS - 1 as many elements as can be. */
+static void place(const struct study *s, enum bench_method method, struct row *row)
+{
+	double vertices = row->lambda * (double)s->full[method][s->n];
+	row->count = row->fine = elements_at(s->full[method], s->n, vertices);
+	if (method != BENCH_QUADS || row->way == 0)
+		return;
+	double most = elements_at(s->simple, s->n, vertices);
+	row->count = row->count * pow(most / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
+	uint32_t count = whole(row->count, s->n), low = 0, high = count;
+	while (low < high) {                                 /* the most elements as they are that leave the others room */
+		uint32_t middle = (low + high + 1) / 2;
+		if ((double)(s->full[method][middle] + s->simple[count] - s->simple[middle]) <= vertices)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	row->fine = low;
+}
+
+/* Climbs from row->step, in strides of four eighths, two and one. */
+static double climb(struct study *s, enum bench_method method, struct row *row)
+{
+	double best = try_row(s, method, &s->tuning, row);
+	if (row->count >= s->n && row->fine >= s->n)
+		return best;
+	for (int stride = 4; stride > 0; stride /= 2)
+		for (int way = -1; way <= 1; way += 2)
+			for (;;) {
+				struct row next = *row;
+				next.step += way * stride;
+				if (fabs(next.step) > STEPS_MOST)
+					break;
+				double q = try_row(s, method, &s->tuning, &next);
+				if (!(q > best))
+					break;
+				best = q;
+				*row = next;
+			}
+	return best;
+}
+
+/* From the row of the next larger lambda on. */
+static void fill_row(struct study *s, enum bench_method method, struct row *row, const struct row *larger)
+{
+	struct row best = { .lambda = row->lambda };
+	double best_q = -INFINITY;
+	int from = larger ? larger->way - 1 : 0, to = larger ? larger->way + 1 : WAYS - 1;
+	for (int way = method == BENCH_QUADS ? (from < 0 ? 0 : from) : 0; way <= (method == BENCH_QUADS ? (to >= WAYS ? WAYS - 1 : to) : 0); way++) {
+		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
+		place(s, method, &one);
+		double q = climb(s, method, &one);
+		if (q > best_q) {
+			best_q = q;
+			best = one;
+		}
+	}
+	*row = best;
+	row->q = try_row(s, method, &s->tests, row);
+}
+
+static enum eco_code fill_tables(struct bench *bench, struct study *s, struct eco_error *error)
+{
+	double lambda[ROWS_MAX];
+	double least = fmax(LAMBDA_LEAST, 2.0 / s->n);
+	for (double l = 1; l > KNEE + STEP / 2; l -= STEP)
+		lambda[s->row_count++] = l;
+	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= FACTOR)
+		lambda[s->row_count++] = l;
+	for (int m = 0; m < BENCH_METHODS; m++)
+		for (uint32_t i = 0; i < s->row_count; i++) {
+			s->rows[m][i] = (struct row){ .lambda = lambda[i] };
+			fill_row(s, (enum bench_method)m, &s->rows[m][i], i ? &s->rows[m][i - 1] : NULL);
+			if (bench_stopped(bench))
+				return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		}
+	return ECO_OK;
+}
+
+/* The least lambda from which on Q is reached; rows are by falling lambda. */
+static struct row reach(const struct study *s, enum bench_method method, double q)
+{
+	const struct row *rows = s->rows[method];
+	uint32_t i = s->row_count - 1;
+	while (i > 0 && rows[i].q < q)
+		i--;
+	if (i + 1 == s->row_count || rows[i].q < q)
+		return rows[i];
+	const struct row *high = &rows[i], *low = &rows[i + 1];
+	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
+	return (struct row){ low->lambda + t * (high->lambda - low->lambda), low->step + t * (high->step - low->step),
+		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine), q, high->way };
+}
+
+/* ---- Owners and colours ---- */
+
+struct picture { uint64_t *owner; uint8_t *rgb; };
+
+static void keep(const struct bench_leaves *leaves, struct picture *picture)
+{
+	size_t n = (size_t)leaves->pixels * leaves->pixels;
+	memcpy(picture->owner, leaves->ids.owner, n * sizeof *picture->owner);
+	memcpy(picture->rgb, leaves->ids.rgb, 3 * n);
+}
+
+static void add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast, struct bench_beside *sum)
+{
+	const struct lod_raster *shown = &leaves->ids;
+	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0, leafy = 0;
+	double mean[3] = { 0, 0, 0 }, square = 0;
+	for (size_t i = 0; i < n; i++)
+		for (int k = 0; k < 3 && reference->owner[i] && reference->owner[i] != BENCH_WOOD; k++) {
+			mean[k] += reference->rgb[3 * i + (size_t)k];
+			leafy += k == 0;
+		}
+	for (size_t i = 0; i < n; i++) {
+		bool a = shown->owner[i] != 0, b = reference->owner[i] != 0;
+		covered += a;
+		wanted += b;
+		right += a && b && shown->owner[i] == reference->owner[i];
+		either += a || b;
+		for (int k = 0; k < 3 && (a || b); k++) {
+			double is = a ? shown->rgb[3 * i + (size_t)k] : 0, was = b ? reference->rgb[3 * i + (size_t)k] : 0;
+			if (a && shown->owner[i] != BENCH_WOOD && leafy)
+				is = mean[k] / (double)leafy + contrast * (is - mean[k] / (double)leafy);
+			square += (is - was) * (is - was) / (255.0 * 255.0);
+		}
+	}
+	double p = covered ? (double)right / (double)covered : 1, r = wanted ? (double)right / (double)wanted : 1;
+	sum->owner_q += 1 - sqrt((1 - p) * (1 - p) + (1 - r) * (1 - r));
+	sum->colour_rms += either ? sqrt(square / (3.0 * (double)either)) : 0;
+}
+
+/* Cook's with and without his correction of contrast: the better of the two stands. */
+static void compare_beside(struct study *s, const struct bench_savings *savings, uint32_t view, struct picture *reference,
+	struct bench_beside *cook, struct bench_beside *beside)
+{
+	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
+	keep(&s->leaves, reference);
+	for (uint32_t d = 2; d < BENCH_DISTANCES; d += BESIDE_STRIDE) {
+		double count = elements_at(s->full[BENCH_STOCHASTIC], s->n, savings->cook_lambda[d] * savings->vertices);
+		uint32_t kept = whole(count, s->n);
+		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
+		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
+		add_beside(&s->leaves, reference, 1, &cook[0]);
+		add_beside(&s->leaves, reference, lod_cook_contrast(kept, s->n, 1), &cook[1]);
+		for (int m = 0; m < BENCH_METHODS; m++) {
+			const struct row row = reach(s, (enum bench_method)m, savings->cook_q[d]);
+			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
+			bench_leaves_ids(&s->leaves, &s->tests, view, &ours);
+			add_beside(&s->leaves, reference, 1, &beside[m]);
+		}
+	}
+}
+
+static enum eco_code measure_beside(struct bench *bench, struct study *s, struct bench_savings *savings, struct eco_error *error)
+{
+	struct bench_beside cook[2] = { { 0, 0 }, { 0, 0 } }, beside[BENCH_METHODS] = { { 0, 0 } };
+	uint32_t views = bench->full ? s->tests.count : 2, pictures = 0;
+	size_t n = (size_t)PIXELS * PIXELS;
+	struct picture reference = { lod_arena_take(&s->leaves.arena, n, sizeof(uint64_t)), lod_arena_take(&s->leaves.arena, n, 3) };
+	for (uint32_t v = 0; v < views; v++) {
+		if (bench_stopped(bench))
+			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		compare_beside(s, savings, v, &reference, cook, beside);
+	}
+	for (uint32_t d = 2; d < BENCH_DISTANCES; d += BESIDE_STRIDE)
+		pictures += views;
+	savings->cook = (struct bench_beside){ cook[0].owner_q / pictures, fmin(cook[0].colour_rms, cook[1].colour_rms) / pictures };
+	for (int m = 0; m < BENCH_METHODS; m++)
+		savings->beside[m] = (struct bench_beside){ beside[m].owner_q / pictures, beside[m].colour_rms / pictures };
+	return ECO_OK;
+}
+
+/* ---- Protocol ---- */
+
+/* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
+static void measure_cook(struct study *s, struct bench_savings *savings)
+{
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
+		double lambda = (1 - bench_distance(d)) * (1 - bench_distance(d));
+		uint32_t kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, lambda * savings->vertices), s->n);
+		struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
+		double plain = q_of(s, &s->tests, &drawing);
+		drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
+		savings->cook_lambda[d] = lambda;
+		savings->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing));
+	}
+}
+
+static enum eco_code run_study(struct bench *bench, struct study *s, struct bench_savings *savings, struct eco_error *error)
+{
+	uint32_t tests = bench->full ? 12 : 6;
+	double directions[12][3];
+	enum eco_code code = make_orders(bench, s, error);
+	if (code)
+		return code;
+	count_vertices(s);
+	s->factor = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->factor);
+	s->shape = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->shape);
+	lod_directions_spread(directions, TUNING_VIEWS, TUNING_SEED);
+	code = lod_sights_make(&s->tuning, &s->leaves.foliage, (const double (*)[3])directions, TUNING_VIEWS, PIXELS, &s->leaves.arena, error);
+	lod_directions_spread(directions, tests, TEST_SEED);
+	if (!code)
+		code = lod_sights_make(&s->tests, &s->leaves.foliage, (const double (*)[3])directions, tests, PIXELS, &s->leaves.arena, error);
+	if (code)
+		return code;
+	savings->vertices = (uint32_t)s->full[0][s->n];
+	measure_share(s);
+	measure_cook(s, savings);
+	code = fill_tables(bench, s, error);
+	for (int m = 0; m < BENCH_METHODS && !code; m++)
+		for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+			savings->lambda[m][d] = reach(s, (enum bench_method)m, savings->cook_q[d]).lambda;
+	return code ? code : measure_beside(bench, s, savings, error);
+}
+
+enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings, struct eco_model *model, struct eco_error *error)
+{
+	struct study *s = calloc(1, sizeof *s);
+	*savings = (struct bench_savings){ 0 };
+	if (!s) {
+		eco_model_free(model);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of savings");
+	}
+	enum eco_code code = bench_leaves_open(&s->leaves, model, PIXELS, error);
+	if (code == ECO_BAD_INPUT) {                         /* no leaves at all */
+		free(s);
+		return ECO_OK;
+	}
+	if (!code) {
+		savings->elements = s->n = s->leaves.foliage.count;
+		if (setjmp(s->leaves.arena.failed))
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for orders of %u leaves", s->leaves.foliage.count);
+		else if (s->n >= BENCH_ELEMENTS_LEAST)
+			code = run_study(bench, s, savings, error);
+		bench_leaves_close(&s->leaves);
+	}
+	free(s);
+	return code;
+}
+
+/* ---- Kept ---- */
+
+static json_t *pack_row(const double *values)
+{
+	json_t *row = json_array();
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+		json_array_append_new(row, json_real(values[d]));
+	return row;
+}
+
+static void read_row(const json_t *row, double *values)
+{
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+		values[d] = json_number_value(json_array_get(row, d));
+}
+
+static json_t *pack(const struct bench_savings *s)
+{
+	json_t *methods = json_array();
+	for (int m = 0; m < BENCH_METHODS; m++)
+		json_array_append_new(methods, json_pack("{s:o,s:f,s:f}", "lambda", pack_row(s->lambda[m]), "owner_q", s->beside[m].owner_q, "colour_rms",
+			s->beside[m].colour_rms));
+	return json_pack("{s:i,s:i,s:o,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices", (int)s->vertices, "cook_lambda",
+		pack_row(s->cook_lambda), "cook_q", pack_row(s->cook_q), "owner_q", s->cook.owner_q, "colour_rms", s->cook.colour_rms, "methods", methods);
+}
+
+static double number(const json_t *object, const char *name) { return json_number_value(json_object_get(object, name)); }
+
+static void unpack(struct bench_savings *s, const json_t *kept)
+{
+	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"), .vertices = (uint32_t)number(kept, "vertices"),
+		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
+	read_row(json_object_get(kept, "cook_lambda"), s->cook_lambda);
+	read_row(json_object_get(kept, "cook_q"), s->cook_q);
+	for (int m = 0; m < BENCH_METHODS; m++) {
+		const json_t *method = json_array_get(json_object_get(kept, "methods"), (size_t)m);
+		read_row(json_object_get(method, "lambda"), s->lambda[m]);
+		s->beside[m] = (struct bench_beside){ number(method, "owner_q"), number(method, "colour_rms") };
+	}
+}
+
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name, const char *path, struct eco_error *error)
+{
+	char unit[96], stamp[32];
+	struct bench_model file = { 0 };
+	struct eco_model model;
+	snprintf(unit, sizeof unit, "savings-%s", name);
+	snprintf(stamp, sizeof stamp, "%u views", bench->full ? 12 : 6);
+	json_t *kept = bench_recall(bench, unit, stamp);
+	if (kept) {
+		unpack(savings, kept);
+		return ECO_OK;
+	}
+	snprintf(file.name, sizeof file.name, "%s", name);
+	snprintf(file.path, sizeof file.path, "%s", path);
+	enum eco_code code = bench_model_read(bench, &file, &model, error);
+	if (!code)
+		code = bench_savings_measure(bench, savings, &model, error);
+	if (!code)
+		bench_keep(bench, unit, stamp, pack(savings));
+	return code;
+}
+
+double bench_saving_mean(const struct bench_savings *s, enum bench_method method)
+{
+	double sum = 0;
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+		sum += 1 - s->lambda[method][d] / s->cook_lambda[d];
+	return sum / BENCH_DISTANCES;
+}
+
+double bench_saving_total(const struct bench_savings *s, enum bench_method method)
+{
+	double ours = 0, cook = 0;
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
+		ours += s->lambda[method][d];
+		cook += s->cook_lambda[d];
+	}
+	return 1 - ours / cook;
+}

@@ -1,0 +1,39 @@
+/* Geometry saved against Cook's stochastic simplification at equal quality, for one plant (Neubert 2011, section 5 and table 2).
+ *
+ *   d of 20 distances, 10 equidistant in [0, 0.1) and 10 in [0.1, 1), normalised by the distance at which nothing would be left
+ *   lambda_Cook = (1 - d)^2, and the Q that Cook reaches there, seen from where no method was made for
+ *   each method: the least lambda whose Q, at the scale that its table has, is no less
+ *
+ * lambda counts vertices of the foliage as the client draws them, 3 a triangle; wood is drawn whole by all and not counted. Scales come from
+ * other views than those that Q is taken from, and orders from others again. */
+#ifndef TESTS_BENCH_SAVINGS_H
+#define TESTS_BENCH_SAVINGS_H
+
+#include "tests/bench/bench.h"
+
+#define BENCH_DISTANCES 20u
+#define BENCH_ELEMENTS_LEAST 500u
+
+/* PLAIN: our order without growth codes. PRUNED: with one a leaf. QUADS: and with leaves as one triangle or quad where that serves better. */
+enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_QUADS, BENCH_METHODS };
+extern const char *const bench_method_names[BENCH_METHODS];
+
+struct bench_beside { double owner_q, colour_rms; };      /* means over some of the distances */
+
+struct bench_savings {
+	uint32_t elements, vertices;         /* foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
+	double cook_lambda[BENCH_DISTANCES], cook_q[BENCH_DISTANCES];
+	double lambda[BENCH_METHODS][BENCH_DISTANCES];
+	struct bench_beside cook, beside[BENCH_METHODS];
+};
+
+double bench_distance(uint32_t i);
+/* Takes the model over. */
+enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings, struct eco_model *model, struct eco_error *error);
+/* The same, kept as a piece of work called `name`; reads the model only if that is not there. */
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name, const char *path, struct eco_error *error);
+
+double bench_saving_mean(const struct bench_savings *savings, enum bench_method method);
+double bench_saving_total(const struct bench_savings *savings, enum bench_method method);
+
+#endif
