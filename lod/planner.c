@@ -8,7 +8,7 @@
 
 #include "lod/planning.h"
 
-static enum eco_code planning_init(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error)
+enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
 	*p = (struct lod_planning){ .input = input, .scene = scene };
@@ -27,7 +27,7 @@ static enum eco_code planning_init(struct lod_planning *p, const struct lod_plan
 		input->placements_max ? input->placements_max : 100000, error);
 }
 
-static void planning_free(struct lod_planning *p)
+void lod_planning_end(struct lod_planning *p)
 {
 	free(p->gates);
 	free(p->ladder_first);
@@ -45,7 +45,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	double sample_distance = 0;
 	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
-	enum eco_code code = planning_init(&p, input, error);
+	enum eco_code code = lod_planning_begin(&p, input, error);
 	if (!code && input->rule == LOD_RULE_DEUSSEN)
 		code = lod_planning_deussen(&p, &sample_distance, error);
 	else if (!code)
@@ -56,7 +56,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.visible.places, p.cheapest, p.level, p.wrong };
-	planning_free(&p);
+	lod_planning_end(&p);
 	if (code)
 		eco_plan_free(plan);
 	return code;

@@ -292,3 +292,9 @@ enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *err
 	}
 	return code;
 }
+
+enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
+{
+	enum eco_code code = make_bodies(p, error);
+	return code ? code : open_level(p, (int)level + COARSEST, error);
+}

@@ -38,6 +38,10 @@ struct lod_planning {
 	struct lod_body *bodies;     /* per plant */
 };
 
+/* `input` must outlive p, which is to be ended whatever comes of it. */
+enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error);
+void lod_planning_end(struct lod_planning *p);
+
 /* Opens tiles, and plants' cells, as sample distances d' need them, and counts plants: sets gates and slots. */
 enum eco_code lod_planning_open(struct lod_planning *p, double tiles_distance, double cells_distance, struct eco_error *error);
 
@@ -46,6 +50,8 @@ enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *e
 /* The two rules: entries and vertices within the budget. */
 enum eco_code lod_planning_deussen(struct lod_planning *p, double *sample_distance, struct eco_error *error);
 enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error);
+/* Only looks, at a level as lod_planner_stats names it: then a market can be made of it (for tests). */
+enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error);
 
 /* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
 enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error);

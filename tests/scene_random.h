@@ -10,9 +10,12 @@
 
 #define RANDOM_MOST 512
 
+struct random_sizes { uint32_t species, leaves, elements, places, cells; };      /* at most; leaves: exactly, up to 4 */
+
 struct random_scene {
 	struct eco_scene scene;
 	uint64_t state;
+	struct random_sizes sizes;
 	struct eco_plant plants[RANDOM_MOST];
 	struct eco_anchor anchors[RANDOM_MOST];
 	struct eco_ladder ladders[RANDOM_MOST];
@@ -105,7 +108,7 @@ static inline void random_curve(struct random_scene *r, struct eco_ladder *ladde
 static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_t anchor, int kind, uint8_t flags, uint32_t before)
 {
 	struct eco_ladder *l = &r->ladders[r->scene.ladder_count++];
-	uint32_t k = 1 + random_below(r, 300);
+	uint32_t k = 1 + random_below(r, r->sizes.elements);
 	*l = (struct eco_ladder){ .plant = plant, .anchor = anchor, .flags = flags, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
 		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3, .area = (float)random_real(r, 0.1, 30),
 		.length = (float)random_real(r, 1, 100), .epsilon = (float)random_real(r, 0, 0.05) };
@@ -140,7 +143,7 @@ static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_
 static inline void random_plant(struct random_scene *r)
 {
 	struct eco_scene *s = &r->scene;
-	uint32_t id = s->plant_count++, cells = random_below(r, 2) ? 0 : 2 + random_below(r, 6);
+	uint32_t id = s->plant_count++, cells = random_below(r, 2) ? 0 : 2 + random_below(r, r->sizes.cells - 1);
 	struct eco_plant *p = &r->plants[id];
 	int kind = (int)random_below(r, 3);
 	*p = (struct eco_plant){ .height_m = (float)random_real(r, 0.3, 25), .anchor_first = s->anchor_count, .anchor_count = 1 + cells,
@@ -166,7 +169,7 @@ static inline void random_leaf(struct random_scene *r, uint32_t tile, double x, 
 	t->group_first = s->group_count;
 	t->group_count = 1 + random_below(r, s->plant_count);
 	for (uint32_t g = 0; g < t->group_count; g++) {
-		uint32_t count = 1 + random_below(r, 40), list = random_list(r, ECO_LIST_INSTANCES, count, tile, g);
+		uint32_t count = 1 + random_below(r, r->sizes.places), list = random_list(r, ECO_LIST_INSTANCES, count, tile, g);
 		r->lists[list].grid_origin[0] = x;
 		r->lists[list].grid_origin[1] = y;
 		r->groups[s->group_count++] = (struct eco_group){ tile, g, list, s->place_count };
@@ -187,18 +190,19 @@ static inline void random_leaf(struct random_scene *r, uint32_t tile, double x, 
 }
 
 /* `nested` adds placed copies of one eco file under the root. The result points into *r: do not copy it. */
-static inline void random_scene_make(struct random_scene *r, uint64_t seed, uint32_t nested)
+static inline void random_scene_sized(struct random_scene *r, uint64_t seed, uint32_t nested, struct random_sizes sizes)
 {
 	memset(r, 0, sizeof *r);
 	r->state = seed;
+	r->sizes = sizes;
 	struct eco_scene *s = &r->scene;
 	*s = (struct eco_scene){ .near_m = 0.01, .plants = r->plants, .anchors = r->anchors, .ladders = r->ladders,
 		.curves = r->curves, .tiles = r->tiles, .groups = r->groups, .children = r->children, .lists = r->lists,
 		.chunks = r->chunks, .places = r->places };
-	uint32_t plants = 1 + random_below(r, 4);
+	uint32_t plants = 1 + random_below(r, sizes.species);
 	while (s->plant_count < plants)
 		random_plant(r);
-	uint32_t leaves = 4;
+	uint32_t leaves = sizes.leaves;
 	s->tile_count = 1 + leaves + (nested ? 1 : 0);
 	r->tiles[0] = (struct eco_tile){ .low = { -2000, -2000, -30 }, .high = { 2000, 2000, 60 }, .child_first = 0 };
 	for (uint32_t i = 0; i < leaves; i++) {
@@ -220,6 +224,11 @@ static inline void random_scene_make(struct random_scene *r, uint64_t seed, uint
 	}
 	r->tiles[0].child_count = s->child_count;
 	r->tiles[0].summary = random_list(r, ECO_LIST_POINTS, 100, 0, ECO_NONE);
+}
+
+static inline void random_scene_make(struct random_scene *r, uint64_t seed, uint32_t nested)
+{
+	random_scene_sized(r, seed, nested, (struct random_sizes){ .species = 4, .leaves = 4, .elements = 300, .places = 40, .cells = 7 });
 }
 
 #endif

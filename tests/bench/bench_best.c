@@ -1,0 +1,179 @@
+#include "tests/bench/bench_best.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/ladder.h"
+#include "lod/market.h"
+#include "lod/spend.h"
+#include "tests/scene_random.h"
+
+#define BUDGET_MOST 600u
+#define FREE_MOST 16u            /* tiles that may be opened or not */
+
+struct search {
+	struct lod_market market;
+	struct lod_planning planning;
+	double least[BUDGET_MOST + 1], next[BUDGET_MOST + 1];        /* wrong, with at most so many vertices */
+	uint64_t budget;
+	uint32_t free_nodes[FREE_MOST], free_count;
+	struct bench_best *out;
+};
+
+/* ---- Amounts ---- */
+
+/* Error of an amount between those of the hull, which the planner's objective is made of. */
+static double error_at(const struct lod_steps *steps, uint64_t vertices)
+{
+	uint32_t i = 0;
+	while (i + 1 < steps->count && steps->amounts[i + 1].vertices <= vertices)
+		i++;
+	const struct lod_amount *a = &steps->amounts[i], *b = i + 1 < steps->count ? a + 1 : a;
+	double part = b->vertices > a->vertices ? (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices) : 0;
+	return a->fp + a->fn + part * (b->fp + b->fn - a->fp - a->fn);
+}
+
+static uint64_t next_amount(const struct search *s, const struct lod_bid *bid, uint64_t vertices)
+{
+	uint64_t last = bid->steps->amounts[bid->steps->count - 1].vertices, next = vertices + 1;
+	if (bid->offer != ECO_NONE)
+		next = lod_ladder_next(s->planning.scene, &s->planning.scene->ladders[s->market.offers[bid->offer].ladder], vertices);
+	return next > last ? UINT64_MAX : next;
+}
+
+/* One more plant, or a summary: at any amount. */
+static void add_one(struct search *s, const struct lod_bid *bid)
+{
+	double worth = bid->seen / (double)bid->count;
+	for (uint64_t v = 0; v <= s->budget; v++)
+		s->next[v] = INFINITY;
+	for (uint64_t a = bid->steps->amounts[0].vertices; a <= s->budget; a = next_amount(s, bid, a)) {
+		double wrong = worth * error_at(bid->steps, a);
+		for (uint64_t v = a; v <= s->budget; v++)
+			s->next[v] = fmin(s->next[v], s->least[v - a] + wrong);
+	}
+	memcpy(s->least, s->next, sizeof s->least);
+}
+
+/* ---- Structures ---- */
+
+static double closed_wrong(const struct lod_market *m)
+{
+	double sum = 0;
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
+		if (m->drawn_by[n] == n && m->p->visible.nodes[n].state == LOD_CLOSED)
+			sum += m->stalls[n].worth;
+	return sum;
+}
+
+static enum eco_code try_structure(struct search *s, struct eco_error *error)
+{
+	struct lod_spend spend = { 0 };
+	lod_market_settle(&s->market);
+	enum eco_code code = lod_spend_make(&spend, &s->market, error);
+	double closed = closed_wrong(&s->market);
+	for (uint64_t v = 0; v <= s->budget; v++)
+		s->least[v] = closed;
+	s->out->things = 0;
+	for (uint32_t i = 0; i < spend.bid_count && !code; i++)
+		for (uint64_t k = 0; k < spend.bids[i].count; k++, s->out->things++)
+			add_one(s, &spend.bids[i]);
+	lod_spend_free(&spend);
+	s->out->structures++;
+	s->out->best = fmin(s->out->best, s->least[s->budget]);
+	return code;
+}
+
+static enum eco_code try_tiles(struct search *s, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t choice = 0; choice < 1u << s->free_count && !code; choice++) {
+		for (uint32_t i = 0; i < s->free_count; i++)
+			s->market.stalls[s->free_nodes[i]].opened = choice >> i & 1;
+		code = try_structure(s, error);
+	}
+	return code;
+}
+
+/* Gates at every band in which whole plants are, and none. */
+static enum eco_code try_gates(struct search *s, uint32_t plant, struct eco_error *error)
+{
+	if (plant == s->planning.scene->plant_count)
+		return try_tiles(s, error);
+	s->planning.gates[plant] = 0;
+	enum eco_code code = try_gates(s, plant + 1, error);
+	for (uint32_t band = 0; band < s->market.gates_most[plant] && !code; band++) {
+		if (!s->market.slot_of[plant * (size_t)ECO_BANDS + band])
+			continue;
+		s->planning.gates[plant] = (uint8_t)(band + 1);
+		code = try_gates(s, plant + 1, error);
+	}
+	return code;
+}
+
+static void find_free(struct search *s)
+{
+	for (uint32_t n = 0; n < s->planning.visible.node_count; n++) {
+		struct lod_stall *stall = &s->market.stalls[n];
+		stall->opened = stall->open && !stall->summary;
+		if (stall->open && stall->summary && s->free_count < FREE_MOST)
+			s->free_nodes[s->free_count++] = n;
+	}
+}
+
+static enum eco_code find_best(struct search *s, const struct lod_planner_input *input, uint32_t level, struct eco_error *error)
+{
+	enum eco_code code = lod_planning_begin(&s->planning, input, error);
+	if (!code)
+		code = lod_planning_look(&s->planning, level, error);
+	if (!code) {
+		code = lod_market_make(&s->market, &s->planning, error);
+		s->out->empty = s->market.stalls ? s->market.stalls[0].worth : 0;
+		if (!code) {
+			find_free(s);
+			code = try_gates(s, 0, error);
+		}
+		lod_market_free(&s->market);
+	}
+	lod_planning_end(&s->planning);
+	return code;
+}
+
+/* ---- Scenes ---- */
+
+static void make_scene(struct random_scene *r, uint64_t seed, struct eco_request *request)
+{
+	random_scene_sized(r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40, .places = 4, .cells = 3 });
+	for (uint32_t i = 0; i < r->scene.ladder_count; i++)
+		if (!(r->ladders[i].flags & ECO_LADDER_NEAR))
+			r->plants[r->ladders[i].plant].area += r->ladders[i].area;
+	*request = (struct eco_request){ .view = { .eye = { random_real(r, -40, 90), random_real(r, -90, -20), random_real(r, 2, 50) },
+		.target = { random_real(r, 0, 60), random_real(r, 0, 60), random_real(r, 0, 10) }, .up = { 0, 0, 1 },
+		.fov_y_deg = random_real(r, 30, 80), .width = 400, .height = 300 }, .vertices = 1 + random_below(r, BUDGET_MOST),
+		.bytes = ECO_BYTES_UNBOUNDED };
+}
+
+enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco_error *error)
+{
+	struct random_scene *scene = malloc(sizeof *scene);
+	struct search *search = calloc(1, sizeof *search);
+	struct eco_request request;
+	struct eco_plan plan = { 0 };
+	struct lod_planner_stats stats = { 0 };
+	enum eco_code code = scene && search ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a small scene");
+	*best = (struct bench_best){ .best = INFINITY };
+	if (!code) {
+		make_scene(scene, seed, &request);
+		struct lod_planner_input input = { .scene = &scene->scene, .request = &request, .stats = &stats };
+		*search = (struct search){ .budget = best->vertices = request.vertices, .out = best };
+		code = lod_plan(&plan, &input, error);
+		best->planner = stats.wrong;
+		eco_plan_free(&plan);
+		if (!code)
+			code = find_best(search, &input, stats.level, error);
+	}
+	free(scene);
+	free(search);
+	return code;
+}
