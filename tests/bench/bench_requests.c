@@ -16,10 +16,8 @@ static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "rise
 
 static enum eco_code make_scenes(struct bench *bench, struct eco_error *error)
 {
-	char command[2048];
 	bench_progress(bench, 0, "scenes for random requests");
-	snprintf(command, sizeof command, "BUILD='%s' sh tests/bench/request_scenes.sh '%s/requests' >&2", bench->build, bench->cache);
-	return system(command) == 0 ? ECO_OK : eco_fail(error, ECO_IO, "%s fails", command);
+	return bench_command(bench, error, "BUILD='%s' sh tests/bench/request_scenes.sh '%s/requests'", bench->build, bench->cache);
 }
 
 /* One block of one scene: what the program prints, or a violation of its own where it prints nothing. */
