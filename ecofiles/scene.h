@@ -35,7 +35,7 @@ struct eco_source_plant {
 	double unit_m;                       /* metres per unit of the files; 0: as the file says, else guessed */
 	enum eco_up up;
 	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, the same for all */
-	float importance[ECO_ORGAN_COUNT];   /* 1 where not given */
+	float importance[ECO_ORGAN_COUNT];   /* 1 where others are given; all 0 where none is: found from colours */
 	uint32_t variant, variant_count;     /* 0..variant_count-1 */
 };
 

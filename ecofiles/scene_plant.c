@@ -152,7 +152,7 @@ static bool parse_importance(const struct eco_json *at, float importance[ECO_ORG
 	struct eco_json node = eco_json_member(at, "importance");
 
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		importance[i] = 1;
+		importance[i] = 0;
 	if (node.value == NULL)
 		return true;
 	if (!eco_json_object(&node, importance_fields))
