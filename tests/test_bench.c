@@ -96,6 +96,12 @@ static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
+/* Ctrl-C while a command runs that starts another: both end. */
+static enum eco_code run_slow(struct bench *bench, struct eco_error *error)
+{
+	return bench_command(bench, error, "(echo $$ >" ROOT "/pid; kill -INT %d; sleep 60; echo late >>" ROOT "/work.log); :", (int)getpid());
+}
+
 static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 {
 	if (bench_command(bench, error, "exit %d", 0))
@@ -104,8 +110,9 @@ static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 }
 
 static const struct bench_section tiny = { "tiny", "Squares", run_tiny }, keys = { "keys", "Keys", run_keys },
-	failing = { "failing", "Fails", run_failing }, plots = { "plots", "Plots", run_plots }, commands = { "commands", "Commands", run_commands };
-static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, NULL };
+	failing = { "failing", "Fails", run_failing }, plots = { "plots", "Plots", run_plots }, commands = { "commands", "Commands", run_commands },
+	slow = { "slow", "Slow", run_slow };
+static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, NULL };
 
 /* ---- Running ---- */
 
@@ -243,13 +250,26 @@ static void test_units_of_another_program_are_done_anew_unless_trusted(void **st
 static void test_a_failure_does_not_end_the_run(void **state)
 {
 	(void)state;
-	assert_int_equal(RUN(NULL), 1);
+	assert_int_equal(RUN("--only", "tiny,keys,failing,plots,commands"), 1);
 	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
 	assert_true(says("out/report.html", "before it fails"));
 	assert_true(says("out/summary.json", "\"exact\": 0"));
 	assert_int_equal(RUN("--list"), 0);
 	assert_true(says("stdout", "failed"));
 	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK) | access(ROOT "/out/picture.png", R_OK), 0);
+}
+
+static void test_interruption_ends_commands_too(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN("--only", "slow"), 130);
+	assert_true(says("out/report.html", "not complete (interrupted"));
+	int group = atoi(text_of("pid"));
+	assert_true(group > 1);
+	for (int i = 0; i < 200 && !kill(-group, 0); i++)        /* who was told to end needs a moment */
+		usleep(10000);
+	assert_int_equal(kill(-group, 0), -1);
+	assert_int_equal(lines_of("work.log"), 0);
 }
 
 static void test_bars_in_words_are_compared(void **state)
@@ -277,6 +297,7 @@ int main(void)
 		cmocka_unit_test_setup(test_damaged_units_are_done_anew, set_up),
 		cmocka_unit_test_setup(test_units_of_another_program_are_done_anew_unless_trusted, set_up),
 		cmocka_unit_test_setup(test_a_failure_does_not_end_the_run, set_up),
+		cmocka_unit_test_setup(test_interruption_ends_commands_too, set_up),
 		cmocka_unit_test_setup(test_bars_in_words_are_compared, set_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -299,9 +299,10 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 	if (!command)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory");
 	erase_bar();
-	/* not system(), which would swallow Ctrl-C; the terminal gives it to the child as well */
+	/* not system(), which would swallow Ctrl-C; a group of its own, so that what the shell started ends with it */
 	pid_t child = fork();
 	if (child == 0) {
+		setpgid(0, 0);
 		signal(SIGINT, SIG_DFL);
 		signal(SIGTERM, SIG_DFL);
 		dup2(STDERR_FILENO, STDOUT_FILENO);
@@ -309,8 +310,15 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 		_exit(127);
 	}
 	int status = -1;
-	while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
-		kill(child, SIGTERM);
+	bool told = false;
+	if (child > 0)
+		setpgid(child, child);
+	/* asked for in turns: a signal that came just before waiting would be waited through */
+	while (child > 0 && waitpid(child, &status, WNOHANG) == 0) {
+		if (interrupted && !told)
+			told = kill(-child, SIGTERM) == 0;
+		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
+	}
 	enum eco_code code = ECO_OK;
 	if (bench_stopped(bench))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");

@@ -59,8 +59,14 @@ static enum eco_code run_scene(struct bench *bench, uint32_t scene, json_t *sum,
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 		bench_progress(bench, (scene + (double)b / blocks) / SCENES, unit);
 		json_t *block = bench_recall(bench, unit, NULL);
-		if (!block)
-			block = bench_keep(bench, unit, NULL, run_block(bench, scenes[scene], b));
+		if (!block) {
+			block = run_block(bench, scenes[scene], b);
+			if (bench_stopped(bench) && json_integer_value(json_object_get(block, "status"))) {
+				json_decref(block);      /* it was ended with us: no violation */
+				return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+			}
+			bench_keep(bench, unit, NULL, block);
+		}
 		add_counts(sum, block);
 	}
 	return ECO_OK;
