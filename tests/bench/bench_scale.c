@@ -10,8 +10,10 @@
 #include "lod/ladder.h"
 #include "lod/probe.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/bench_leaves.h"
 
 #define MODELS 8u
+#define MODELS_QUICK 4u
 #define LAMBDAS 10u
 #define ELEMENTS_LEAST 500u
 #define VIEWS 11u                /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */
@@ -251,34 +253,20 @@ static enum eco_code plot_sizes(struct bench *bench, json_t *const *units, uint3
 		.x = "height of the picture, pixels", .y = "share", .log_x = true, .series = series, .series_count = 6 }, error);
 }
 
-static uint32_t common_divisor(uint32_t a, uint32_t b)
-{
-	return b ? common_divisor(b, a % b) : a;
-}
-
-/* A permutation of the models, as those of one maker stand together in their list: steps of about a golden section of it. */
-static uint32_t spread(uint32_t i, uint32_t count)
-{
-	uint32_t stride = (uint32_t)(count * 0.382) + 1;
-	while (common_divisor(count, stride) != 1)
-		stride++;
-	return (uint32_t)((uint64_t)i * stride % count);
-}
-
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_model *models = NULL;
-	uint32_t count = 0, found = 0;
+	uint32_t count = 0, found = 0, wanted = bench->full ? MODELS : MODELS_QUICK;
 	json_t *units[MODELS];
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	if (code)
 		return code;
 	struct tables t = { bench_table_open(bench, "scale_gaps", "plant,lambda,Q at the table's scale,best Q,gap,best scale over the table's", false),
 		bench_table_open(bench, "scale_sizes", "plant,pixels,lambda,P,spread of P,R,spread of R,Q", false), -1, 0, 0, "" };
-	for (uint32_t i = 0; i < count && found < MODELS && !code; i++) {
-		uint32_t k = spread(i, count);
+	for (uint32_t i = 0; i < count && found < wanted && !code; i++) {
+		uint32_t k = bench_spread(i, count);
 		json_t *one = NULL;
-		bench_progress(bench, (double)found / MODELS, models[k].name);
+		bench_progress(bench, (double)found / wanted, models[k].name);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : unit(bench, &models[k], &one, error);
 		if (code || !json_array_size(json_object_get(one, "gaps")))
 			continue;
