@@ -1,0 +1,106 @@
+/* The planner against everything that could be done instead, in scenes so small that it can be tried; and what benches of planning make. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "tests/bench/bench_best.h"
+#include "tests/bench/bench_still.h"
+#include "tests/bench/bench_times.h"
+
+#define SCENES 200u
+#define ROUNDING 1e-9
+
+/* The best is never worse than the plan: else something was not tried. */
+static void plans_are_close_to_the_best_there_is(void **state)
+{
+	double sum = 0;
+	uint32_t count = 0, tried = 0;
+	(void)state;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct bench_best best;
+		struct eco_error error = { 0 };
+		assert_int_equal(bench_best_find(seed, &best, &error), ECO_OK);
+		if (!(best.empty > 0))
+			continue;
+		assert_true(best.planner >= best.best * (1 - ROUNDING) - ROUNDING);
+		assert_true(best.best <= best.empty * (1 + ROUNDING));
+		sum += (best.planner - best.best) / best.empty;
+		tried += best.structures;
+		count++;
+	}
+	assert_true(count > SCENES / 2);
+	assert_true(tried > 2 * count);
+	assert_true(sum / count < 0.01);
+}
+
+static void the_best_is_found_again(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= 5; seed++) {
+		struct bench_best a, b;
+		struct eco_error error = { 0 };
+		assert_int_equal(bench_best_find(seed, &a, &error), ECO_OK);
+		assert_int_equal(bench_best_find(seed, &b, &error), ECO_OK);
+		assert_true(a.best == b.best && a.planner == b.planner && a.structures == b.structures);
+	}
+}
+
+static void scenes_to_choose_in_are_sound_and_grow(void **state)
+{
+	static const uint32_t species[] = { 1, 25, 63, 65, 200 };
+	uint64_t before = 0;
+	(void)state;
+	for (size_t i = 0; i < sizeof species / sizeof *species; i++) {
+		struct bench_choice choice;
+		struct bench_plan_time time;
+		struct eco_error error = { 0 };
+		assert_int_equal(bench_choice_make(&choice, species[i], &error), ECO_OK);
+		choice.request.vertices = 500ull * species[i];
+		assert_int_equal(bench_plan_time(&time, &choice.scene, &choice.request, 0, &error), ECO_OK);
+		assert_true(time.vertices <= choice.request.vertices);
+		assert_true(time.cuts > 0 && time.repetitions >= 3);
+		assert_true(time.candidates > before);
+		before = time.candidates;
+		bench_choice_free(&choice);
+	}
+}
+
+static void views_between_two_are_on_the_way(void **state)
+{
+	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40, .width = 8, .height = 6 }, b = a, v;
+	(void)state;
+	b.eye[0] = 4;
+	b.fov_y_deg = 60;
+	v = bench_still_between(&a, &b, 0);
+	assert_true(v.eye[0] == 0 && v.fov_y_deg == 40);
+	v = bench_still_between(&a, &b, 0.5);
+	assert_true(v.eye[0] == 2 && v.eye[2] == 2 && v.fov_y_deg == 50 && v.width == 8);
+}
+
+static void nothing_is_drawn_of_no_pack(void **state)
+{
+	struct bench_still *still;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_not_equal(bench_still_open(&still, "build/tmp/no-such-pack.eco", 8, 6, true, &error), ECO_OK);
+	assert_null(still);
+	assert_true(error.text[0] != 0);
+	bench_still_close(NULL);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(plans_are_close_to_the_best_there_is),
+		cmocka_unit_test(the_best_is_found_again),
+		cmocka_unit_test(scenes_to_choose_in_are_sound_and_grow),
+		cmocka_unit_test(views_between_two_are_on_the_way),
+		cmocka_unit_test(nothing_is_drawn_of_no_pack),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
