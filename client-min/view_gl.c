@@ -206,7 +206,7 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
 	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
 	glUniform1i(s->uniform[VIEW_U_SHADE], 5);
-	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, f->job->tint == VIEW_TINT_KIND);
+	glUniform4f(s->uniform[VIEW_U_TINT], f->job->tint == VIEW_TINT_UNSHADED, 0, 0, f->job->tint == VIEW_TINT_KIND);
 	float sides[ECO_SIZES];
 	for (uint32_t code = 0; code < ECO_SIZES; code++)
 		sides[code] = sqrtf(eco_size(code));

@@ -22,7 +22,8 @@ void view_gl_close(struct view_gl *gl);                          /* NULL is fine
 const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
 
-enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND };
+/* By representation; or in their own colours, every leaf lit as if it were alone. */
+enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };
 
 struct view_gl_job {
 	const struct view_store *store;

@@ -226,6 +226,20 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 	return ECO_OK;
 }
 
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error)
+{
+	char text[300];
+
+	assert(a->width == b->width && a->height == b->height && a->channels == 3 && b->channels == 3);
+	assert(a->width > 0 && a->height > 0 && (uint64_t)a->width * a->height <= ECO_PIXELS_MAX);
+	*differing = 0;
+	if (need_module(error) != ECO_OK)
+		return ECO_NOT_FOUND;
+	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text, sizeof text) != 0)
+		return eco_fail(error, ECO_NO_MEMORY, "comparing pictures: %s", text);
+	return ECO_OK;
+}
+
 static bool write_all(FILE *file, const uint8_t *bytes, size_t size)
 {
 	bool good = fwrite(bytes, 1, size, file) == size;

@@ -36,4 +36,9 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 /* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
 
+/* Pixels of a picture that a person would see to differ from the other, of the same size with 3 channels: Yee's measure at a display of
+ * 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`. OpenImageIO 2.4 reads a channel of brightness that is not there, so
+ * differences of hue count and those of brightness alone do not. Both have at least 1 and at most ECO_PIXELS_MAX pixels. */
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error);
+
 #endif

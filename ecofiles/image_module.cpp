@@ -1,7 +1,9 @@
-// ecoimage.so: OpenImageIO behind two C functions. Exceptions end here.
+// ecoimage.so: OpenImageIO behind three C functions. Exceptions end here.
 #include "ecofiles/image_module.h"
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -122,6 +124,28 @@ int encode_png(const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t 
 	}
 }
 
+// What `idiff -p` does: bytes as they are, its luminance and its field of view.
+int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
+	size_t text_size)
+{
+	try {
+		const ImageSpec spec(int(width), int(height), int(channels), TypeDesc::FLOAT);
+		ImageBuf images[2] = { ImageBuf(spec), ImageBuf(spec) };
+		const uint8_t *bytes[2] = { a, b };
+		ImageBufAlgo::CompareResults results;
+
+		for (int i = 0; i < 2; i++)
+			if (!images[i].set_pixels(ROI(0, int(width), 0, int(height), 0, 1, 0, int(channels)), TypeDesc::UINT8, bytes[i]))
+				return fail(text, text_size, images[i].geterror());
+		*differing = uint64_t(ImageBufAlgo::compare_Yee(images[0], images[1], results));
+		return 0;
+	} catch (const std::exception &problem) {
+		return fail(text, text_size, problem.what());
+	} catch (...) {
+		return fail(text, text_size, "OpenImageIO failed");
+	}
+}
+
 } // namespace
 
 // One thread: callers decide about threads, and a pool would not survive the fork of a guarded import.
@@ -132,5 +156,5 @@ __attribute__((constructor)) static void start()
 }
 
 extern "C" __attribute__((visibility("default"))) const struct eco_image_module eco_image_module = {
-	ECO_IMAGE_MODULE_VERSION, decode, encode_png,
+	ECO_IMAGE_MODULE_VERSION, decode, encode_png, compare,
 };

@@ -177,6 +177,29 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
 	assert_non_null(strstr(error.text, "folder.png"));
 }
 
+static void people_see_patches_of_another_hue_but_no_steps_of_one(void **state)
+{
+	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false }, { 120, 24, true } };
+	enum { SIDE = 96 };
+	static uint8_t a[SIDE * SIDE * 3], b[SIDE * SIDE * 3];
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const struct eco_pixels first = { SIDE, SIDE, 3, a }, second = { SIDE, SIDE, 3, b };
+		struct eco_error error = { 0 };
+		uint64_t seen, back;
+		memset(a, 90, sizeof a);
+		memcpy(b, a, sizeof b);
+		for (int y = 0; y < cases[i].size; y++)
+			for (int x = 0; x < cases[i].size; x++)
+				b[3 * (SIDE * (y + 20) + x + 20)] = (uint8_t)(90 + cases[i].step);
+		assert_int_equal(eco_pixels_compare(&first, &second, &seen, &error), ECO_OK);
+		assert_int_equal(eco_pixels_compare(&second, &first, &back, &error), ECO_OK);
+		assert_int_equal(seen, back);
+		assert_int_equal(seen > 0, cases[i].seen);
+		assert_true(seen <= SIDE * SIDE);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -188,6 +211,7 @@ int main(void)
 		cmocka_unit_test(every_damage_to_a_png_is_found),
 		cmocka_unit_test(a_huge_picture_is_refused_before_it_is_read),
 		cmocka_unit_test(a_picture_that_cannot_be_written_leaves_nothing),
+		cmocka_unit_test(people_see_patches_of_another_hue_but_no_steps_of_one),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,427 @@
+/* Colours of a plan against those of full detail, drawn as a viewer draws them (OpenGL) and flat, by the rasteriser. What is measured:
+ *
+ *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in it
+ *   tone         mean light over covered pixels, as an sRGB byte / 255, ours less full detail's: does a far forest keep its tone
+ *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue, image.h), over
+ *                covered ones
+ *
+ * Beside ours, what prefiltering is worth, on the same plan: without self-occlusion (every leaf lit as if it were alone), and with flat colours on
+ * top of that: what is not textured has one colour a list, for cut-outs the plain mean of the texture's bytes, clear texels included. */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_reference.h"
+#include "ecofiles/image.h"
+#include "lod/light.h"
+#include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_shots.h"
+
+#define VIEWS_QUICK 2u
+#define VIEWS_FULL 4u
+#define REFERENCE_VERTICES 100e6         /* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
+
+static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "trees640", true }, { "scbi", true },
+	{ "sunflowers", false }, { "palms", false }, { "outdoor", false }, { "trees1276", false } };
+#define SCENES (sizeof scenes / sizeof *scenes)
+static const double distances[] = { 1, 4, 16 };
+#define DISTANCES (sizeof distances / sizeof *distances)
+static const uint64_t budgets[] = { 10000, 100000, 1000000 };
+#define BUDGETS (sizeof budgets / sizeof *budgets)
+
+enum variant { OURS, UNSHADED, FLAT, SOFTWARE, VARIANTS };
+static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours", "rasteriser" };
+struct hue { double rms, tone[3], perceptual; };
+
+/* ---- Comparing ---- */
+
+static double encoded(double light) { return lod_light_byte(light) / 255.0; }
+
+static void compare_tones(const struct view_picture *a, const struct view_picture *r, struct hue *hue)
+{
+	struct lod_light sum[2] = { { { 0 }, 0 }, { { 0 }, 0 } };
+	double square = 0;
+	uint64_t either = 0;
+	for (size_t i = 0; i < (size_t)a->width * a->height; i++) {
+		if (a->cover[i])
+			lod_light_add(&sum[0], a->rgb + 3 * i, 1);
+		if (r->cover[i])
+			lod_light_add(&sum[1], r->rgb + 3 * i, 1);
+		if (!a->cover[i] && !r->cover[i])
+			continue;
+		either++;
+		for (int k = 0; k < 3; k++) {
+			double d = (a->rgb[3 * i + (size_t)k] - r->rgb[3 * i + (size_t)k]) / 255.0;
+			square += d * d;
+		}
+	}
+	hue->rms = either ? sqrt(square / (3 * (double)either)) : NAN;
+	for (int k = 0; k < 3; k++)
+		hue->tone[k] = sum[0].weight > 0 && sum[1].weight > 0 ? encoded(sum[0].sum[k] / sum[0].weight) - encoded(sum[1].sum[k] / sum[1].weight) : NAN;
+	hue->perceptual = (double)either;
+}
+
+static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, struct hue *hue, struct eco_error *error)
+{
+	uint64_t different = 0;
+	compare_tones(a, r, hue);
+	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb }, &(struct eco_pixels){ r->width, r->height, 3, r->rgb },
+		&different, error);
+	hue->perceptual = hue->perceptual > 0 ? (double)different / hue->perceptual : NAN;
+	return code;
+}
+
+/* ---- Drawing ---- */
+
+struct frame {                   /* one plan, or full detail */
+	struct view_store *store;
+	struct view_selection selection;
+	struct lod_eye eye;
+	const struct eco_view *view;
+};
+
+static void close_frame(struct frame *frame)
+{
+	view_select_free(&frame->selection);
+	view_store_free(frame->store);
+}
+
+static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene, const struct eco_request *request, struct eco_error *error)
+{
+	*frame = (struct frame){ .view = &request->view };
+	lod_eye_make(&frame->eye, &request->view);
+	enum eco_code code = view_store_new(&frame->store, &(struct view_store_options){ .images = true, .memory_max = 16ull << 30 }, error);
+	if (!code)
+		code = bench_fetch(NULL, scene, request, frame->store, error);
+	return code ? code : view_select_make(&frame->selection, frame->store, &frame->eye, error);
+}
+
+static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum view_tint tint, struct view_picture *picture, struct eco_error *error)
+{
+	double near_m = view_store_near_m(frame->store) > 0 ? view_store_near_m(frame->store) : 0.1;
+	enum eco_code code = view_picture_init(picture, frame->view->width, frame->view->height, error);
+	if (code)
+		return code;
+	return gl ? view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye, near_m, tint }, picture, error)
+		: view_reference_draw(&(struct view_reference_job){ .store = frame->store, .selection = &frame->selection, .eye = &frame->eye, .near_m = near_m },
+			picture, error);
+}
+
+/* Plain mean of an image's bytes, whatever is clear. */
+static void image_mean(const struct eco_image *image, uint8_t rgb[3])
+{
+	uint64_t count = (uint64_t)image->width * image->height, sum[3] = { 0, 0, 0 };
+	for (uint64_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			sum[k] += image->rgba[4 * i + (uint64_t)k];
+	for (int k = 0; k < 3 && count; k++)
+		rgb[k] = (uint8_t)(sum[k] / count);
+}
+
+/* The cut-out of the plant whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where it has none. */
+static const struct eco_image *image_of(const struct view_store *full, uint32_t plant, const uint8_t rgb[3])
+{
+	const struct eco_image *best = NULL;
+	int least = INT_MAX;
+	for (uint32_t i = 0; i < view_store_list_count(full); i++) {
+		const struct eco_list *textured = &view_store_list_at(full, i)->list;
+		const struct view_list *image = textured->plant == plant && textured->image != ECO_NONE ? view_store_list(full, textured->image) : NULL;
+		struct lod_light light = { { 0 }, 0 };
+		uint8_t mean[3] = { 0, 0, 0 };
+		int distance = 0;
+		if (!image || !image->cutout)
+			continue;
+		for (size_t t = 0; t < (size_t)image->image.width * image->image.height; t++)
+			if (image->image.rgba[4 * t + 3] >= 128)
+				lod_light_add(&light, image->image.rgba + 4 * t, 1);
+		lod_light_mean(&light, mean);
+		for (int k = 0; k < 3; k++)
+			distance += (mean[k] - rgb[k]) * (mean[k] - rgb[k]);
+		if (distance < least) {
+			least = distance;
+			best = &image->image;
+		}
+	}
+	return best;
+}
+
+/* One colour a list for what is not textured. Nothing may be fetched afterwards. */
+static void flatten(const struct view_store *store, const struct view_store *full)
+{
+	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
+		const struct view_list *list = view_store_list_at(store, i);
+		uint64_t sum[3] = { 0, 0, 0 };
+		uint32_t count = list->elements.element_count, colors = list->list.palette_count;
+		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR) || list->list.plant == ECO_NONE || list->list.image != ECO_NONE)
+			continue;
+		uint8_t mean[3];
+		for (uint32_t e = 0; e < count; e++)
+			for (int k = 0; k < 3; k++)
+				sum[k] += list->palette[list->elements.extra[(size_t)list->elements.extra_count * e]][k];
+		for (int k = 0; k < 3; k++)
+			mean[k] = (uint8_t)(sum[k] / count);
+		const struct eco_image *image = image_of(full, list->list.plant, mean);
+		if (image)
+			image_mean(image, mean);
+		for (uint32_t c = 0; c < colors; c++)
+			memcpy(list->palette[c], mean, 3);
+	}
+}
+
+/* ---- One view ---- */
+
+struct work {
+	struct bench *bench;
+	const struct srv_scene *scene;
+	struct view_gl_options size;
+	const char *name;            /* of its pictures */
+	struct frame full;
+	struct view_picture reference[2];    /* OpenGL's (empty where there is none), the rasteriser's */
+};
+
+static enum eco_code open_gl(struct view_gl **gl, const struct work *w)
+{
+	struct eco_error why = { 0 };
+	return view_gl_open(gl, &w->size, &why);
+}
+
+static enum eco_code draw_references(struct work *w, struct eco_error *error)
+{
+	struct view_gl *gl = NULL;
+	enum eco_code code = draw(&w->full, NULL, VIEW_TINT_NONE, &w->reference[1], error);
+	if (code || (double)w->full.selection.vertices > REFERENCE_VERTICES || open_gl(&gl, w))
+		return code;
+	code = draw(&w->full, gl, VIEW_TINT_NONE, &w->reference[0], error);
+	view_gl_close(gl);
+	return code;
+}
+
+/* Full detail, ours, and four times the difference around gray. */
+static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours, const struct view_picture *reference, uint64_t budget,
+	struct eco_error *error)
+{
+	size_t row = 3 * (size_t)ours->width, wide = 3 * row;
+	char file[160];
+	uint8_t *rgb = malloc(wide * ours->height);
+	if (!rgb)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	for (size_t y = 0; y < ours->height; y++) {
+		memcpy(rgb + y * wide, reference->rgb + y * row, row);
+		memcpy(rgb + y * wide + row, ours->rgb + y * row, row);
+		for (size_t i = 0; i < row; i++) {
+			int d = 128 + 4 * (ours->rgb[y * row + i] - reference->rgb[y * row + i]);
+			rgb[y * wide + 2 * row + i] = (uint8_t)(d < 0 ? 0 : d > 255 ? 255 : d);
+		}
+	}
+	snprintf(file, sizeof file, "%s-%llu.png", w->name, (unsigned long long)budget);
+	enum eco_code code = bench_picture_write(w->bench, file, 3 * ours->width, ours->height, rgb, error);
+	free(rgb);
+	return code;
+}
+
+static void set(json_t *row, const char *key, double value) { json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null()); }
+
+static void set_hue(json_t *row, enum variant variant, const struct hue *hue)
+{
+	json_t *h = json_object();
+	set(h, "rms", hue->rms);
+	set(h, "red", hue->tone[0]);
+	set(h, "green", hue->tone[1]);
+	set(h, "blue", hue->tone[2]);
+	set(h, "perceptual", hue->perceptual);
+	json_object_set_new(row, variant_names[variant], h);
+}
+
+static void set_score(json_t *row, const struct view_picture *ours, const struct view_picture *reference)
+{
+	struct lod_score score;
+	lod_score(&score, &(struct lod_score_input){ .width = ours->width, .height = ours->height, .cover = ours->cover, .reference = reference->cover,
+		.owner = ours->owner, .reference_owner = reference->owner });
+	set(row, "q", score.q);
+	set(row, "skill", score.skill);
+	set(row, "owner_q", score.owner_q);
+}
+
+static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant, uint64_t budget, json_t *row,
+	struct eco_error *error)
+{
+	struct view_picture picture = { 0 };
+	struct view_gl *gl = NULL;
+	struct hue hue;
+	const struct view_picture *reference = &w->reference[variant == SOFTWARE];
+	if (variant == FLAT)
+		flatten(frame->store, w->full.store);
+	if (variant != SOFTWARE && (!reference->rgb || open_gl(&gl, w)))
+		return ECO_OK;
+	enum eco_code code = draw(frame, gl, variant == UNSHADED || variant == FLAT ? VIEW_TINT_UNSHADED : VIEW_TINT_NONE, &picture, error);
+	if (!code)
+		code = compare(&picture, reference, &hue, error);
+	if (!code)
+		set_hue(row, variant, &hue);
+	if (!code && variant == SOFTWARE)
+		set_score(row, &picture, reference);
+	if (!code && variant == (w->reference[0].rgb ? OURS : SOFTWARE))
+		code = write_pictures(w, &picture, reference, budget, error);
+	view_picture_free(&picture);
+	view_gl_close(gl);
+	return code;
+}
+
+static enum eco_code try_budget(const struct work *w, const struct eco_request *view, uint64_t budget, json_t **made, struct eco_error *error)
+{
+	static const enum variant order[VARIANTS] = { SOFTWARE, OURS, UNSHADED, FLAT };          /* the last changes the palettes */
+	struct eco_request request = *view;
+	struct frame frame;
+	request.vertices = budget;
+	enum eco_code code = open_frame(&frame, w->scene, &request, error);
+	json_t *row = *made = json_object();
+	if (!code)
+		set(row, "vertices", (double)frame.selection.vertices);
+	for (int i = 0; i < VARIANTS && !code; i++)
+		code = bench_stopped(w->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : draw_variant(w, &frame, order[i], budget, row, error);
+	close_frame(&frame);
+	return code;
+}
+
+static enum eco_code study_view(struct work *w, const struct eco_request *request, json_t **rows, struct eco_error *error)
+{
+	struct eco_request all = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN };
+	w->size = (struct view_gl_options){ request->view.width, request->view.height };
+	*rows = json_array();
+	enum eco_code code = open_frame(&w->full, w->scene, &all, error);
+	if (!code)
+		code = draw_references(w, error);
+	for (size_t b = 0; b < BUDGETS && !code; b++) {
+		json_t *row;
+		code = try_budget(w, request, budgets[b], &row, error);
+		json_array_append_new(*rows, row);
+	}
+	close_frame(&w->full);
+	for (int i = 0; i < 2; i++)
+		view_picture_free(&w->reference[i]);
+	if (code)
+		json_decref(*rows);
+	return code;
+}
+
+/* Further away along the same line, and higher, so that the ground does not hide everything. */
+static struct eco_view away(const struct eco_view *view, double times)
+{
+	struct eco_view v = *view;
+	double length = 0;
+	for (int k = 0; k < 3; k++) {
+		double d = view->eye[k] - view->target[k];
+		v.eye[k] = view->target[k] + times * d;
+		length += d * d;
+	}
+	v.eye[2] += 0.1 * (times - 1) * sqrt(length);
+	return v;
+}
+
+/* ---- Tables ---- */
+
+struct sums { double rms[VARIANTS], tone[VARIANTS], perceptual[VARIANTS]; uint32_t count[VARIANTS]; };
+
+static void add_row(struct sums *sums, struct bench_table *table, const char *scene, uint32_t view, double distance, uint64_t budget, const json_t *row)
+{
+	for (int v = 0; v < VARIANTS; v++) {
+		const json_t *h = json_object_get(row, variant_names[v]);
+		double rms = bench_shot_number(h, "rms"), tone[3] = { bench_shot_number(h, "red"), bench_shot_number(h, "green"), bench_shot_number(h, "blue") };
+		double perceptual = bench_shot_number(h, "perceptual");
+		if (isnan(rms) || isnan(tone[0]))
+			continue;
+		bench_table_row(table, "%s,%u,%g,%llu,%s,%.4f,%+.4f,%+.4f,%+.4f,%.4f,%.4f,%.4f,%.4f", scene, view, distance, (unsigned long long)budget,
+			variant_names[v], rms, tone[0], tone[1], tone[2], perceptual, bench_shot_number(row, "q"), bench_shot_number(row, "skill"),
+			bench_shot_number(row, "owner_q"));
+		sums->rms[v] += rms;
+		sums->tone[v] += (fabs(tone[0]) + fabs(tone[1]) + fabs(tone[2])) / 3;
+		sums->perceptual[v] += perceptual;
+		sums->count[v]++;
+	}
+}
+
+static void show_picture(struct bench *bench, const char *name, uint64_t budget, const char *scene, double distance, const json_t *row)
+{
+	char file[160], path[700], caption[300];
+	snprintf(file, sizeof file, "%s-%llu.png", name, (unsigned long long)budget);
+	snprintf(path, sizeof path, "%s/%s", bench->out, file);
+	snprintf(caption, sizeof caption, "%s, %g times the distance: full detail, %llu vertices, four times the difference; Q %.3f", scene, distance,
+		(unsigned long long)budget, bench_shot_number(row, "q"));
+	if (access(path, R_OK) == 0)
+		bench_picture(bench, file, caption);
+}
+
+static enum eco_code study_scene(struct bench *bench, size_t number, struct bench_table *table, struct sums *sums, struct eco_error *error)
+{
+	const char *scene = scenes[number].name;
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
+	struct srv_store server;
+	char pack[512];
+	enum eco_code code = bench_scene(bench, scene, NULL, pack, error);
+	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL : VIEWS_QUICK;
+	views = views > most ? most : views;
+	srv_store_init(&server);
+	for (uint32_t i = 0; i < views * DISTANCES && !code; i++) {
+		uint32_t view = i / DISTANCES;
+		double distance = distances[i % DISTANCES];
+		char name[100];
+		snprintf(name, sizeof name, "colour-%s-%u-%g", scene, view, distance);
+		bench_progress(bench, ((double)number + (double)i / (views * DISTANCES)) / SCENES, name);
+		json_t *rows = bench_recall(bench, name, pack);
+		struct eco_request request = requests[view];
+		request.view = away(&requests[view].view, distance);
+		if (!rows && !server.count)
+			code = srv_store_add(&server, scene, pack, error);
+		if (!rows && !code)
+			code = study_view(&(struct work){ .bench = bench, .scene = &server.scenes[0], .name = name }, &request, &rows, error);
+		if (!code && !bench_recall(bench, name, pack))
+			rows = bench_keep(bench, name, pack, rows);
+		for (size_t b = 0; b < BUDGETS && !code; b++)
+			add_row(sums, table, scene, view, distance, budgets[b], json_array_get(rows, b));
+		if (!code && view == 0)
+			show_picture(bench, name, budgets[1], scene, distance, json_array_get(rows, 1));
+	}
+	srv_store_free(&server);
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "colour",
+		"scene,view,distance,budget,colours,rms,red,green,blue,perceptual,q,skill,owner_q", false), *means;
+	struct sums sums = { { 0 }, { 0 }, { 0 }, { 0 } };
+	enum eco_code code = ECO_OK;
+	for (size_t s = 0; s < SCENES && !code; s++) {
+		if (bench->full || scenes[s].quick)
+			code = study_scene(bench, s, table, &sums, error);
+		if (code == ECO_NOT_FOUND) {                     /* a scene whose data is not there */
+			bench_say(bench, "%s is missing: %s", scenes[s].name, error->text);
+			*error = (struct eco_error){ 0 };
+			code = ECO_OK;
+		}
+	}
+	bench_table_close(table);
+	if (code)
+		return code;
+	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. Tone is the mean light over covered pixels; the first "
+		"three are drawn by OpenGL with light and shade, the last flat, each against full detail drawn in the same way.");
+	means = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual", true);
+	for (int v = 0; v < VARIANTS; v++)
+		if (sums.count[v])
+			bench_table_row(means, "%s,%u,%.4f,%.4f,%.4f", variant_names[v], sums.count[v], sums.rms[v] / sums.count[v],
+				sums.tone[v] / sums.count[v], sums.perceptual[v] / sums.count[v]);
+	bench_table_close(means);
+	int shown = sums.count[OURS] ? OURS : SOFTWARE;
+	double count = sums.count[shown] ? sums.count[shown] : NAN;
+	bench_key(bench, "colour_rms", sums.rms[shown] / count, "as low as can be; beside it what flat colours come to");
+	bench_key(bench, "colour_tone", sums.tone[shown] / count, "far forest keeps its tone: below 0.02");
+	bench_key(bench, "colour_perceptual", sums.perceptual[shown] / count, "pixels that look different, over covered ones");
+	bench_key(bench, "colour_rms_flat", sums.count[FLAT] ? sums.rms[FLAT] / sums.count[FLAT] : NAN, "the baseline");
+	bench_key(bench, "colour_tone_flat", sums.count[FLAT] ? sums.tone[FLAT] / sums.count[FLAT] : NAN, "the baseline");
+	return ECO_OK;
+}
+
+const struct bench_section bench_colour = { .name = "colour", .title = "Colour against full detail", .run = run };
