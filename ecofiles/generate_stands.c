@@ -179,7 +179,7 @@ enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error)
 {
 	static const struct stock stocks[] = { { "oak", 0.08, 8.5, 11, 16, 0 }, { "linden", 0.22, 6, 9, 14, 60 }, { "beech", 0.12, 6, 16, 24, 80 },
 		{ "maple", 0.20, 5.5, 13, 21, 0 }, { "spruce", 0.20, 4.5, 10, 19, 50 }, { "birch", 0.18, 4, 9, 15, 40 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6, .plant_m2 = 52, .ride_m = 2.2,
+	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6, .plant_m2 = 52, .ride_m = 3,
 		.terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 }, error);
 }
 
