@@ -26,7 +26,7 @@
 #define WAYS 5                   /* from as they are to as many as can be, simpler */
 #define BESIDE_STRIDE 4u         /* distances that owners and colours are compared at */
 
-const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, one scale", "greedy",
+const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, all at one scale", "greedy",
 	"greedy, simpler leaves" };
 
 struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) simpler */
@@ -76,19 +76,16 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 	const struct lod_foliage *f = &s->leaves.foliage;
 	struct lod_arena *arena = &s->leaves.arena;
 	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
-	struct lod_rank rank, plain;
+	struct lod_rank rank;
 	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++) {
 		lod_order_survival_by(survival, methods[m], &(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
 		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
 		sort_by(s->order[m], survival, f->count, arena);
 	}
 	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 1, .progress = rank_goes_on, .ctx = bench }, arena, error);
-	if (!code)
-		code = lod_rank_make(&plain, f, &(struct lod_rank_options){ .seed = 1, .plain = true, .progress = rank_goes_on, .ctx = bench }, arena, error);
 	if (code)
 		return code;
-	s->order[BENCH_PLAIN] = plain.order;
-	s->order[BENCH_PRUNED] = s->order[BENCH_QUADS] = rank.order;
+	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_QUADS] = rank.order;
 	s->growth = rank.growth;
 	s->quad = rank.simple;
 	return ECO_OK;

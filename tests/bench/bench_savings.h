@@ -14,7 +14,7 @@
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
 
-/* PLAIN: our order without growth codes. PRUNED: with one a leaf. QUADS: and with leaves as one triangle or quad where that serves better. */
+/* PLAIN: our order, drawn without its growth codes. PRUNED: with one a leaf. QUADS: and with leaves as one triangle or quad where that serves better. */
 enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_QUADS, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
