@@ -139,7 +139,9 @@ static bool tell(void *ctx, double share)
 	char detail[128];
 	double sum = 0;
 	pthread_mutex_lock(&work->lock);
-	work->share[job->plant] = job->from + (job->to - job->from) * share;
+	share = job->from + (job->to - job->from) * share;
+	if (share > work->share[job->plant])         /* stages that measure start anew after those that order */
+		work->share[job->plant] = share;
 	for (uint32_t i = 0; i < work->m->plant_count; i++)
 		sum += work->share[i];
 	snprintf(detail, sizeof detail, "%s (%u of %u)", work->m->plants[job->plant].name, work->done + 1, work->m->plant_count);
