@@ -40,7 +40,7 @@ expect 2 'the orders are greedy, stochastic, density, orientation, combined' mak
 expect 2 'the orders are' make x.json -o x.eco --order=
 expect 2 'must be the name of a folder' make x.json -o x.eco --cache=
 expect 2 '--cache-mb 0' make x.json -o x.eco --cache-mb 0
-expect 2 'park, forest or meadow' generate desert -o "$DIR/x"
+expect 2 'generate park, forest, meadow' generate desert -o "$DIR/x"
 
 # ---- A small scene of our own ----
 cat >"$DIR/blade.obj" <<OBJ
