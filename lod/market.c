@@ -32,9 +32,17 @@ static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
 	return m->blocks[m->block_count - 1] + m->block_used;
 }
 
-static const struct lod_steps *steps_of(struct lod_market *m, uint32_t ladder, bool beside_cells)
+static double extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
+
+static uint32_t extra_of(double bare, double seen)
 {
-	struct lod_steps *steps = &m->ladder_steps[2 * (size_t)ladder + beside_cells];
+	double part = seen > 0 ? bare / seen : 0;
+	return (uint32_t)((part < 1 ? part : 1) * (LOD_EXTRAS - 1) + 0.5);
+}
+
+static const struct lod_steps *steps_of(struct lod_market *m, uint32_t ladder, bool beside_cells, uint32_t extra)
+{
+	struct lod_steps *steps = &m->ladder_steps[(2 * (size_t)ladder + beside_cells) * LOD_EXTRAS + extra];
 	const struct eco_scene *scene = m->p->scene;
 	const struct eco_ladder *l = &scene->ladders[ladder];
 	if (steps->count)
@@ -44,6 +52,7 @@ static const struct lod_steps *steps_of(struct lod_market *m, uint32_t ladder, b
 		return NULL;
 	bool coarse = scene->plants[l->plant].anchor_count > 1 && l->anchor == scene->plants[l->plant].anchor_first;
 	uint64_t full = lod_ladder_full(scene, l), end = coarse ? lod_ladder_stage_end(scene, l) : full;
+	steps->extra = extra_weight(extra);
 	lod_steps_make(steps, amounts, scene, l, beside_cells ? end : 0, beside_cells ? full : end, &m->p->candidates);
 	m->block_used += steps->count;
 	return steps;
@@ -74,13 +83,13 @@ static double organ_pixels(const struct lod_market *m, const struct eco_ladder *
 	const struct lod_planning *p = m->p;
 	const struct eco_plant *plant = &p->scene->plants[ladder->plant];
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
-	struct lod_body body = { anchor->radius, anchor->radius, ladder->area };
+	struct lod_body body = { .area = ladder->area, .crown_across = anchor->radius, .crown_up = anchor->radius };
 	if (ladder->anchor == plant->anchor_first) {
 		body = p->bodies[ladder->plant];
 		body.area = ladder->area;
 	}
 	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
-	double pixels = lod_body_opacity(&body) * PI * body.across * body.up * px * px;
+	double pixels = lod_body_opacity(&body) * PI * body.crown_across * body.crown_up * px * px;
 	if (ladder->organ != ECO_ORGAN_WOOD)
 		return pixels;
 	body = p->bodies[ladder->plant];
@@ -110,7 +119,7 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 	const struct eco_scene *scene = m->p->scene;
 	const struct lod_slot *slot = &m->p->visible.slots[s];
 	const struct eco_ladder *ladder = &scene->ladders[id];
-	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = steps_of(m, id, false) };
+	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = steps_of(m, id, false, m->lots[s].extra) };
 	offer.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_offer(m, &offer))
 		return false;
@@ -118,7 +127,7 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 		return true;
 	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
 	offer.when = LOD_NEAR;
-	offer.steps = steps_of(m, id, true);
+	offer.steps = steps_of(m, id, true, m->lots[s].extra);
 	offer.worth = worth * lod_ladder_share(scene, ladder, lod_ladder_full(scene, ladder));
 	return add_offer(m, &offer);
 }
@@ -130,6 +139,7 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	struct lod_lot *lot = &m->lots[s];
 	double all = anchor_pixels(m, slot);
 	bool good = true;
+	lot->extra = extra_of(lot->bare, lot->seen);
 	lot->offer_first = m->offer_count;
 	for (uint32_t i = m->p->ladder_first[slot->anchor]; good && i < m->p->ladder_first[slot->anchor + 1]; i++) {
 		uint32_t id = m->p->ladder_order[i];
@@ -141,7 +151,7 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	lot->offer_count = m->offer_count - lot->offer_first;
 	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
 		const struct lod_amount *none = &m->offers[i].steps->amounts[0];
-		double wrong = m->offers[i].worth * (none->fp + none->fn);
+		double wrong = m->offers[i].worth * lod_steps_error(m->offers[i].steps, none);
 		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
 		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
 		lot->own += m->offers[i].when == LOD_NEAR ? m->offers[i].worth / importance_of(&scene->ladders[m->offers[i].ladder]) : 0;
@@ -156,6 +166,11 @@ static double seen_pixels(const struct lod_sight *sight)
 	return (double)sight->share * sight->pixels;
 }
 
+static double bare_pixels(const struct lod_sight *sight)
+{
+	return (double)sight->bare * sight->pixels;
+}
+
 static void see_plants(struct lod_market *m)
 {
 	struct lod_planning *p = m->p;
@@ -166,6 +181,7 @@ static void see_plants(struct lod_market *m)
 		if (sight->slot == ECO_NONE || !m->stalls[sight->node].open)
 			continue;
 		m->lots[sight->slot].seen += seen_pixels(sight);
+		m->lots[sight->slot].bare += bare_pixels(sight);
 		counts[sight->slot] += 1;
 	}
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
@@ -173,6 +189,7 @@ static void see_plants(struct lod_market *m)
 		if (slot->cell)
 			continue;
 		m->lots[s].seen = counts[s] > 0 ? m->lots[s].seen / counts[s] : 0;
+		m->lots[s].bare = counts[s] > 0 ? m->lots[s].bare / counts[s] : 0;
 		m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
 	}
 }
@@ -207,7 +224,9 @@ static void sum_parts(struct lod_market *m, const struct lod_tally *t, struct lo
 static void see_cell(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
 {
 	double rest = fmax(0, whole->seen - whole->own) * (double)m->counts[whole - m->lots];
-	cell->seen += whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
+	double part = whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
+	cell->seen += part;
+	cell->bare += whole->seen > 0 ? part * whole->bare / whole->seen : 0;
 	m->scratch[t->slot] += t->count;
 }
 
@@ -222,11 +241,28 @@ static void see_cells(struct lod_market *m)
 	each_cell(m, sum_parts);
 	each_cell(m, see_cell);
 	for (uint32_t s = 0; s < visible->slot_count; s++)
-		if (visible->slots[s].cell && m->scratch[s] > 0)
+		if (visible->slots[s].cell && m->scratch[s] > 0) {
 			m->lots[s].seen /= m->scratch[s];
+			m->lots[s].bare /= m->scratch[s];
+		}
 }
 
 /* ---- Tiles ---- */
+
+/* A tile that is not opened is seen as one body; its plants are taken to be as dense as the scene's are in the mean. */
+static void measure_closed(struct lod_market *m, const struct lod_sight *sight, struct lod_stall *stall)
+{
+	const struct lod_planning *p = m->p;
+	const struct lod_node *node = &p->visible.nodes[sight->node];
+	double ratio = 0, px = 1 / ((double)sight->depth * p->visible.eye.pixel_rad);
+	for (uint32_t i = 0; i < p->scene->plant_count; i++)
+		ratio += PI * p->bodies[i].crown_across * p->bodies[i].crown_up / p->bodies[i].area / p->scene->plant_count;
+	stall->worth = seen_pixels(sight);
+	stall->bare = bare_pixels(sight);
+	stall->plants += (double)p->scene->tiles[node->tile].instance_count;
+	stall->look.box += ratio * node->area * px * px;
+	stall->look.covered += ratio * node->area * px * px * sight->opacity;
+}
 
 static void measure_stalls(struct lod_market *m)
 {
@@ -234,15 +270,17 @@ static void measure_stalls(struct lod_market *m)
 	for (uint32_t i = 0; i < p->screen.count; i++) {
 		const struct lod_sight *sight = &p->screen.sights[i];
 		struct lod_stall *stall = &m->stalls[sight->node];
-		if (sight->slot != ECO_NONE && !m->stalls[sight->node].open)
-			continue;
-		stall->look.covered += sight->pixels;
-		stall->plants += 1;
 		if (sight->slot == ECO_NONE) {
-			stall->worth = seen_pixels(sight);
+			measure_closed(m, sight, stall);
 			continue;
 		}
+		if (!stall->open)
+			continue;
+		stall->look.covered += sight->pixels;
+		stall->look.box += sight->ellipse;
+		stall->plants += 1;
 		stall->factor += seen_pixels(sight);
+		stall->bare += bare_pixels(sight);
 		stall->even += m->lots[sight->slot].seen;
 	}
 }
@@ -256,30 +294,28 @@ static bool price_summary(struct lod_market *m, uint32_t n)
 	double center[3], across, up, square = 0;
 	lod_visible_box(&p->visible, node, center, &across, &up);
 	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there */
-	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0
+	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0
 		&& 2 * node->distance > fmax(across, up);
 	if (!stall->summary)
 		return true;
 	for (int i = 0; i < 3; i++)
 		square += (center[i] - p->visible.eye.at[i]) * (center[i] - p->visible.eye.at[i]);
-	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad), box = PI * across * fmax(up, across / 4) * px * px;
-	struct lod_summary_view *look = &stall->look;
-	look->area = 0.5 * node->area * px * px;
-	look->points = p->scene->lists[list].primitive_count;
-	look->plant = stall->plants > 0 ? look->covered / stall->plants : look->covered;
-	look->box = box;
-	look->covered = box * (1 - lod_exp_minus(look->covered / box));
+	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
+	/* its points are those of all its plants, in view or not */
+	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > stall->plants ? stall->plants / all : 1;
+	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = stall->look.covered, .box = stall->look.box,
+		.plants = stall->plants, .points = p->scene->lists[list].primitive_count };
 	struct lod_amount *amounts = take_amounts(m, 40);
 	if (!amounts)
 		return false;
-	stall->steps = (struct lod_steps){ amounts, 1 };
+	stall->steps = (struct lod_steps){ amounts, 1, fmin(1, stall->bare / stall->worth) };
 	amounts[0] = (struct lod_amount){ .fn = 1 };
 	int halvings = 0;
-	while (halvings < 32 && (uint64_t)look->points >> (halvings + 1))
+	while (halvings < 32 && (uint64_t)look.points >> (halvings + 1))
 		halvings++;
 	for (int k = halvings; k >= 0; k--) {
-		uint64_t points = (uint64_t)look->points >> k;
-		struct eco_curve curve = lod_summary_curve(look, (double)points);
+		uint64_t points = (uint64_t)look.points >> k;
+		struct eco_curve curve = lod_summary_curve(&look, part * (double)points);
 		amounts[stall->steps.count++] = (struct lod_amount){ .vertices = points, .fp = curve.fp, .fn = curve.fn };
 	}
 	p->candidates += stall->steps.count;
@@ -307,10 +343,11 @@ static enum eco_code make_stalls(struct lod_market *m, struct eco_error *error)
 		for (uint32_t c = 0; stall->open && c < node->child_count; c++) {
 			const struct lod_stall *child = &m->stalls[node->child_first + c];
 			stall->worth += child->worth;
-			stall->look.covered += child->plain;
+			stall->bare += child->bare;
+			stall->look.covered += child->look.covered;
+			stall->look.box += child->look.box;
 			stall->plants += child->plants;
 		}
-		stall->plain = stall->look.covered;
 		if (!price_summary(m, n))
 			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles", visible->node_count);
 	}
@@ -329,16 +366,16 @@ static void buy(struct lod_cost *cost, const struct lod_steps *steps, double wor
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
 }
 
-static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double times, double seen)
+static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double extra, double times, double seen)
 {
-	sum->fp += seen * cost->fp;
+	sum->fp += seen * extra * cost->fp;
 	sum->fn += seen * cost->fn;
 	sum->vertices += times * cost->vertices;
 }
 
-static double paid(const struct lod_cost *cost, double price)
+static double paid(const struct lod_cost *cost, double extra, double price)
 {
-	return cost->fp + cost->fn + price * cost->vertices;
+	return extra * cost->fp + cost->fn + price * cost->vertices;
 }
 
 static void price_lots(struct lod_market *m)
@@ -361,7 +398,7 @@ static void price_lots(struct lod_market *m)
 static void sum_cells(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
 {
 	(void)m;
-	add_cost(&whole->cells, &cell->cost[1], t->count, t->count);
+	add_cost(&whole->cells, &cell->cost[1], 1, t->count, t->count);
 	whole->cells_worth += t->count * cell->worth[1];
 }
 
@@ -379,7 +416,8 @@ static void price_gates(struct lod_market *m)
 				continue;
 			const struct lod_lot *lot = &m->lots[s];
 			double count = (double)m->counts[s];
-			sum += count * (paid(&lot->cost[1], m->price) - paid(&lot->cost[0], m->price)) + paid(&lot->cells, m->price);
+			double extra = extra_weight(lot->extra);
+			sum += count * (paid(&lot->cost[1], extra, m->price) - paid(&lot->cost[0], extra, m->price)) + paid(&lot->cells, extra, m->price);
 			if (sum < least || m->price <= 0) {
 				least = sum;
 				p->gates[plant] = (uint8_t)(band + 1);
@@ -399,7 +437,7 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 		uint8_t band = slot->cell ? t->whole_band : slot->band;
 		bool near = band < m->p->gates[slot->plant];
 		if (!slot->cell || near)
-			add_cost(&sum, &m->lots[t->slot].cost[near], t->count, t->count * factor);
+			add_cost(&sum, &m->lots[t->slot].cost[near], extra_weight(m->lots[t->slot].extra), t->count, t->count * factor);
 	}
 	return sum;
 }
@@ -415,6 +453,7 @@ static void price_stalls(struct lod_market *m)
 		if (stall->summary) {
 			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth);
 			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
+			stall->cost.fp *= stall->steps.extra;
 		} else {
 			stall->cost.fn = stall->worth;
 		}
@@ -422,8 +461,8 @@ static void price_stalls(struct lod_market *m)
 			continue;
 		struct lod_cost fine = plants_cost(m, n);
 		for (uint32_t c = 0; c < node->child_count; c++)
-			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1);
-		stall->opened = !stall->summary || m->price <= 0 || paid(&fine, m->price) < paid(&stall->cost, m->price);
+			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1, 1);
+		stall->opened = !stall->summary || m->price <= 0 || paid(&fine, 1, m->price) < paid(&stall->cost, 1, m->price);
 		if (stall->opened)
 			stall->cost = fine;
 	}
@@ -475,7 +514,7 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 		cost = lot->cost[near];
 		worth = lot->worth[near];
 		if (near && count > 0) {
-			add_cost(&cost, &lot->cells, 0, 1 / count);
+			add_cost(&cost, &lot->cells, 1, 0, 1 / count);
 			worth += lot->cells_worth / count;
 		}
 	} else if (stall->summary) {
@@ -526,6 +565,8 @@ static enum eco_code add_tiles(struct lod_planning *p, struct eco_error *error)
 		if (node->state != LOD_SUMMARY)
 			continue;
 		lod_visible_box(&p->visible, node, center, &body.across, &body.up);
+		body.crown_across = body.across;
+		body.crown_up = body.up;
 		struct lod_sight *sight = lod_screen_add(&p->screen, center, &body);
 		if (sight) {
 			sight->node = n;
@@ -546,7 +587,7 @@ enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, stru
 	m->counts = calloc(slots + 1, sizeof *m->counts);
 	m->stalls = calloc(nodes + 1, sizeof *m->stalls);
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
-	m->ladder_steps = calloc(2 * (size_t)scene->ladder_count + 1, sizeof *m->ladder_steps);
+	m->ladder_steps = calloc(2 * LOD_EXTRAS * (size_t)scene->ladder_count + 1, sizeof *m->ladder_steps);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_most = malloc(scene->plant_count + 1u);
 	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->ladder_steps || !m->slot_of || !m->gates_most)

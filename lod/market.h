@@ -12,13 +12,15 @@
 #ifndef LOD_MARKET_H
 #define LOD_MARKET_H
 
+#define LOD_EXTRAS 5u            /* weights of pixels too many that steps are made for: 0 to 1 */
+
 #include "lod/planning.h"
 #include "lod/steps.h"
 #include "lod/summary.h"
 
 enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
 
-struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, seen ones */
+struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, seen ones; of a lot, fp before it is weighed */
 
 struct lod_offer {                   /* a ladder for the plants of one slot */
 	uint32_t slot, ladder;
@@ -30,7 +32,8 @@ struct lod_offer {                   /* a ladder for the plants of one slot */
 
 struct lod_lot {                     /* a slot, per plant; [0]: as far plants are drawn, [1] as near ones are */
 	uint32_t offer_first, offer_count;
-	double seen;                 /* pixels of one of its plants that are seen, mean; of a cell likewise */
+	double seen, bare;           /* pixels of one of its plants that are seen, and where no other is, means; of a cell likewise */
+	uint32_t extra;              /* bare / seen: what a pixel too many weighs, in LOD_EXTRAS - 1 parts */
 	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
 	double worth[2];             /* wrong when nothing is drawn */
 	struct lod_cost cost[2];     /* at the last price */
@@ -41,8 +44,8 @@ struct lod_lot {                     /* a slot, per plant; [0]: as far plants ar
 struct lod_stall {                   /* a tile */
 	bool open, summary;          /* its plants are known; it has a summary */
 	bool opened;                 /* at the last price */
-	double worth;                /* wrong when nothing of it is drawn, its children's too */
-	double even, plants, plain;  /* while it is made: seen pixels if each plant were seen as its slot is; plants; covered pixels */
+	double worth, bare;          /* wrong when nothing of it is drawn, its children's too; of that, where no other plant is */
+	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
 	struct lod_summary_view look;
 	struct lod_steps steps;      /* of the summary */
@@ -58,7 +61,7 @@ struct lod_market {
 	uint32_t *drawn_by;                  /* per node, at the last expectation */
 	uint64_t *counts;                    /* per slot: plants, all that is open being drawn */
 	double *scratch;                     /* per slot */
-	struct lod_steps *ladder_steps;      /* per ladder, [2 i]; [2 i + 1] of whole-plant lists beside cells; made when first asked for */
+	struct lod_steps *ladder_steps;      /* [(2 ladder + beside cells) LOD_EXTRAS + extra]; made when first asked for */
 	struct lod_amount **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
 	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */

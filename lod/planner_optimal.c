@@ -22,6 +22,8 @@
 #define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
 #define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
 #define PRICES_PER_PICTURE 4
+#define SMALL_OFFERS 64u
+#define SMALL_REACH 6
 #define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
 #define CELLS_PX 2.0             /* ... and cells; further where the budget is larger than what there is */
 #define FINER_OCTAVES 3
@@ -38,7 +40,43 @@ static double price_at(int index)
 
 /* ---- Plants as bodies ---- */
 
-/* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is, else its height does. */
+/* Area of what is drawn at an anchor in full detail. */
+static double anchor_area(const struct eco_scene *scene, const struct eco_plant *plant, uint32_t anchor)
+{
+	double area = 0;
+	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count; i++)
+		if (scene->ladders[i].anchor == anchor)
+			area += scene->ladders[i].area;
+	return area;
+}
+
+/* The ellipse that has the moments of the cells' areas, each spread over its sphere. */
+static void find_crown(const struct eco_scene *scene, const struct eco_plant *plant, struct lod_body *body)
+{
+	const struct eco_anchor *all = &scene->anchors[plant->anchor_first];
+	double sum = 0, mean = 0, up = 0, across = 0;
+	for (uint32_t i = 1; i < plant->anchor_count; i++) {
+		double area = anchor_area(scene, plant, plant->anchor_first + i);
+		sum += area;
+		mean += area * ((double)all[i].center[2] - all->center[2]);
+	}
+	if (!(sum > 0))
+		return;
+	mean /= sum;
+	for (uint32_t i = 1; i < plant->anchor_count; i++) {
+		const struct eco_anchor *cell = all + i;
+		double area = anchor_area(scene, plant, plant->anchor_first + i), ball = (double)cell->radius * cell->radius / 5;
+		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
+		double z = (double)cell->center[2] - all->center[2] - mean;
+		up += area * (z * z + ball);
+		across += area * ((x * x + y * y) / 2 + ball);
+	}
+	body->rise = mean;
+	body->crown_up = fmin(2 * sqrt(up / sum), body->up);
+	body->crown_across = fmin(2 * sqrt(across / sum), body->across);
+}
+
+/* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is and where its crown is, else its height does. */
 static struct lod_body body_of(const struct eco_scene *scene, const struct eco_plant *plant)
 {
 	const struct eco_anchor *all = &scene->anchors[plant->anchor_first];
@@ -50,11 +88,11 @@ static struct lod_body body_of(const struct eco_scene *scene, const struct eco_p
 	}
 	if (plant->anchor_count < 2)
 		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
-	double area = plant->area;
-	for (uint32_t i = 0; !(plant->area > 0) && i < plant->ladder_count; i++)
-		if (scene->ladders[plant->ladder_first + i].anchor == plant->anchor_first)
-			area += scene->ladders[plant->ladder_first + i].area;
-	return (struct lod_body){ fmin(across, r), up, fmax(area, THINNEST * r * r) };
+	across = fmin(across, r);
+	double area = plant->area > 0 ? (double)plant->area : anchor_area(scene, plant, plant->anchor_first);
+	struct lod_body body = { across, up, fmax(area, THINNEST * r * r), across, up, 0 };
+	find_crown(scene, plant, &body);
+	return body;
 }
 
 static enum eco_code make_bodies(struct lod_planning *p, struct eco_error *error)
@@ -196,20 +234,30 @@ static enum eco_code try_structure(const struct descent *d, int index, uint64_t 
 	return ECO_OK;
 }
 
+/* Structures of prices around the one that fits: the next, and in small scenes, where steps are large, some more. */
 static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
 {
 	struct lod_spend spend = { 0 };
-	int next = index_after(d, d->index);
-	double wrong, best_wrong;
-	enum eco_code code = try_structure(d, d->index, budget, &spend, &wrong, error);
-	if (!code && next != d->index) {
+	int reach = d->market->offer_count < SMALL_OFFERS ? SMALL_REACH : 1;
+	int from = d->index - reach + 1 > d->first - 1 ? d->index - reach + 1 : d->first - 1, best = d->index, tried = -1;
+	double wrong, best_wrong = INFINITY;
+	enum eco_code code = ECO_OK;
+	from = d->index == PRICE_COUNT ? d->index : from < d->last ? from : d->last;
+	for (int i = from, count = 0; !code && count < 2 * reach && tried != PRICE_COUNT; i = index_after(d, i), count++) {
 		lod_spend_free(&spend);
-		best_wrong = wrong;
-		code = try_structure(d, next, budget, &spend, &wrong, error);
-		if (!code && !(wrong < best_wrong)) {
-			lod_spend_free(&spend);
-			code = try_structure(d, d->index, budget, &spend, &wrong, error);
+		code = try_structure(d, tried = i, budget, &spend, &wrong, error);
+		if (!code && reach > 1 && wrong < INFINITY) {        /* what is left is spent, and may matter as much */
+			code = lod_spend_finish(&spend, budget, error);
+			wrong = spend.wrong + closed_wrong(d->market);
 		}
+		if (!code && wrong < best_wrong) {
+			best_wrong = wrong;
+			best = i;
+		}
+	}
+	if (!code && (tried != best || reach > 1)) {
+		lod_spend_free(&spend);
+		code = try_structure(d, best, budget, &spend, &wrong, error);
 	}
 	if (!code)
 		code = lod_spend_finish(&spend, budget, error);
@@ -275,12 +323,23 @@ static enum eco_code open_possible(struct lod_planning *p, int *level, int coars
 	}
 }
 
-enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)
+static enum eco_code look_first(struct lod_planning *p, int *level, struct eco_error *error)
 {
 	enum eco_code code = make_bodies(p, error);
-	int level = 0, asked = 0;
-	if (!code)
-		code = open_possible(p, &level, COARSEST, error);
+	*level = 0;
+	return code ? code : open_possible(p, level, COARSEST, error);
+}
+
+enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
+{
+	enum eco_code code = make_bodies(p, error);
+	return code ? code : open_level(p, (int)level + COARSEST, error);
+}
+
+enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)
+{
+	int level, asked = 0;
+	enum eco_code code = look_first(p, &level, error);
 	for (bool first = true; !code; first = false) {
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
@@ -291,10 +350,4 @@ enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *err
 		code = open_possible(p, &level, COARSEST, error);
 	}
 	return code;
-}
-
-enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
-{
-	enum eco_code code = make_bodies(p, error);
-	return code ? code : open_level(p, (int)level + COARSEST, error);
 }

@@ -6,7 +6,9 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
+#define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
 #define SEEN_LEAST 1e-5          /* cells of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
+#define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
 #define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
 
 /* ---- Numbers ---- */
@@ -65,7 +67,7 @@ void lod_screen_clear(struct lod_screen *screen)
 
 double lod_body_opacity(const struct lod_body *body)
 {
-	double ellipse = PI * body->across * body->up;
+	double ellipse = PI * body->crown_across * body->crown_up;
 	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * body->area / ellipse) : 0;
 }
 
@@ -87,18 +89,23 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
 	double ahead = dot(eye->forward, d), closest = 0.25 * fmax(body->across, body->up);
+	bool beside = ahead <= closest;
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
 	/* seen from above an ellipsoid is as deep as it is wide */
-	double steep = eye->forward[2] * eye->forward[2];
-	double tall = sqrt(body->up * body->up * (1 - steep) + body->across * body->across * steep);
+	double steep = eye->forward[2] * eye->forward[2], wide = body->across * body->across, crown = body->crown_across * body->crown_across;
+	double tall = sqrt(body->up * body->up * (1 - steep) + wide * steep);
+	double high = sqrt(body->crown_up * body->crown_up * (1 - steep) + crown * steep);
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
-	struct lod_body seen = { body->across, tall, body->area };
+	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
 	struct lod_sight *sight = &screen->sights[screen->count++];
 	double y = 0.5 * screen->rows - dot(eye->up, d) * rows;
 	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
-		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows), .depth = (float)ahead,
-		.foot = (float)(y + body->up * eye->up[2] * rows), .opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1 };
-	sight->pixels = (float)(sight->opacity * PI * body->across * tall * px * px);
+		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
+		.crown_y = (float)(y - body->rise * eye->up[2] * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .foot = (float)(y + body->up * eye->up[2] * rows),
+		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside };
+	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
+	sight->pixels = sight->opacity * sight->ellipse;
 	return sight;
 }
 
@@ -151,31 +158,92 @@ static void sort_by_depth(const struct lod_screen *screen, uint32_t *order, uint
 
 struct light { float *clear; float *horizon; };          /* per cell: share of light let through so far; per column: first row hidden by ground */
 
-/* What of a sight is in the picture and not behind what is nearer; without `hide` all that is in the picture. */
-static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
+static struct span crown_across(const struct lod_screen *screen, const struct lod_sight *s)
+{
+	return span_of(s->x, s->crown_reach_x, screen->columns);
+}
+
+/* What ground hides of a crown does not cover. */
+static struct span crown_down(const struct lod_screen *screen, const struct lod_sight *s)
+{
+	struct span down = span_of(s->crown_y, s->crown_reach_y, screen->rows);
+	down.high = fminf(down.high, s->bottom);
+	return down;
+}
+
+/* Share of a sight's box that is in the picture and shows, given how much light comes through each cell. */
+static double show(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
 {
 	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
-	double seen = 0, all = 4 * (double)sight->reach_x * (double)sight->reach_y;
-	for (int c = across.first; c < across.end; c++) {
-		struct span above = down;
-		above.high = fminf(above.high, light->horizon[c]);
-		for (int r = down.first; r < down.end; r++) {
-			float *clear = &light->clear[r * (int)screen->columns + c];
-			float width = inside(&across, c), part = width * fmaxf(0, inside(&above, r));
-			seen += part * *clear;
-			if (hide)
-				*clear *= 1 - part * sight->opacity;
-		}
+	double seen = 0;
+	down.high = fminf(down.high, sight->bottom);
+	for (int r = down.first; r < down.end; r++) {
+		const float *row = clear + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r)), sum = 0;
+		for (int c = across.first; c < across.end; c++)
+			sum += inside(&across, c) * row[c];
+		seen += (double)(height * sum);
 	}
-	seen = seen > SEEN_LEAST ? seen : SEEN_LEAST;
-	sight->share = all > seen ? (float)(seen / all) : 1;
+	double all = 4 * (double)sight->reach_x * (double)sight->reach_y;
+	return all > seen ? seen / all : 1;
+}
+
+static void dim(const struct lod_screen *screen, const struct lod_sight *sight, float *clear)
+{
+	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
+	for (int r = down.first; r < down.end; r++) {
+		float *row = clear + r * (int)screen->columns, height = fmaxf(0, inside(&down, r)) * sight->opacity;
+		for (int c = across.first; c < across.end; c++)
+			row[c] *= 1 - height * inside(&across, c);
+	}
+}
+
+/* Share of what is around a sight, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that comes through all, its own
+ * crown put aside. */
+static double alone(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
+{
+	struct span across = span_of(sight->x, AROUND * sight->reach_x, screen->columns);
+	struct span down = span_of(sight->y, AROUND * sight->reach_y, screen->rows);
+	struct span crown = crown_across(screen, sight), high = crown_down(screen, sight);
+	double seen = 0;
+	down.high = fminf(down.high, sight->bottom);
+	for (int r = down.first; r < down.end; r++) {
+		const float *row = clear + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r)), sum = 0;
+		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * sight->opacity : 0;
+		for (int c = across.first; c < across.end; c++) {
+			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
+			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
+		}
+		seen += (double)(height * sum);
+	}
+	double all = 4 * AROUND * AROUND * (double)sight->reach_x * (double)sight->reach_y;
+	return all > seen ? seen / all : 1;
+}
+
+/* From the nearest to the farthest: what shows behind those before it; then it hides. */
+static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light)
+{
 	sight->bottom = (float)screen->rows;
-	if (!hide || !screen->ground || !(sight->x >= 0 && sight->x < (float)screen->columns))
-		return;
-	int column = (int)sight->x;
-	/* what ground has hidden of it does not cover; and from now on its foot hides, by a cell less so as not to hide its neighbours */
-	sight->bottom = light->horizon[column];
-	light->horizon[column] = fminf(light->horizon[column], sight->foot + 1);
+	if (screen->ground && !sight->beside && sight->x >= 0 && sight->x < (float)screen->columns) {
+		int column = (int)sight->x;
+		sight->bottom = light->horizon[column];
+		/* from now on its foot hides, by a cell less so as not to hide its neighbours */
+		light->horizon[column] = fminf(light->horizon[column], sight->foot + 1);
+	}
+	sight->share = (float)show(screen, sight, light->clear);
+	if (!sight->beside)
+		dim(screen, sight, light->clear);
+}
+
+static void finish(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
+{
+	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
+	double bare = hide ? alone(screen, sight, light->clear) : seen;
+	double least = SEEN_LEAST / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y);
+	sight->share = (float)(seen > least ? seen : least);
+	bare = LOD_OWNER_WORTH * (double)sight->share + (1 - LOD_OWNER_WORTH) * bare;
+	sight->bare = bare < (double)sight->share ? (float)bare : sight->share;
 }
 
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
@@ -190,8 +258,10 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 		for (uint32_t c = 0; c < screen->columns; c++)
 			light.horizon[c] = (float)screen->rows;
 		sort_by_depth(screen, order, spare);
-		for (uint32_t i = 0; i < screen->count; i++)     /* an odd number of passes: the result is in `spare` */
-			look(screen, &screen->sights[spare[i]], &light, hide);
+		for (uint32_t i = 0; hide && i < screen->count; i++)     /* an odd number of passes: the result is in `spare` */
+			look(screen, &screen->sights[spare[i]], &light);
+		for (uint32_t i = 0; i < screen->count; i++)
+			finish(screen, &screen->sights[i], &light, hide);
 	}
 	free(order);
 	free(spare);
@@ -213,8 +283,7 @@ struct lod_odds lod_odds_of(double opacity, double fp, double fn)
 
 static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_odds o, struct lod_odds *cells)
 {
-	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
-	down.high = fminf(down.high, sight->bottom);
+	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
 	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++) {
 			float part = inside(&across, c) * fmaxf(0, inside(&down, r));
@@ -236,7 +305,8 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odd
 	for (uint32_t i = 0; i < count; i++)
 		cells[i] = (struct lod_odds){ 1, 1, 1 };
 	for (uint32_t i = 0; i < screen->count; i++)
-		cover(screen, &screen->sights[i], odds(ctx, &screen->sights[i]), cells);
+		if (!screen->sights[i].beside)
+			cover(screen, &screen->sights[i], odds(ctx, &screen->sights[i]), cells);
 	for (uint32_t i = 0; i < count; i++) {
 		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
 		double either = fmin((double)cells[i].either, fmin(reference, drawn));

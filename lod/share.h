@@ -1,14 +1,17 @@
-/* What plants share of the picture: which part of each is seen behind those before it, and what all of them together are expected to
- * cover. Both on a coarse grid of cells over the screen, from where plants stand and how dense they are: nothing is drawn.
+/* What plants share of the picture: how much of each shows among the others, and what all of them together are expected to cover. Both on a
+ * coarse grid of cells over the screen, from where plants stand and how dense they are: nothing is drawn.
  *
  *   lod_screen_init(&screen, &eye, &view, ground, &error);
  *   lod_screen_add(&screen, &sight) ...                         one for each plant, or for a tile whose plants are not looked at
  *   lod_screen_shares(&screen, &error)                          front to back: sets every sight's share
  *   lod_screen_expect(&screen, odds, ctx, &prediction)          given how well each sight is drawn: pixels right and wrong
  *
- * A plant is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random leaves in
- * random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it: whatever
- * is farther away and lower on the screen than a foot in the same column is behind the ground.
+ * A plant's crown is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random
+ * leaves in random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it:
+ * whatever is farther away and lower on the screen than a foot in the same column is behind the ground.
+ *
+ * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
+ * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH.
  *
  * Expected pixels, in each cell, as if sights were independent of each other: none covers it in the reference, none as drawn, none in
  * either: products over sights. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
@@ -18,19 +21,24 @@
 
 #include "lod/view.h"
 
-#define LOD_SCREEN_COLUMNS 48u
+#define LOD_SCREEN_COLUMNS 96u
+#define LOD_OWNER_WORTH 0.5
 
 struct lod_sight {
 	float x, y;                  /* centre, in cells from the top left */
-	float reach_x, reach_y;      /* half of its box, in cells */
+	float reach_x, reach_y;      /* half of its box, in cells: all of the plant */
+	float crown_y, crown_reach_x, crown_reach_y;     /* where its leaves are: what hides others and covers */
 	float foot;                  /* row of its foot */
 	float depth;                 /* metres in front of the eye */
-	float opacity;               /* of what lies inside its box, at full detail */
+	float opacity;               /* of its crown, at full detail */
 	float pixels;                /* covered at full detail, seen or not */
 	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
-	float share;                 /* of it that is in the picture and seen: set by lod_screen_shares; above 0 */
+	float share;                 /* of it that is in the picture and shows: set by lod_screen_shares; above 0 */
+	float bare;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
+	float ellipse;               /* pixels of its crown, gaps and all */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
+	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
 };
 
 struct lod_screen {
@@ -46,12 +54,13 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 void lod_screen_free(struct lod_screen *screen);
 void lod_screen_clear(struct lod_screen *screen);        /* no sights; room is kept */
 
-/* The shape of what is seen, about a centre: half extents across and upwards, and its leaf area (a leaf counted once), in metres. */
-struct lod_body { double across, up, area; };
+/* The shape of what is seen, about a centre: half extents across and upwards, its leaf area (a leaf counted once), in metres; and those of its
+ * crown, whose centre is `rise` above. */
+struct lod_body { double across, up, area, crown_across, crown_up, rise; };
 /* Adds a body at `center` (world). The caller sets what is its own; NULL without memory. */
 struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body);
 
-/* Expected share of a box of its projected size that a body covers, at full detail. */
+/* Expected share of an ellipse of its size that a crown covers, at full detail. */
 double lod_body_opacity(const struct lod_body *body);
 
 /* Without `hide` only what lies beside the picture counts as not seen. */

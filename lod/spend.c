@@ -108,11 +108,11 @@ static void sum_wrong(struct lod_spend *spend)
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		const struct lod_bid *bid = &spend->bids[i];
 		const struct lod_amount *a = amount_of(bid);
-		double now = a->fp + a->fn, part = 0;
+		double now = lod_steps_error(bid->steps, a), part = 0;
 		if (!at_end(bid))
 			part = ((double)(bid->low - a->vertices) + (double)bid->ahead / (double)bid->count * (double)(bid->high - bid->low))
 				/ (double)(a[1].vertices - a->vertices);
-		spend->wrong += bid->seen * (part > 0 ? now + part * (a[1].fp + a[1].fn - now) : now);
+		spend->wrong += bid->seen * (part > 0 ? now + part * (lod_steps_error(bid->steps, a + 1) - now) : now);
 	}
 }
 
@@ -449,11 +449,34 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 	return code;
 }
 
+/* Between two amounts a curve is not a straight line. */
+static double error_at(const struct lod_spend *spend, const struct lod_bid *bid, uint64_t vertices)
+{
+	const struct eco_scene *scene = spend->market->p->scene;
+	struct lod_amount amount = lod_steps_amount(scene, ladder_of(spend, bid), vertices);
+	return lod_steps_error(bid->steps, &amount);
+}
+
+static void sum_exactly(struct lod_spend *spend)
+{
+	sum_wrong(spend);
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		const struct lod_bid *bid = &spend->bids[i];
+		const struct lod_amount *a = amount_of(bid);
+		if (bid->offer == ECO_NONE || at_end(bid) || (bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices)))
+			continue;
+		double now = lod_steps_error(bid->steps, a), next = lod_steps_error(bid->steps, a + 1), ahead = (double)bid->ahead / (double)bid->count;
+		double part = ((double)(bid->low - a->vertices) + ahead * (double)(bid->high - bid->low)) / (double)(a[1].vertices - a->vertices);
+		double exact = (1 - ahead) * error_at(spend, bid, bid->low) + (bid->ahead ? ahead * error_at(spend, bid, bid->high) : 0);
+		spend->wrong += bid->seen * (exact - (now + part * (next - now)));
+	}
+}
+
 enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, struct eco_error *error)
 {
 	if (!file_hashes(spend) || !buy_rest(spend, budget))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", spend->bid_count);
 	spend->cheapest = cheapest_step(spend);
-	sum_wrong(spend);
+	sum_exactly(spend);
 	return add_entries(spend, error);
 }

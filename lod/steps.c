@@ -12,12 +12,10 @@ void lod_steps_hull(struct lod_steps *steps)
 	a[0].price = INFINITY;
 	for (uint32_t i = 1; i < steps->count; i++) {
 		struct lod_amount next = a[i];
-		if (next.fn > a[kept - 1].fn) {
-			next.fp += next.fn - a[kept - 1].fn;
+		if (next.fn > a[kept - 1].fn)        /* noise */
 			next.fn = a[kept - 1].fn;
-		}
 		for (;; kept--) {
-			double gain = a[kept - 1].fp + a[kept - 1].fn - next.fp - next.fn;
+			double gain = lod_steps_error(steps, &a[kept - 1]) - lod_steps_error(steps, &next);
 			next.price = gain / (double)(next.vertices - a[kept - 1].vertices);
 			if (kept == 1 || next.price < a[kept - 1].price)
 				break;
@@ -28,7 +26,7 @@ void lod_steps_hull(struct lod_steps *steps)
 	steps->count = kept;
 }
 
-static struct lod_amount amount_at(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+struct lod_amount lod_steps_amount(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
 {
 	double share = lod_ladder_share(scene, ladder, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
@@ -41,18 +39,19 @@ void lod_steps_make(struct lod_steps *steps, struct lod_amount *amounts, const s
 	uint64_t from, uint64_t to, uint64_t *looked)
 {
 	uint64_t stage = lod_ladder_stage_end(scene, ladder), at = from;
-	*steps = (struct lod_steps){ amounts, 1 };
-	amounts[0] = amount_at(scene, ladder, from);
+	steps->amounts = amounts;
+	steps->count = 1;
+	amounts[0] = lod_steps_amount(scene, ladder, from);
 	while (at < to && steps->count < LOD_STEPS_MAX - 2) {
 		uint64_t next = lod_ladder_next(scene, ladder, at), further = lod_ladder_floor(scene, ladder, at + at / PER_OCTAVE_STEP + 1);
 		next = further > next ? further : next;
 		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
 			next = stage;
 		at = next < to ? next : to;
-		amounts[steps->count++] = amount_at(scene, ladder, at);
+		amounts[steps->count++] = lod_steps_amount(scene, ladder, at);
 	}
 	if (at < to)
-		amounts[steps->count++] = amount_at(scene, ladder, to);
+		amounts[steps->count++] = lod_steps_amount(scene, ladder, to);
 	*looked += steps->count;
 	lod_steps_hull(steps);
 	/* all there is, for who can have everything */

@@ -441,10 +441,11 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 
 /* ---- What it is worth ---- */
 
-/* Of an area that n splats hit by chance with `each` of theirs, the part that none hits: (1 - each / area)^n. */
-static double missed(double each, double area, double n)
+/* Share of an area that n splats hit by chance, each with `each` of it. Of less than one splat there is one now and then. */
+static double hit_share(double each, double area, double n)
 {
-	return each >= area ? 0 : lod_exp_minus(-n * lod_log(1 - each / area));
+	double part = each < area ? each / area : 1;
+	return n < 1 ? n * part : part >= 1 ? 1 : 1 - lod_exp_minus(-n * lod_log(1 - part));
 }
 
 /* Share of a square of side a that lies in a square of side l, its centre anywhere in it. */
@@ -454,15 +455,15 @@ static double inside_box(double a, double l)
 	return part * part;
 }
 
-/* A splat's centre is on a plant. Of its area, some lies beyond the box, where nothing is; and of the rest what lies beyond the plant's edge is
- * in a gap, unless another plant is there: of a square of side a around a point of a disc of diameter l, about a / (a + l). */
+/* A splat's centre is on a plant, and each plant has its part of the splats. Of a splat's area, what lies in the plant's crown covers it and its
+ * gaps alike; the rest lies around the crown, and hides other plants as their splats hide this one. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
 {
-	double covered = view->covered > 1e-9 ? view->covered : 1e-9, box = view->box > covered ? view->box : covered, gap = box - covered;
-	double splat = view->area / n, side = sqrt(splat), across = sqrt(view->plant), width = sqrt(box);
-	double in = splat * inside_box(side, width), ring = (width + side) * (width + side) - box;
-	double aside = in * side / (side + across + 1e-9) * gap / box;
-	double fp = gap * (1 - missed(aside, gap, n)) + ring * (1 - missed(splat - in, ring, n));
-	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered),
-		.fn = (float)missed(in - aside, covered, n) };
+	double box = view->box / view->plants > 1e-12 ? view->box / view->plants : 1e-12, covered = view->covered / view->plants;
+	covered = covered < box ? covered > 1e-3 * box ? covered : 1e-3 * box : box;
+	double splat = view->area / n, side = sqrt(splat), width = sqrt(box), each = n / view->plants;
+	double inside = inside_box(side, width), ring = (width + side) * (width + side) - box;
+	double hit = hit_share(splat * inside, box, each) * inside;
+	double fp = (box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each);
+	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered), .fn = (float)(1 - hit) };
 }

@@ -49,9 +49,9 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 /* What a summary looks like from a place. All in pixels. */
 struct lod_summary_view {
 	double area;                 /* projected: half of the tile's leaf area. n of N points are splats of area / n each */
-	double covered;              /* by the tile's plants at full detail */
-	double box;                  /* of the tile's box; at least `covered` */
-	double plant;                /* covered by one plant of it: what is not far from a point of a plant is mostly the plant */
+	double covered;              /* by the tile's plants at full detail, each for itself */
+	double box;                  /* of their crowns, gaps and all; at least `covered` */
+	double plants;               /* how many */
 	double points;               /* N */
 };
 /* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */

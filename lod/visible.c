@@ -239,6 +239,9 @@ static bool add_sight(struct lod_visible *visible, const struct lod_node *node, 
 	body.across *= place->scale;
 	body.up *= place->scale;
 	body.area *= place->scale * place->scale;
+	body.crown_across *= place->scale;
+	body.crown_up *= place->scale;
+	body.rise *= place->scale;
 	struct lod_sight *sight = lod_screen_add(visible->screen, center, &body);
 	if (!sight)
 		return false;
