@@ -23,15 +23,21 @@ struct search {
 
 /* ---- Amounts ---- */
 
-/* Error of an amount between those of the hull, which the planner's objective is made of. */
-static double error_at(const struct lod_steps *steps, uint64_t vertices)
+/* Error of an amount: a ladder's by its curve, a summary's between those of its hull. */
+static double error_at(const struct search *s, const struct lod_bid *bid, uint64_t vertices)
 {
+	const struct lod_steps *steps = bid->steps;
 	uint32_t i = 0;
+	if (bid->offer != ECO_NONE) {
+		const struct eco_scene *scene = s->planning.scene;
+		struct lod_amount amount = lod_steps_amount(scene, &scene->ladders[s->market.offers[bid->offer].ladder], vertices);
+		return lod_steps_error(steps, &amount);
+	}
 	while (i + 1 < steps->count && steps->amounts[i + 1].vertices <= vertices)
 		i++;
 	const struct lod_amount *a = &steps->amounts[i], *b = i + 1 < steps->count ? a + 1 : a;
 	double part = b->vertices > a->vertices ? (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices) : 0;
-	return a->fp + a->fn + part * (b->fp + b->fn - a->fp - a->fn);
+	return lod_steps_error(steps, a) + part * (lod_steps_error(steps, b) - lod_steps_error(steps, a));
 }
 
 static uint64_t next_amount(const struct search *s, const struct lod_bid *bid, uint64_t vertices)
@@ -49,7 +55,7 @@ static void add_one(struct search *s, const struct lod_bid *bid)
 	for (uint64_t v = 0; v <= s->budget; v++)
 		s->next[v] = INFINITY;
 	for (uint64_t a = bid->steps->amounts[0].vertices; a <= s->budget; a = next_amount(s, bid, a)) {
-		double wrong = worth * error_at(bid->steps, a);
+		double wrong = worth * error_at(s, bid, a);
 		for (uint64_t v = a; v <= s->budget; v++)
 			s->next[v] = fmin(s->next[v], s->least[v - a] + wrong);
 	}
