@@ -130,7 +130,7 @@ static void write_occlusion(struct bench_table *table, const struct study *s)
 	for (uint32_t b = 0; b < s->budgets; b++) {
 		const struct means *on = &s->all[BENCH_OURS][b], *off = &s->all[BENCH_UNOCCLUDED][b];
 		bench_table_row(table, "%s,%llu,%.4f,%.4f,%.0f,%.0f,%.3f,%.3f,%.3f", s->scene, (unsigned long long)s->vertices[b], mean(on, QUALITY),
-			mean(off, QUALITY), mean(on, WRONG), mean(off, WRONG), mean(on, WRONG) / mean(off, WRONG), mean(on, SKILL), mean(off, SKILL));
+			mean(off, QUALITY), mean(on, WRONG), mean(off, WRONG), mean(off, WRONG) > 0 ? mean(on, WRONG) / mean(off, WRONG) : 1, mean(on, SKILL), mean(off, SKILL));
 	}
 }
 
