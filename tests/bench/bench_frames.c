@@ -337,22 +337,20 @@ static enum eco_code run_scene(struct bench *bench, size_t index, const struct t
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the figures of %s", scene);
 	s->scene = scene;
 	s->share = (double)index / SCENES;
-	enum eco_code code = study_scene(bench, s, tables->frames, error);
-	bool found = code != ECO_NOT_FOUND;
-	if (!code) {
+	char pack[512];
+	enum eco_code code;
+	bool found = bench_shot_scene(bench, scene, pack, &code, error);
+	if (!code && found)
+		code = study_scene(bench, s, tables->frames, error);
+	if (!code && found) {
 		write_means(tables->means, s);
 		write_occlusion(tables->occlusion, s);
 		code = plot_over(bench, s, TOTAL_100, "time", "plan + transfer at 100 Mbit/s + decode + draw, ms", error);
 	}
-	if (!code)
+	if (!code && found)
 		code = plot_over(bench, s, VERTICES, "vertices", "vertices drawn", error);
-	if (!code)
+	if (!code && found)
 		code = show_pictures(bench, scene, error);
-	if (!found) {
-		bench_say(bench, "Without %s: %s", scene, error->text);
-		*error = (struct eco_error){ 0 };
-		code = ECO_OK;
-	}
 	if (!code && strcmp(scene, "scbi") == 0)
 		scbi_keys(bench, s);
 	if (!code && strcmp(scene, "trees5000") == 0)

@@ -108,29 +108,21 @@ static enum eco_code compare_rules(struct bench *bench, const char *scene, bool 
 	return code;
 }
 
-static enum eco_code passed_over(struct bench *bench, const char *scene, struct eco_error *error)
-{
-	bench_say(bench, "Without %s: %s", scene, error->text);
-	*error = (struct eco_error){ 0 };
-	return ECO_OK;
-}
-
 /* Wrong pixels of all budgets and views together; the worst scene counts. */
 static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error)
 {
 	struct bench_table *table = bench_table_open(bench, "planner_rules", "scene,vertices,wrong pixels,by Deussen's rule,fewer %", true);
 	double worst = NAN;
+	char pack[512];
 	enum eco_code code = ECO_OK;
 	for (size_t i = 0; i < LARGE && !code; i++) {
 		uint64_t budgets[BENCH_BUDGETS_MAX];
 		struct sums sums[BENCH_BUDGETS_MAX] = { { 0 } };
 		double ours = 0, theirs = 0;
 		bench_progress(bench, 0.1 + 0.1 * (double)i, large[i]);
-		code = compare_rules(bench, large[i], true, sums, error);
-		if (code == ECO_NOT_FOUND) {
-			code = passed_over(bench, large[i], error);
+		if (!bench_shot_scene(bench, large[i], pack, &code, error))
 			continue;
-		}
+		code = code ? code : compare_rules(bench, large[i], true, sums, error);
 		for (uint32_t b = 0, count = bench_budgets(bench, large[i], budgets); b < count && !code; b++) {
 			const struct sums *s = &sums[b];
 			ours += s->ours;
@@ -154,6 +146,7 @@ static enum eco_code prediction(struct bench *bench, struct eco_error *error)
 	struct bench_table *table = bench_table_open(bench, "planner_prediction", "scene,vertices,mean |predicted Q - Q|,mean predicted Q - Q,worst", true);
 	double gap = 0;
 	uint32_t frames = 0;
+	char pack[512];
 	enum eco_code code = ECO_OK;
 	for (size_t i = 0; i < PREDICTED && !code; i++) {
 		uint64_t budgets[BENCH_BUDGETS_MAX];
@@ -161,11 +154,9 @@ static enum eco_code prediction(struct bench *bench, struct eco_error *error)
 		if (!predicted[i].quick && !bench->full)
 			continue;
 		bench_progress(bench, 0.4 + 0.05 * (double)i, predicted[i].name);
-		code = compare_rules(bench, predicted[i].name, false, sums, error);
-		if (code == ECO_NOT_FOUND) {
-			code = passed_over(bench, predicted[i].name, error);
+		if (!bench_shot_scene(bench, predicted[i].name, pack, &code, error))
 			continue;
-		}
+		code = code ? code : compare_rules(bench, predicted[i].name, false, sums, error);
 		for (uint32_t b = 0, count = bench_budgets(bench, predicted[i].name, budgets); b < count && !code; b++) {
 			const struct sums *s = &sums[b];
 			bench_table_row(table, "%s,%llu,%.4f,%.4f,%.4f", predicted[i].name, (unsigned long long)budgets[b], s->gap / s->frames,
@@ -279,14 +270,13 @@ static enum eco_code times(struct bench *bench, struct eco_error *error)
 	struct bench_table *table = bench_table_open(bench, "planner_times", "scene,view,ms,candidates,cuts,candidates over cuts,plants looked at,vertices", true);
 	enum eco_code code = ECO_OK;
 	double worst = NAN, trees = NAN;
+	char pack[512];
 	for (size_t i = 0; i < LARGE && !code; i++) {
-		struct planned planned;
+		struct planned planned = { .worst_candidates = NAN };
 		bench_progress(bench, 0.7 + 0.03 * (double)i, large[i]);
-		code = time_scene(bench, large[i], table, &planned, error);
-		if (code == ECO_NOT_FOUND) {
-			code = passed_over(bench, large[i], error);
+		if (!bench_shot_scene(bench, large[i], pack, &code, error))
 			continue;
-		}
+		code = code ? code : time_scene(bench, large[i], table, &planned, error);
 		worst = fmax(worst, planned.worst_candidates);
 		if (strcmp(large[i], "trees5000") == 0)
 			trees = median(planned.ms);

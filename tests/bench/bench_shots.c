@@ -20,6 +20,17 @@ static const struct { const char *scene; uint64_t vertices[2]; } printed[] = { {
 static const uint64_t quick_budgets[] = { 30000, 100000, 300000, 1000000, 3000000 };
 static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 2000000, 5000000, 10000000 };
 
+bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code, struct eco_error *error)
+{
+	*code = bench_scene(bench, scene, NULL, pack, error);
+	if (*code != ECO_NOT_FOUND)
+		return true;
+	bench_say(bench, "Without %s: %s", scene, error->text);
+	*error = (struct eco_error){ 0 };
+	*code = ECO_OK;
+	return false;
+}
+
 static int ascending(const void *a, const void *b)
 {
 	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;

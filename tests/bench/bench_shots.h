@@ -19,6 +19,9 @@ struct bench_method {
 enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH_COMBINED, BENCH_DEUSSEN_2002, BENCH_METHODS };
 extern const struct bench_method bench_methods[BENCH_METHODS];
 
+/* False where the scene needs data that is not there: the report says so, and it is no error. Else *code is that of making its pack. */
+bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code, struct eco_error *error);
+
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
 /* How many views of a scene this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of bench_scene_views, at our size. */

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench.h"
+#include "tests/bench/bench_shots.h"
 #include "tests/bench/bench_still.h"
 
 #define WIDTH 480u
@@ -272,18 +272,15 @@ static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_t
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct worst worst = { .ratio = NAN, .change = NAN, .jump = NAN };
+	char pack[512];
 	enum eco_code code = ECO_OK;
 	struct bench_table *table = bench_table_open(bench, "steadiness", "scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
 		"reference,worst frame,plants switched %,worst model and frame %,of those by over 1/8 %", true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		if (!scenes[i].quick && !bench->full)
 			continue;
-		code = run_scene(bench, i, table, &worst, error);
-		if (code == ECO_NOT_FOUND) {
-			bench_say(bench, "Without %s: %s", scenes[i].name, error->text);
-			*error = (struct eco_error){ 0 };
-			code = ECO_OK;
-		}
+		if (bench_shot_scene(bench, scenes[i].name, pack, &code, error) && !code)
+			code = run_scene(bench, i, table, &worst, error);
 	}
 	bench_table_close(table);
 	if (code)
