@@ -42,8 +42,8 @@ static enum eco_code run_tiny(struct bench *bench, struct eco_error *error)
 		json_t *result = bench_recall(bench, unit, "v1");
 		if (!result) {
 			mark(unit);
-			if (i == stop_after)
-				raise(SIGINT);
+			for (int times = 0; i == stop_after && times < 2; times++)
+				raise(SIGINT);           /* as wrappers do */
 			result = bench_keep(bench, unit, "v1", json_pack("{s:f}", "square", (double)i * i));
 		}
 		sum += json_number_value(json_object_get(result, "square"));
