@@ -12,8 +12,7 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
-	uint64_t shown = lod_planning_count(p->scene, ladder->points) ? vertices : lod_planning_count(p->scene, ladder->lines) ? vertices / 2 : vertices / 3;
-	double density = ladder->total ? ((double)shown + ladder->before) / ladder->total : 1;
+	double density = lod_ladder_density(p->scene, ladder, vertices);
 	/* where cells add to the coarse list, the plant as a whole is as dense as d' asked for */
 	if (!slot->cell && slot->band < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;

@@ -395,9 +395,8 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 		if (bid->offer == ECO_NONE || !p->visible.slots[m->offers[bid->offer].slot].cell)
 			continue;
 		const struct eco_ladder *ladder = &p->scene->ladders[m->offers[bid->offer].ladder];
-		double end = (double)lod_ladder_stage_end(p->scene, ladder), part = end > 0 ? (double)bid->low / end : 1;
 		uint32_t slot = m->offers[bid->offer].slot;
-		drawn[slot][ladder->organ] += (part < 1 ? part : 1) * ladder->area;
+		drawn[slot][ladder->organ] += lod_ladder_density(p->scene, ladder, bid->low) * ladder->area;
 		all[slot][ladder->organ] += ladder->area;
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
@@ -436,8 +435,8 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 			entry.slot = o->slot;
 			entry.ladder = o->ladder;
 			entry.full = lod_ladder_full(p->scene, ladder);
-			double own = o->when == LOD_NEAR ? lod_ladder_share(p->scene, ladder, entry.full) : 0, organ = all[o->slot][ladder->organ];
-			entry.wanted = o->when == LOD_NEAR && organ > 0 ? ladder->total * (own + (1 - own) * drawn[o->slot][ladder->organ] / organ) : 0;
+			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
+			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
 			if (bid->ahead) {        /* and less than all */
 				entry.more = bid->high;
 				entry.share = hashes_of(spend, bid)[bid->ahead];
