@@ -34,11 +34,12 @@
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
 #define NOT_ASCENDING 0.05           /* loss that a way must save to be chosen though it drops or coarsens what was drawn; the ladder then holds on
 				      * to what it had */
+#define FORMS_MAX 4
 #define REACHES 9                    /* tried at a share: from all in full detail (0) to all in the coarsest form */
 
 struct way {                         /* one reach at one share */
 	double reach, step, loss;    /* step: scale is 2^(step/8) times Cook's */
-	double simple, full;         /* elements in a finer form than the coarsest, and in the finest */
+	double finer[FORMS_MAX];     /* elements in this form or a finer one */
 	bool tried;
 };
 
@@ -56,7 +57,7 @@ struct organ_curve {                 /* ladders that share one curve */
 	bool far_only;               /* FAR ladders: measured against what the organ's others draw */
 	bool scaled;                 /* not wood */
 	bool forms;                  /* leaves in several forms */
-	double unit[3];              /* forms: mean vertices of an element, coarsest first */
+	double unit[FORMS_MAX];      /* forms: mean vertices of an element, coarsest first */
 	uint32_t units;
 	double elements, full;       /* of all members; vertices */
 	struct sample samples[LOD_CURVE_SAMPLES_MAX];
@@ -229,8 +230,8 @@ static void place_way(const struct organ_curve *curve, double share, uint32_t i,
 		stage++;
 	double f = curve->units > 1 ? (vertices - e * curve->unit[stage]) / (curve->unit[stage + 1] - curve->unit[stage]) : 0;
 	f = f < 0 ? 0 : f < e ? f : e;
-	way->simple = stage + 2 < curve->units ? f : curve->units > 2 ? e : f;
-	way->full = stage + 2 < curve->units ? 0 : f;
+	for (uint32_t i2 = 0; i2 < curve->units; i2++)
+		way->finer[i2] = i2 <= stage ? e : i2 == stage + 1 ? f : 0;
 }
 
 /* Tries the reach that was best at the larger share, then walks from it while that lowers the loss. */
@@ -259,8 +260,10 @@ static enum eco_code try_ways(const struct organ_curve *curve, struct sample *sa
 static double step_loss(const struct way *before, const struct way *after)
 {
 	const double slack = 0.99;
-	bool ascends = after->reach >= before->reach * slack && after->simple >= before->simple * slack && after->full >= before->full * slack;
-	return ascends ? 0 : NOT_ASCENDING;
+	for (int form = 0; form < FORMS_MAX; form++)
+		if (after->finer[form] < before->finer[form] * slack)
+			return NOT_ASCENDING;
+	return 0;
 }
 
 /* The way of least loss in all through what was tried. */
@@ -536,12 +539,10 @@ static void sum_up(struct organ_curve *curve)
 	}
 	if (!curve->forms)
 		return;
-	if (is_form(curve, first->points))
-		add_unit(curve, first->points);
-	else if (is_form(curve, first->lines))
-		add_unit(curve, first->lines);
-	if (is_form(curve, first->simple))
-		add_unit(curve, first->simple);
+	const uint32_t lists[] = { first->points, first->lines, first->simple };
+	for (int i = 0; i < 3; i++)
+		if (is_form(curve, lists[i]))
+			add_unit(curve, lists[i]);
 	curve->unit[curve->units++] = curve->full / curve->elements;
 }
 

@@ -1,6 +1,6 @@
 /* Ladders: vertices of an organ at an anchor -> cuts. Two kinds (struct eco_ladder):
  *
- *   forms    the elements of one list in several forms, each cheaper than the next: points or lines, simple ones, the triangles
+ *   forms    the elements of one list in several forms, each cheaper than the next: points, lines, simple ones, the triangles
  *            themselves. Elements [0,f) are drawn in one form and [f,e) in the one before it.
  *   levels   the first points or lines, then the triangles, or the levels of simplified wood one after the other. A level is skipped
  *            where it would not draw more vertices than what came before it, so a ladder always ascends.
@@ -97,13 +97,13 @@ static uint64_t levels_next(const struct eco_scene *scene, const struct eco_ladd
 
 /* ---- Forms ---- */
 
-#define FORMS_MAX 3
+#define FORMS_MAX 4
 
 struct forms {                       /* of one ladder */
 	const struct eco_scene *scene;
 	const struct eco_ladder *ladder;
 	const struct eco_list *triangles;
-	uint32_t list[FORMS_MAX], count;     /* cheapest first; the last are the triangles */
+	uint32_t list[FORMS_MAX], count;     /* coarsest first; the last are the triangles */
 	uint32_t unit[FORMS_MAX];    /* vertices of an element, of all forms but the last */
 	uint32_t each;               /* triangles of an element where all have the same number, else 0 */
 	uint32_t own, before, total; /* elements: in the lists, in the whole-plant list, in the region */
@@ -129,8 +129,6 @@ static bool find_forms(struct forms *forms, const struct eco_scene *scene, const
 			continue;
 		if (!is_form(scene, coarse[i], ladder->triangles))
 			return false;
-		if (i == 1 && forms->count)          /* points or lines, not both */
-			continue;
 		const struct eco_list *list = &scene->lists[coarse[i]];
 		forms->unit[forms->count] = eco_list_vertices(list) * (list->primitive_count / list->element_count);
 		forms->list[forms->count++] = coarse[i];

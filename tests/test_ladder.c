@@ -96,13 +96,13 @@ static double elements_of(const struct eco_list *list, double primitives)
 }
 
 /* Elements that an amount draws in a form or a finer one: `drawn` of all, then each finer form. */
-static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count, double drawn_in[3])
+static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count, double drawn_in[4])
 {
-	const uint32_t lists[3] = { ladder->points != ECO_NONE ? ladder->points : ladder->lines, ladder->simple, ladder->triangles };
-	drawn_in[0] = drawn_in[1] = drawn_in[2] = 0;
+	const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+	drawn_in[0] = drawn_in[1] = drawn_in[2] = drawn_in[3] = 0;
 	for (uint32_t i = 0; i < count; i++)
-		for (int form = 0; form < 3; form++)
-			if (cuts[i].list == lists[form])
+		for (int form = 0; form < 4; form++)
+			if (lists[form] != ECO_NONE && cuts[i].list == lists[form])
 				for (int coarser = 0; coarser <= form; coarser++) {
 					double end = elements_of(&scene.lists[cuts[i].list], cuts[i].end);
 					drawn_in[coarser] = end > drawn_in[coarser] ? end : drawn_in[coarser];
@@ -122,13 +122,13 @@ static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
 			const struct eco_ladder *ladder = &scene.ladders[l];
 			if (ladder->organ == ECO_ORGAN_WOOD)
 				continue;
-			double last[3] = { 0, 0, 0 }, share = 0, density = 0;
+			double last[4] = { 0, 0, 0, 0 }, share = 0, density = 0;
 			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX; v = lod_ladder_next(&scene.scene, ladder, v)) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-				double now[3], now_share = lod_ladder_share(&scene.scene, ladder, v), now_density = lod_ladder_density(&scene.scene, ladder, v);
+				double now[4], now_share = lod_ladder_share(&scene.scene, ladder, v), now_density = lod_ladder_density(&scene.scene, ladder, v);
 				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, now_density, cuts);
 				count_elements(ladder, cuts, count, now);
-				for (int form = 0; form < 3; form++) {
+				for (int form = 0; form < 4; form++) {
 					assert_true(now[form] >= last[form] - 1.01);     /* in mixed lists ends are means */
 					last[form] = now[form];
 				}
@@ -139,6 +139,47 @@ static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
 			}
 			assert_true(lod_ladder_share(&scene.scene, ladder, lod_ladder_full(&scene.scene, ladder)) == 1);
 		}
+	}
+}
+
+/* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every vertex asked is drawn
+ * but for less than one element's. */
+static void four_forms_follow_each_other(void **state)
+{
+	(void)state;
+	const uint32_t k = 200;
+	for (uint64_t seed = 1; seed < 20; seed++) {
+		random_scene_make(&scene, seed, 0);
+		uint32_t triangles = random_fans(&scene, k, 0);
+		scene.lists[triangles].primitive_count = 4 * k;
+		for (uint32_t c = 0; c < scene.lists[triangles].chunk_count; c++) {
+			struct eco_chunk *chunk = &scene.chunks[scene.lists[triangles].chunk_first + c];
+			chunk->primitive_count = 4 * chunk->element_count;
+		}
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k, .curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
+			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 4) };
+		for (uint32_t i = 0; i < 5; i++)
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+		double last[4] = { 0, 0, 0, 0 };
+		uint64_t before = 0, full = lod_ladder_full(&scene.scene, &ladder);
+		for (uint64_t v = lod_ladder_next(&scene.scene, &ladder, 0); v != UINT64_MAX; before = v, v = lod_ladder_next(&scene.scene, &ladder, v)) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts);
+			uint64_t drawn = 0;
+			double now[4];
+			for (uint32_t i = 0; i < count; i++)
+				drawn += (uint64_t)(cuts[i].end - cuts[i].first) * eco_list_vertices(&scene.lists[cuts[i].list]);
+			assert_int_equal(drawn, v);
+			assert_true(v <= before + 12);
+			count_elements(&ladder, cuts, count, now);
+			for (int form = 0; form < 4; form++) {
+				assert_true(now[form] >= last[form]);
+				last[form] = now[form];
+			}
+		}
+		assert_int_equal(before, full);
+		assert_true(last[3] == k);
 	}
 }
 
@@ -206,6 +247,7 @@ int main(void)
 		cmocka_unit_test(every_step_draws_what_it_says),
 		cmocka_unit_test(forms_give_way_from_the_front),
 		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
+		cmocka_unit_test(four_forms_follow_each_other),
 		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
 		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
 		cmocka_unit_test(a_curve_is_interpolated_and_clamped),

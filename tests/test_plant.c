@@ -376,7 +376,7 @@ static void small_groups_are_not_sharded(void **state)
 	finish(&plant, &soup);
 }
 
-static void blades_become_lines_of_the_same_area(void **state)
+static void blades_become_points_and_lines_of_the_same_area(void **state)
 {
 	(void)state;
 	struct soup soup;
@@ -385,7 +385,7 @@ static void blades_become_lines_of_the_same_area(void **state)
 	double area = 0;
 	for (uint32_t l = 0; l < plant.ladder_count; l++) {
 		const struct eco_ladder *ladder = &plant.ladders[l];
-		assert_true(ladder->points == ECO_NONE && ladder->lines != ECO_NONE);
+		assert_true(ladder->points != ECO_NONE && ladder->lines != ECO_NONE);
 		const struct lod_list_draft *lines = &plant.lists[ladder->lines];
 		assert_int_equal(lines->elements.element_count, plant.lists[ladder->triangles].elements.element_count);
 		for (uint32_t i = 0; i < lines->elements.element_count; i++) {
@@ -626,7 +626,7 @@ int main(void)
 		cmocka_unit_test(ladders_are_consistent),
 		cmocka_unit_test(cells_add_up),
 		cmocka_unit_test(small_groups_are_not_sharded),
-		cmocka_unit_test(blades_become_lines_of_the_same_area),
+		cmocka_unit_test(blades_become_points_and_lines_of_the_same_area),
 		cmocka_unit_test(what_has_no_colour_is_drawn_in_its_organ_s_everywhere),
 		cmocka_unit_test(two_builds_are_equal),
 		cmocka_unit_test(progress_ascends_and_may_stop_the_build),
