@@ -128,7 +128,7 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
 	offer.when = LOD_NEAR;
 	offer.steps = steps_of(m, id, true, m->lots[s].extra);
-	offer.worth = worth * lod_ladder_share(scene, ladder, lod_ladder_full(scene, ladder));
+	offer.worth = worth * lod_ladder_density(scene, ladder, lod_ladder_full(scene, ladder));
 	return add_offer(m, &offer);
 }
 
