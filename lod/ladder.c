@@ -228,12 +228,16 @@ static double region_afford(const struct forms *forms, uint32_t from, uint32_t t
 	return count < most ? count : most;
 }
 
-/* The region's state at a sample of the curve, reduced to what is the ladder's own. */
-static struct state state_at(const struct forms *forms, double vertices, double reach)
+/* The region's state at a sample of the curve, reduced to what is the ladder's own. A region in parts has fractions of elements: rounded,
+ * the few of a small share would be too few or too dear, and the ladder would begin in another form than the rest of its plant. */
+static struct state state_at(const struct forms *forms, double share, double reach)
 {
-	double e = reach * forms->total + 0.5, f = 0;
+	bool whole = forms->own == forms->total;
 	uint32_t stage = 0, last = forms->count - 1;
-	e = e < forms->total ? (double)(uint32_t)e : forms->total;
+	double vertices = share * region_cost(forms, last, forms->total), e = reach * forms->total, f = 0;
+	vertices = whole ? (double)(uint64_t)(vertices + 0.5) : vertices;
+	e = whole ? (double)(uint32_t)(e + 0.5) : e;
+	e = e < forms->total ? e : forms->total;
 	if (region_cost(forms, last, e) < vertices)          /* too few elements to draw so much */
 		e = region_afford(forms, ECO_NONE, last, vertices, forms->total);
 	if (region_cost(forms, 0, e) > vertices)
@@ -242,11 +246,11 @@ static struct state state_at(const struct forms *forms, double vertices, double 
 		stage++;
 	if (last > 0)
 		f = region_afford(forms, stage, stage + 1, vertices - region_cost(forms, stage, e), e);
-	e = e > forms->before ? e - forms->before : 0;
-	f = f > forms->before ? f - forms->before : 0;
+	e = e + 0.5 > forms->before ? e + 0.5 - forms->before : 0;
+	f = f + 0.5 > forms->before ? f + 0.5 - forms->before : 0;
 	struct state s = { stage, e < forms->own ? (uint32_t)e : forms->own, 0 };
 	s.f = f < s.e ? (uint32_t)f : s.e;
-	return s;
+	return s.e ? s : (struct state){ 0, 0, 0 };
 }
 
 /* Never less of anything than before. */
@@ -305,13 +309,12 @@ static void next_sample(struct walk *walk)
 	const struct forms *forms = walk->forms;
 	const struct eco_ladder *ladder = forms->ladder;
 	struct leg *whole = &walk->whole;
-	double full = region_cost(forms, forms->count - 1, forms->total);
 	whole->from = whole->to;
 	whole->vertices[0] = whole->vertices[1];
 	whole->share[0] = whole->share[1];
 	if (walk->sample < ladder->curve_count) {
 		const struct eco_curve *sample = &forms->scene->curves[ladder->curve_first + walk->sample];
-		whole->to = sample->share < 1 ? ascend(whole->from, state_at(forms, (double)(uint64_t)(sample->share * full + 0.5), sample->reach)) : whole->from;
+		whole->to = sample->share < 1 ? ascend(whole->from, state_at(forms, sample->share, sample->reach)) : whole->from;
 		whole->share[1] = sample->share < 1 ? sample->share : whole->share[0];
 	} else {
 		whole->to = (struct state){ forms->count > 2 ? forms->count - 2 : 0, forms->own, forms->count > 1 ? forms->own : 0 };
