@@ -45,6 +45,8 @@ struct lod_canvas {
 struct lod_gain { uint32_t right, wrong, second; };      /* pixels newly covered that should be, that should not; right ones covered a second time */
 /* Adds to `gain`. */
 void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain);
+/* lod_fan_cover and lod_footprint_gain in one. */
+void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain);
 void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas);
 
 #endif

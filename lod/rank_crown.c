@@ -109,12 +109,10 @@ void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge
 {
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
-	struct lod_footprint print;
 	*gain = (struct lod_gain){ 0 };
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
-		if (lod_fan_cover(&print, &seen, edge, crown->level->sights.pixels))
-			lod_footprint_gain(&print, &crown->level->canvas[v], gain);
+		lod_fan_gain(&seen, edge, crown->level->sights.pixels, &crown->level->canvas[v], gain);
 	}
 }
 
