@@ -305,6 +305,8 @@ static bool price_summary(struct lod_market *m, uint32_t n)
 	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > stall->plants ? stall->plants / all : 1;
 	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = stall->look.covered, .box = stall->look.box,
 		.plants = stall->plants, .points = p->scene->lists[list].primitive_count };
+	double steep = p->visible.eye.forward[2] * p->visible.eye.forward[2], tall = sqrt(up * up * (1 - steep) + across * across * steep);
+	look.region = 4 * across * tall * px * px;
 	struct lod_amount *amounts = take_amounts(m, 40);
 	if (!amounts)
 		return false;
@@ -463,6 +465,8 @@ static void price_stalls(struct lod_market *m)
 		for (uint32_t c = 0; c < node->child_count; c++)
 			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1, 1);
 		stall->opened = !stall->summary || m->price <= 0 || paid(&fine, 1, m->price) < paid(&stall->cost, 1, m->price);
+		if (stall->held != LOD_HELD_NOT && stall->summary && m->price > 0)
+			stall->opened = stall->held == LOD_HELD_OPEN;
 		if (stall->opened)
 			stall->cost = fine;
 	}

@@ -41,7 +41,10 @@ struct lod_lot {                     /* a slot, per plant; [0]: as far plants ar
 	double cells_worth;
 };
 
+enum lod_held { LOD_HELD_NOT, LOD_HELD_OPEN, LOD_HELD_SHUT };
+
 struct lod_stall {                   /* a tile */
+	enum lod_held held;          /* the caller's: not for its price to decide */
 	bool open, summary;          /* its plants are known; it has a summary */
 	bool opened;                 /* at the last price */
 	double worth, bare;          /* wrong when nothing of it is drawn, its children's too; of that, where no other plant is */

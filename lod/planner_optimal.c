@@ -24,8 +24,9 @@
 #define PRICES_PER_PICTURE 4
 #define SMALL_OFFERS 64u
 #define SMALL_REACH 6
+#define SMALL_PASSES 3
 #define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
-#define CELLS_PX 2.0             /* ... and cells; further where the budget is larger than what there is */
+#define CELLS_PX 1.0             /* ... and cells; further where the budget is larger than what there is */
 #define FINER_OCTAVES 3
 #define FINER_TIMES 3
 #define COARSEST -12
@@ -234,35 +235,74 @@ static enum eco_code try_structure(const struct descent *d, int index, uint64_t 
 	return ECO_OK;
 }
 
-/* Structures of prices around the one that fits: the next, and in small scenes, where steps are large, some more. */
-static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
+struct found { int index; double wrong; };
+
+/* Structures of prices around the one that fits: the next, and in small scenes, where steps are large and what is left over may matter as
+ * much, some more. */
+static enum eco_code try_prices(const struct descent *d, uint64_t budget, int reach, struct found *found, struct eco_error *error)
 {
-	struct lod_spend spend = { 0 };
-	int reach = d->market->offer_count < SMALL_OFFERS ? SMALL_REACH : 1;
-	int from = d->index - reach + 1 > d->first - 1 ? d->index - reach + 1 : d->first - 1, best = d->index, tried = -1;
-	double wrong, best_wrong = INFINITY;
+	int from = d->index - reach + 1 > d->first - 1 ? d->index - reach + 1 : d->first - 1, tried = -1;
 	enum eco_code code = ECO_OK;
 	from = d->index == PRICE_COUNT ? d->index : from < d->last ? from : d->last;
 	for (int i = from, count = 0; !code && count < 2 * reach && tried != PRICE_COUNT; i = index_after(d, i), count++) {
-		lod_spend_free(&spend);
+		struct lod_spend spend = { 0 };
+		double wrong = INFINITY;
 		code = try_structure(d, tried = i, budget, &spend, &wrong, error);
-		if (!code && reach > 1 && wrong < INFINITY) {        /* what is left is spent, and may matter as much */
+		if (!code && reach > 1 && wrong < INFINITY) {
 			code = lod_spend_finish(&spend, budget, error);
 			wrong = spend.wrong + closed_wrong(d->market);
 		}
-		if (!code && wrong < best_wrong) {
-			best_wrong = wrong;
-			best = i;
+		if (!code && wrong < found->wrong)
+			*found = (struct found){ i, wrong };
+		lod_spend_free(&spend);
+	}
+	return code;
+}
+
+/* In small scenes: each tile the other way round, as long as that is better. */
+static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
+{
+	struct lod_market *m = d->market;
+	enum eco_code code = ECO_OK;
+	bool better = true;
+	for (int pass = 0; better && pass < SMALL_PASSES; pass++) {
+		better = false;
+		for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
+			struct lod_stall *stall = &m->stalls[n];
+			enum lod_held held = stall->held;
+			struct found other = *found;
+			if (!stall->open || !stall->summary)
+				continue;
+			lod_market_price(m, price_at(found->index));
+			stall->held = stall->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
+			code = try_prices(d, budget, SMALL_REACH, &other, error);
+			if (other.wrong < found->wrong) {
+				*found = other;
+				better = true;
+			} else {
+				stall->held = held;
+			}
 		}
 	}
-	if (!code && (tried != best || reach > 1)) {
-		lod_spend_free(&spend);
-		code = try_structure(d, best, budget, &spend, &wrong, error);
-	}
+	return code;
+}
+
+static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
+{
+	struct lod_market *m = d->market;
+	struct lod_spend spend = { 0 };
+	struct found found = { d->index, INFINITY };
+	bool small = m->offer_count < SMALL_OFFERS && m->p->visible.node_count < SMALL_OFFERS;
+	double wrong;
+	enum eco_code code = try_prices(d, budget, small ? SMALL_REACH : 1, &found, error);
+	if (!code && small)
+		code = try_tiles(d, budget, &found, error);
+	if (!code)
+		code = try_structure(d, found.index, budget, &spend, &wrong, error);
 	if (!code)
 		code = lod_spend_finish(&spend, budget, error);
-	d->market->p->cheapest = spend.cheapest;
-	d->market->p->wrong = spend.wrong + closed_wrong(d->market);
+	m->p->cheapest = spend.cheapest;
+	m->p->wrong = spend.wrong + closed_wrong(m);
 	lod_spend_free(&spend);
 	return code;
 }

@@ -156,7 +156,11 @@ static void sort_by_depth(const struct lod_screen *screen, uint32_t *order, uint
 	}
 }
 
-struct light { float *clear; float *horizon; };          /* per cell: share of light let through so far; per column: first row hidden by ground */
+/* Leaves are clumped: what lies behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in forests). */
+#define CLUMPING 0.8
+
+/* Per cell: share of light let through so far, by leaves as they are and if they stood at random; per column: first row hidden by ground. */
+struct light { float *through, *clear, *horizon; };
 
 static struct span crown_across(const struct lod_screen *screen, const struct lod_sight *s)
 {
@@ -188,13 +192,18 @@ static double show(const struct lod_screen *screen, const struct lod_sight *sigh
 	return all > seen ? seen / all : 1;
 }
 
-static void dim(const struct lod_screen *screen, const struct lod_sight *sight, float *clear)
+static void dim(const struct lod_screen *screen, const struct lod_sight *sight, const struct light *light)
 {
+	float opaque = sight->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)sight->opacity))) : 1;
 	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
 	for (int r = down.first; r < down.end; r++) {
-		float *row = clear + r * (int)screen->columns, height = fmaxf(0, inside(&down, r)) * sight->opacity;
-		for (int c = across.first; c < across.end; c++)
-			row[c] *= 1 - height * inside(&across, c);
+		float *clear = light->clear + r * (int)screen->columns, *through = light->through + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r));
+		for (int c = across.first; c < across.end; c++) {
+			float part = height * inside(&across, c);
+			clear[c] *= 1 - part * sight->opacity;
+			through[c] *= 1 - part * opaque;
+		}
 	}
 }
 
@@ -231,9 +240,9 @@ static void look(const struct lod_screen *screen, struct lod_sight *sight, const
 		/* from now on its foot hides, by a cell less so as not to hide its neighbours */
 		light->horizon[column] = fminf(light->horizon[column], sight->foot + 1);
 	}
-	sight->share = (float)show(screen, sight, light->clear);
+	sight->share = (float)show(screen, sight, light->through);
 	if (!sight->beside)
-		dim(screen, sight, light->clear);
+		dim(screen, sight, light);
 }
 
 static void finish(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
@@ -250,11 +259,11 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 {
 	uint32_t cells = screen->columns * screen->rows;
 	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order), *spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
-	struct light light = { malloc(cells * sizeof *light.clear), malloc(screen->columns * sizeof *light.horizon) };
-	bool good = order && spare && light.clear && light.horizon;
+	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear), malloc(screen->columns * sizeof *light.horizon) };
+	bool good = order && spare && light.through && light.clear && light.horizon;
 	if (good) {
 		for (uint32_t i = 0; i < cells; i++)
-			light.clear[i] = 1;
+			light.through[i] = light.clear[i] = 1;
 		for (uint32_t c = 0; c < screen->columns; c++)
 			light.horizon[c] = (float)screen->rows;
 		sort_by_depth(screen, order, spare);
@@ -265,6 +274,7 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	}
 	free(order);
 	free(spare);
+	free(light.through);
 	free(light.clear);
 	free(light.horizon);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view", screen->count);

@@ -26,9 +26,24 @@ void lod_steps_hull(struct lod_steps *steps)
 	steps->count = kept;
 }
 
+/* A whole-plant list without cells: all of it drawn is a share of the plant, and no more, though the curve goes on. */
+static double share_alone(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+{
+	double share = lod_ladder_share(scene, ladder, vertices), reach = lod_ladder_density(scene, ladder, vertices);
+	const struct eco_curve *c = scene->curves + ladder->curve_first;
+	uint32_t i = 0;
+	while (i < ladder->curve_count && (double)c[i].reach < reach)
+		i++;
+	if (reach >= 1 || i == 0 || i == ladder->curve_count)
+		return share;
+	double part = (reach - (double)c[i - 1].reach) / ((double)c[i].reach - (double)c[i - 1].reach);
+	return fmin(share, (double)c[i - 1].share + part * ((double)c[i].share - (double)c[i - 1].share));
+}
+
 struct lod_amount lod_steps_amount(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
 {
-	double share = lod_ladder_share(scene, ladder, vertices);
+	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices <= lod_ladder_stage_end(scene, ladder);
+	double share = alone ? share_alone(scene, ladder, vertices) : lod_ladder_share(scene, ladder, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
 		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);

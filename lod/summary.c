@@ -441,6 +441,8 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 
 /* ---- What it is worth ---- */
 
+#define FILLING 0.5              /* splats lie where plants do, not anywhere: they fill gaps as half of them would by chance */
+
 /* Share of an area that n splats hit by chance, each with `each` of it. Of less than one splat there is one now and then. */
 static double hit_share(double each, double area, double n)
 {
@@ -465,5 +467,7 @@ struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n
 	double inside = inside_box(side, width), ring = (width + side) * (width + side) - box;
 	double hit = hit_share(splat * inside, box, each) * inside;
 	double fp = (box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each);
-	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered), .fn = (float)(1 - hit) };
+	/* what its own splats miss, those of others may hit */
+	double missed = (1 - hit) * (view->region > 0 ? lod_exp_minus(FILLING * view->area / view->region) : 1);
+	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered), .fn = (float)missed };
 }
