@@ -7,7 +7,8 @@
  *
  * Light: a sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the visible side; a
  * crown shades itself towards its dark side and its inside. A point or line stands for leaves of every direction, so it gets
- * the mean of the same expressions over directions, and a plant keeps its tone when its representation changes. */
+ * the mean of the same expressions over directions, and a plant keeps its tone when its representation changes; a summary's point, which
+ * does not know where in a crown it is, gets the mean over crowns as well. */
 #include "client-min/view_shader.h"
 
 #include <epoxy/gl.h>
@@ -73,13 +74,23 @@ static const char vertex_common[] =
 	"	float l = length(across);\n"
 	"	return round_sun(dot(n, across) / max(l, 1e-6), 0.25 * l);\n"
 	"}\n"
-	/* facing: height of the mean normal. d, outer, height: where in the crown. */
-	"vec3 light(vec2 sunny, float facing, vec3 d, float outer, float height, float leaf) {\n"
+	/* What a crown leaves of the light: shade of the sun's, open of the sky's; rise: height of the direction out of the crown. */
+	"struct Crown { float shade, open, rise; };\n"
+	"Crown crown_at(vec3 d, float outer, float height) {\n"
 	"	float shade = mix(0.22, 1.0, smoothstep(-0.7, 0.8, dot(d, SUN))) * mix(0.25, 1.0, smoothstep(0.2, 0.95, outer));\n"
-	"	float up = 0.5 + 0.5 * mix(facing, d.z, 0.65);\n"
-	"	vec3 ambient = mix(EARTH_COLOR, SKY_COLOR, up) * mix(0.45, 1.0, outer) * mix(0.65, 1.0, height);\n"
+	"	return Crown(shade, mix(0.45, 1.0, outer) * mix(0.65, 1.0, height), d.z);\n"
+	"}\n"
+	/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems, of which an eye sees 1/e through a
+	 * third to a sixth of their radius; within 0.07. */
+	"Crown crown_mean(vec3 to_eye) {\n"
+	"	return Crown(0.57 + 0.22 * dot(to_eye, SUN) + 0.02 * to_eye.z, 0.74 + 0.10 * to_eye.z, 0.20 + 0.45 * to_eye.z);\n"
+	"}\n"
+	/* facing: height of the mean normal. */
+	"vec3 light(vec2 sunny, float facing, Crown crown, float leaf) {\n"
+	"	float up = 0.5 + 0.5 * mix(facing, crown.rise, 0.65);\n"
+	"	vec3 ambient = mix(EARTH_COLOR, SKY_COLOR, up) * crown.open;\n"
 	"	vec3 sun = SUN_COLOR * (sunny.x * mix(1.0, 0.95, leaf)) + vec3(1.25, 1.35, 0.45) * (0.62 * leaf * sunny.y);\n"
-	"	return sun * shade * 1.25 + ambient;\n"
+	"	return sun * crown.shade * 1.25 + ambient;\n"
 	"}\n"
 	"struct Plant { vec4 row[3]; uvec2 owner; float hash, scale; vec3 center; vec2 half_size; };\n"
 	"Plant plant_of(uint i) {\n"
@@ -102,12 +113,15 @@ static const char vertex_common[] =
 	"	vec2 vary = vec2(fract(p.hash * 16.0), p.hash) - 0.5;\n"
 	"	albedo *= (1.0 + 0.28 * vary.x) * (1.0 + 0.16 * vary.y * leaf * vec3(1.0, 0.1, -1.0));\n"
 	"	vec3 in_crown = (local - p.center) / p.half_size.xxy, to_eye = -normalize(world_of(view));\n"
-	"	float outer = clamp(length(in_crown), 0.0, 1.0);\n"
-	"	if (u_tint.w == 0.0 && u_tint.r > 0.0) p.half_size.y = 0.0;\n"
-	"	vec3 d = p.half_size.y > 0.0 ? world_of(turned(p, in_crown / max(length(in_crown), 1e-4))) : normalize(to_eye + vec3(0, 0, 0.8));\n"
-	"	float height = p.half_size.y > 0.0 ? clamp(local.z / (2.0 * p.half_size.y), 0.0, 1.0) : 0.75;\n"
-	"	if (p.half_size.y <= 0.0) outer = 0.88;\n"
-	"	v_light = light(sunny, facing, d, outer, height, leaf);\n"
+	"	bool alone = u_tint.w == 0.0 && u_tint.r > 0.0;\n"
+	"	Crown crown = crown_at(normalize(to_eye + vec3(0, 0, 0.8)), 0.88, 0.75);\n"
+	"#if TEXELS == 2\n"
+	"	if (!alone) crown = crown_mean(to_eye);\n"
+	"#else\n"
+	"	if (!alone && p.half_size.y > 0.0) crown = crown_at(world_of(turned(p, in_crown / max(length(in_crown), 1e-4))),\n"
+	"		clamp(length(in_crown), 0.0, 1.0), clamp(local.z / (2.0 * p.half_size.y), 0.0, 1.0));\n"
+	"#endif\n"
+	"	v_light = light(sunny, facing, crown, leaf);\n"
 	"	if (u_tint.w > 0.0) { albedo = linear(u_tint.rgb); v_light = mix(vec3(0.75), v_light, 0.35); }\n"
 	"	v_albedo = vec4(albedo, haze_at(length(view)) * (1.0 - u_tint.w));\n"
 	"	v_world = world_of(view);\n"

@@ -16,6 +16,7 @@
 #include "lod/rank.h"
 #include "lod/sample.h"
 #include "lod/sort.h"
+#include "lod/tone.h"
 
 #define BLADE_RATIO 6.0          /* length to mean width from which on an element is a blade */
 #define BLADE_SHARE 0.6          /* of a group's area that makes it one of blades */
@@ -226,11 +227,37 @@ static void measure_group(struct lod_build *b, struct lod_group *group)
 	group->blades = thin > BLADE_SHARE * group->area;
 }
 
+/* The colours of the group's points and blades, whose beginnings look like what is seen of all. */
+static void level_tones(struct lod_build *b, const struct lod_group *group, const uint32_t *seen_of)
+{
+	uint32_t n = group->end - group->first;
+	struct lod_arena_piece *mark = b->arena.last;
+	uint8_t (*rgb)[3] = lod_arena_take(&b->arena, n, sizeof *rgb);
+	uint32_t *seen = lod_arena_take(&b->arena, n, sizeof *seen);
+	double *area = lod_arena_take(&b->arena, n, sizeof *area);
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t number = b->order[group->first + i];
+		memcpy(rgb[i], b->point[number].rgb, sizeof rgb[i]);
+		seen[i] = seen_of[number];
+		area[i] = b->area[number];
+	}
+	lod_tone_level(rgb, area, seen, n);
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t number = b->order[group->first + i];
+		memcpy(b->point[number].rgb, rgb[i], sizeof rgb[i]);
+		if (group->blades)
+			memcpy(b->blade[number].rgb, rgb[i], sizeof rgb[i]);
+	}
+	lod_arena_release(&b->arena, mark);
+}
+
 void lod_leaves_represent(struct lod_build *b)
 {
 	b->blade = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade);
 	b->blade_error = lod_arena_take(&b->arena, b->elements.count, sizeof *b->blade_error);
 	b->point = lod_arena_take(&b->arena, b->elements.count, sizeof *b->point);
+	uint32_t *seen = lod_arena_take(&b->arena, b->elements.count, sizeof *seen);
+	lod_tone_seen(seen, &(struct lod_tone_input){ &b->mesh, &b->elements }, &b->arena);
 	for (uint32_t g = 0; g < b->group_count; g++) {
 		struct lod_group *group = &b->groups[g];
 		struct lod_arena_piece *mark = b->arena.last;
@@ -243,6 +270,7 @@ void lod_leaves_represent(struct lod_build *b)
 				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
 		}
 		lod_arena_release(&b->arena, mark);
+		level_tones(b, group, seen);
 	}
 }
 
