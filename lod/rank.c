@@ -33,7 +33,9 @@
 #define CANDIDATES_SHARE 32u             /* times what a step's end has */
 #define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
 #define BATCH 256u
-#define ASK 2048u                        /* looks between two questions whether to go on */
+#define ASK 512u                         /* looks between two questions whether to go on */
+#define PARTS 16u                        /* batches between two */
+#define PARTS_DRAWN 8192u                /* elements drawn between two */
 
 struct weights { int64_t right, wrong, second; };
 
@@ -53,6 +55,9 @@ struct ranking {
 	struct lod_crown_views views;
 	struct weights weights;
 	double edge[ECO_GROWTHS];
+	void (*piece)(void *pieces, uint32_t i);         /* what is run in parts */
+	uint32_t piece_first;
+	double share;                /* of the work, as far as it was told */
 	bool stopped;
 };
 
@@ -117,6 +122,16 @@ static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
 	heap[i] = moved;
 }
 
+/* Asks whether to go on, now and then. The share never falls: trials take back what they picked. */
+static bool goes_on(struct ranking *r)
+{
+	double share = (double)r->picked / r->count;
+	r->share = share > r->share ? share : r->share;
+	if (!r->stopped && r->options->progress)
+		r->stopped = !r->options->progress(r->options->ctx, r->share);
+	return !r->stopped;
+}
+
 static void assess_batch(void *pieces, uint32_t batch)
 {
 	struct ranking *r = pieces;
@@ -125,13 +140,26 @@ static void assess_batch(void *pieces, uint32_t batch)
 		assess(r, &r->heap[i]);
 }
 
-static void run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_t))
+static void run_part(void *pieces, uint32_t i)
 {
-	if (r->options->each)
-		r->options->each(r->options->ctx, count, piece, r);
-	else
-		for (uint32_t i = 0; i < count; i++)
-			piece(r, i);
+	struct ranking *r = pieces;
+	r->piece(r, r->piece_first + i);
+}
+
+/* In parts, between which it asks whether to go on. */
+static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_t))
+{
+	r->piece = piece;
+	for (uint32_t at = 0; at < count && goes_on(r); at += PARTS) {
+		uint32_t part = count - at < PARTS ? count - at : PARTS;
+		r->piece_first = at;
+		if (r->options->each)
+			r->options->each(r->options->ctx, part, run_part, r);
+		else
+			for (uint32_t i = 0; i < part; i++)
+				run_part(r, i);
+	}
+	return !r->stopped;
 }
 
 /* Candidates: what is not taken, of a long list a sample that is large beside the step (as good in expectation but for e^-SHARE;
@@ -150,19 +178,12 @@ static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 
 static void make_heap(struct ranking *r)
 {
-	run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch);
+	if (!run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch))
+		return;
 	for (uint32_t i = 0; i < r->heap_count; i++)
 		r->growth[r->heap[i].element] = r->heap[i].code;         /* where the next look begins */
 	for (uint32_t i = r->heap_count / 2; i-- > 0;)
 		sift_down(r->heap, r->heap_count, i);
-}
-
-/* Asks whether to go on, now and then. */
-static bool goes_on(struct ranking *r)
-{
-	if (!r->stopped && r->options->progress)
-		r->stopped = !r->options->progress(r->options->ctx, (double)r->picked / r->count);
-	return !r->stopped;
 }
 
 /* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
@@ -200,7 +221,7 @@ static void set_scale(struct ranking *r, double scale)
 static void redraw(struct ranking *r)
 {
 	lod_crown_clear(&r->crown, r->views);
-	for (uint32_t k = 0; k < r->picked; k++)
+	for (uint32_t k = 0; k < r->picked && ((k + 1) % PARTS_DRAWN || goes_on(r)); k++)
 		lod_crown_add(&r->crown, r->order[k], r->edge[r->growth[r->order[k]]], r->views);
 }
 
@@ -335,8 +356,8 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
 	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
-	if (!code && !options->plain)
-		run(&r, (r.count + BATCH - 1) / BATCH, fit_batch);
+	if (!code && !options->plain && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
 	if (!code)
 		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
 	lod_arena_release(arena, mark);
