@@ -7,7 +7,6 @@
  *
  * Beside ours, what prefiltering is worth, on the same plan: without self-occlusion (every leaf lit as if it were alone), and with flat colours on
  * top of that: what is not textured has one colour a list, for cut-outs the plain mean of the texture's bytes, clear texels included. */
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +21,7 @@
 
 #define VIEWS_QUICK 2u
 #define VIEWS_FULL 4u
+#define NEAR 300                         /* squared distance of colours, bytes: 10 in each channel */
 #define REFERENCE_VERTICES 100e6         /* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
 
 static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "trees640", true }, { "scbi", true },
@@ -121,14 +121,14 @@ static void image_mean(const struct eco_image *image, uint8_t rgb[3])
 		rgb[k] = (uint8_t)(sum[k] / count);
 }
 
-/* The cut-out of the plant whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where it has none. */
-static const struct eco_image *image_of(const struct view_store *full, uint32_t plant, const uint8_t rgb[3])
+/* The cut-out whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where there is none that is near. */
+static const struct eco_image *image_of(const struct view_store *full, const uint8_t rgb[3])
 {
 	const struct eco_image *best = NULL;
-	int least = INT_MAX;
+	int least = NEAR;
 	for (uint32_t i = 0; i < view_store_list_count(full); i++) {
 		const struct eco_list *textured = &view_store_list_at(full, i)->list;
-		const struct view_list *image = textured->plant == plant && textured->image != ECO_NONE ? view_store_list(full, textured->image) : NULL;
+		const struct view_list *image = textured->image != ECO_NONE ? view_store_list(full, textured->image) : NULL;
 		struct lod_light light = { { 0 }, 0 };
 		uint8_t mean[3] = { 0, 0, 0 };
 		int distance = 0;
@@ -155,7 +155,7 @@ static void flatten(const struct view_store *store, const struct view_store *ful
 		const struct view_list *list = view_store_list_at(store, i);
 		uint64_t sum[3] = { 0, 0, 0 };
 		uint32_t count = list->elements.element_count, colors = list->list.palette_count;
-		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR) || list->list.plant == ECO_NONE || list->list.image != ECO_NONE)
+		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR) || list->list.attributes & ECO_ATTR_PLANT || list->list.image != ECO_NONE)
 			continue;
 		uint8_t mean[3];
 		for (uint32_t e = 0; e < count; e++)
@@ -163,7 +163,7 @@ static void flatten(const struct view_store *store, const struct view_store *ful
 				sum[k] += list->palette[list->elements.extra[(size_t)list->elements.extra_count * e]][k];
 		for (int k = 0; k < 3; k++)
 			mean[k] = (uint8_t)(sum[k] / count);
-		const struct eco_image *image = image_of(full, list->list.plant, mean);
+		const struct eco_image *image = image_of(full, mean);
 		if (image)
 			image_mean(image, mean);
 		for (uint32_t c = 0; c < colors; c++)
