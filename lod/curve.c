@@ -6,9 +6,10 @@
  * of log lambda, so the search starts from the neighbouring share's answer, walks an eighth of an octave at a time and ends with
  * a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
  *
- * Leaves come in several forms, and the same vertices show many elements as points or few as they are: at each share some reaches
- * between these ends are tried, next to what was best at the neighbouring share, and the way through them is the one of least loss
- * on which nothing that was drawn is dropped or coarsened again (dynamic programming over the shares).
+ * Leaves come in several forms, and the same vertices show many elements as points or few as they are. At each share some reaches
+ * between these ends are tried, the same numbers of elements at all shares, so that a way may stay at one while vertices go into
+ * finer forms; and the way through them is the one of least loss in all on which nothing that was drawn is dropped or coarsened
+ * again (dynamic programming over the shares): what a ladder draws at a share is then what was measured there.
  *
  * A complex plant's organ is a coarse list for the whole plant and the rest of the same order in cells. Its curve is measured over
  * the whole: each ladder draws its part of the elements that the share reaches, as when all cells stand at one distance. All these
@@ -32,23 +33,24 @@
 				      * of a few leaves, and a forest at 100,000 vertices falls from skill 0.86 to 0.77 (a meadow wins 0.02) */
 #define STEP_HIGH 16
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
-#define NOT_ASCENDING 0.05           /* loss that a way must save to be chosen though it drops or coarsens what was drawn; the ladder then holds on
-				      * to what it had */
+#define LITTLE 0.003                 /* loss for which a scale gives way to those of its neighbours */
+#define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
 #define FORMS_MAX 4
-#define REACHES 9                    /* tried at a share: from all in full detail (0) to all in the coarsest form */
+#define WAYS_MAX 12                  /* reaches tried at a share: from all in full detail (0) to all in the coarsest form */
 
 struct way {                         /* one reach at one share */
+	uint32_t rung;               /* number of the sample whose vertices, all in the coarsest form, are this reach; ECO_NONE: of full detail */
 	double reach, step, loss;    /* step: scale is 2^(step/8) times Cook's */
+	double play;                 /* steps by which the scale may differ from the best at little loss */
 	double finer[FORMS_MAX];     /* elements in this form or a finer one */
-	bool tried;
 };
 
 struct sample {
 	double share;                /* of the organ's vertices */
-	double reach, step;
+	double reach, step, play;
 	double fp, fn;
 	bool free;                   /* its scale is there to be chosen */
-	struct way ways[REACHES];
+	struct way ways[WAYS_MAX];   uint32_t way_count;
 };
 
 struct organ_curve {                 /* ladders that share one curve */
@@ -168,24 +170,24 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 	return code;
 }
 
-/* Vertex of the parabola through a step and its neighbours. */
-static enum eco_code refine(struct search *search, int best, double *step, double *loss, struct eco_error *error)
+/* Vertex of the parabola through a step and its neighbours, and how far from it the loss is small. */
+static enum eco_code refine(struct search *search, int best, struct way *way, struct eco_error *error)
 {
-	double low = 0, middle = 0, high = 0;
-	*step = best;
-	enum eco_code code = loss_at(search, best, loss, error);
-	middle = *loss;
+	double low = 0, high = 0;
+	way->step = best;
+	way->play = 0;
+	enum eco_code code = loss_at(search, best, &way->loss, error);
 	if (code || best == STEP_LOW || best == STEP_HIGH)
 		return code;
-	if (!code)
-		code = loss_at(search, best - 1, &low, error);
+	code = loss_at(search, best - 1, &low, error);
 	if (!code)
 		code = loss_at(search, best + 1, &high, error);
 	if (code)
 		return code;
-	double bend = low - 2 * middle + high;
+	double bend = low - 2 * way->loss + high;
+	way->play = bend > LITTLE / 8 ? sqrt(2 * LITTLE / bend) : 4;
 	if (bend > 0)
-		*step = best + 0.5 * (low - high) / bend;
+		way->step = best + 0.5 * (low - high) / bend;
 	return ECO_OK;
 }
 
@@ -199,100 +201,109 @@ static enum eco_code try_way(const struct organ_curve *curve, double share, stru
 	enum eco_code code = ECO_OK;
 	for (int stride = warm ? 2 : 8; stride > 0 && !code; stride /= 2)
 		code = walk(&search, stride, &best, error);
-	way->tried = true;
-	return code ? code : refine(&search, best, &way->step, &way->loss, error);
+	return code ? code : refine(&search, best, way, error);
 }
 
 /* ---- Reaches ---- */
 
-static double root(double x, int times)
+/* Elements that a sample's vertices come to, all in form `form`. */
+static double elements_in(const struct organ_curve *curve, uint32_t sample, uint32_t form)
 {
-	while (times-- > 0)
-		x = sqrt(x);
-	return x;
+	double e = curve->samples[sample].share * curve->full / curve->unit[form];
+	return e < 1 ? 1 : e < curve->elements ? e : curve->elements;
 }
 
-/* Reach number i of REACHES at a share: a geometric sequence from all in the finest form to all in the coarsest. */
-static void place_way(const struct organ_curve *curve, double share, uint32_t i, struct way *way)
+static void add_way(const struct organ_curve *curve, struct sample *sample, uint32_t rung, double e)
 {
-	double vertices = share * curve->full, last = curve->unit[curve->units - 1];
-	double low = vertices / last, high = vertices / curve->unit[0], e;
-	low = low > 1 ? low : 1;
-	high = high < curve->elements ? high : curve->elements;
-	low = low < high ? low : high;
-	double eighth = root(high / low, 3);
-	for (e = low; i > 0; i--)
-		e *= eighth;
-	e = e < high ? e : high;
-	*way = (struct way){ .reach = e / curve->elements };
+	double vertices = sample->share * curve->full;
+	struct way *way = &sample->ways[sample->way_count++];
+	*way = (struct way){ .rung = rung, .reach = e / curve->elements };
 	uint32_t stage = 0;
 	while (stage + 2 < curve->units && e * curve->unit[stage + 1] <= vertices)
 		stage++;
-	double f = curve->units > 1 ? (vertices - e * curve->unit[stage]) / (curve->unit[stage + 1] - curve->unit[stage]) : 0;
+	double f = (vertices - e * curve->unit[stage]) / (curve->unit[stage + 1] - curve->unit[stage]);
 	f = f < 0 ? 0 : f < e ? f : e;
-	for (uint32_t i2 = 0; i2 < curve->units; i2++)
-		way->finer[i2] = i2 <= stage ? e : i2 == stage + 1 ? f : 0;
+	for (uint32_t i = 0; i < curve->units; i++)
+		way->finer[i] = i <= stage ? e : i == stage + 1 ? f : 0;
 }
 
-/* Tries the reach that was best at the larger share, then walks from it while that lowers the loss. */
-static enum eco_code try_ways(const struct organ_curve *curve, struct sample *sample, uint32_t *best, double *step, bool warm,
-	struct eco_error *error)
+/* From all in full detail to all in the coarsest form; between them every stride-th rung. Any way can go on: at its rung, or, where
+ * that is too few elements for the vertices, in full detail. */
+static void place_ways(struct organ_curve *curve, uint32_t at)
 {
+	struct sample *sample = &curve->samples[at];
+	double low = elements_in(curve, at, curve->units - 1), high = elements_in(curve, at, 0);
+	uint32_t first = 0, stride = 1;
+	while (first < at && elements_in(curve, first, 0) <= low)
+		first++;
+	while ((at - first) / stride + 3 > WAYS_MAX)
+		stride++;
+	sample->way_count = 0;
+	if (low < high)
+		add_way(curve, sample, ECO_NONE, low);
+	for (uint32_t rung = first; rung < at; rung++)
+		if (rung % stride == 0 && elements_in(curve, rung, 0) < high)
+			add_way(curve, sample, rung, elements_in(curve, rung, 0));
+	add_way(curve, sample, at, high);
+}
+
+/* Tries all ways of a sample, each from the scale that was best for the same rung at the next larger share, or from its neighbour's. */
+static enum eco_code try_ways(struct organ_curve *curve, uint32_t at, const struct sample *larger, struct eco_error *error)
+{
+	struct sample *sample = &curve->samples[at];
 	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < REACHES; i++)
-		place_way(curve, sample->share, i, &sample->ways[i]);
-	code = try_way(curve, sample->share, &sample->ways[*best], *step, warm, error);
-	for (int way = -1; way <= 1 && !code; way += 2)
-		for (uint32_t at = *best; !code;) {
-			uint32_t next = at + (uint32_t)way;
-			if (next >= REACHES || sample->ways[next].tried || sample->ways[next].reach == sample->ways[at].reach)
-				break;
-			code = try_way(curve, sample->share, &sample->ways[next], sample->ways[at].step, true, error);
-			if (!code && !(sample->ways[next].loss < sample->ways[*best].loss))
-				break;
-			*best = at = next;
-		}
-	*step = sample->ways[*best].step;
+	place_ways(curve, at);
+	for (uint32_t i = 0; i < sample->way_count && !code; i++) {
+		struct way *way = &sample->ways[i];
+		double start = i ? sample->ways[i - 1].step : 0;
+		bool warm = i > 0;
+		for (uint32_t k = 0; larger && k < larger->way_count; k++)
+			if (larger->ways[k].rung == way->rung) {
+				start = larger->ways[k].step;
+				warm = true;
+			}
+		code = try_way(curve, sample->share, way, start, warm, error);
+	}
 	return code;
 }
 
-/* What it costs to have `after` behind `before`: nothing unless something would be dropped or coarsened. */
-static double step_loss(const struct way *before, const struct way *after)
+static bool ascends(const struct way *before, const struct way *after)
 {
-	const double slack = 0.99;
+	const double rounding = 1 - 1e-9;
 	for (int form = 0; form < FORMS_MAX; form++)
-		if (after->finer[form] < before->finer[form] * slack)
-			return NOT_ASCENDING;
-	return 0;
+		if (after->finer[form] < before->finer[form] * rounding)
+			return false;
+	return true;
 }
 
-/* The way of least loss in all through what was tried. */
+/* The ascending way of least loss in all: samples count alike, as they lie evenly in log share, but for the first few vertices. */
 static void choose_ways(struct organ_curve *curve, uint32_t count)
 {
 	static const double never = 1e30;
-	double sum[LOD_CURVE_SAMPLES_MAX][REACHES];
-	uint8_t next[LOD_CURVE_SAMPLES_MAX][REACHES];
+	double sum[LOD_CURVE_SAMPLES_MAX][WAYS_MAX];
+	uint8_t next[LOD_CURVE_SAMPLES_MAX][WAYS_MAX];
 	uint32_t at = 0;
-	for (uint32_t i = count; i-- > 0;)
-		for (uint32_t k = 0; k < REACHES; k++) {
+	for (uint32_t i = count; i-- > 0;) {
+		double vertices = curve->samples[i].share * curve->full, weight = vertices < FEW ? vertices / FEW : 1;
+		for (uint32_t k = 0; k < curve->samples[i].way_count; k++) {
 			const struct way *way = &curve->samples[i].ways[k];
-			double least = i + 1 == count ? 0 : never;
+			const struct sample *larger = i + 1 < count ? &curve->samples[i + 1] : NULL;
+			double least = larger ? never : 0;
 			next[i][k] = 0;
-			for (uint32_t n = 0; n < REACHES && i + 1 < count; n++) {
-				const struct way *after = &curve->samples[i + 1].ways[n];
-				double loss = after->tried ? step_loss(way, after) + sum[i + 1][n] : never;
-				next[i][k] = loss < least ? (uint8_t)n : next[i][k];
-				least = loss < least ? loss : least;
-			}
-			sum[i][k] = way->tried ? way->loss + least : never;
+			for (uint32_t n = 0; larger && n < larger->way_count; n++)
+				if (ascends(way, &larger->ways[n]) && sum[i + 1][n] < least) {
+					next[i][k] = (uint8_t)n;
+					least = sum[i + 1][n];
+				}
+			sum[i][k] = weight * way->loss + least;
 		}
-	for (uint32_t k = 1; k < REACHES && count; k++)
+	}
+	for (uint32_t k = 1; count && k < curve->samples[0].way_count; k++)
 		at = sum[0][k] < sum[0][at] ? k : at;
 	for (uint32_t i = 0; i < count; i++) {
-		const struct way *way = &curve->samples[i].ways[at];
-		double least = i ? curve->samples[i - 1].reach : 0;
-		curve->samples[i].reach = way->reach > least ? way->reach : least;
-		curve->samples[i].step = way->step;
+		curve->samples[i].reach = curve->samples[i].ways[at].reach;
+		curve->samples[i].step = curve->samples[i].ways[at].step;
+		curve->samples[i].play = curve->samples[i].ways[at].play;
 		at = next[i][at];
 	}
 }
@@ -362,17 +373,21 @@ static void choose_samples(struct organ_curve *curve)
 
 /* ---- Smoothing ---- */
 
-/* Twice [1 2 1]/4 over the samples whose scale is free; the samples are evenly spaced in log share but for the first few. */
+/* Twice [1 2 1]/4 over the samples whose scale is free, as far as each has play: where leaves turn into another form the best scale may
+ * change fast. The samples are evenly spaced in log share but for the first few. */
 static void smooth_steps(struct organ_curve *curve)
 {
+	double best[LOD_CURVE_SAMPLES_MAX];
 	uint32_t n = 0;
-	while (n < curve->sample_count && curve->samples[n].free)
-		n++;
+	for (; n < curve->sample_count && curve->samples[n].free; n++)
+		best[n] = curve->samples[n].step;
 	for (int round = 0; round < 2; round++) {
 		double before = n ? curve->samples[0].step : 0;
 		for (uint32_t i = 0; i + 1 < n; i++) {
-			double here = curve->samples[i].step;
-			curve->samples[i].step = (before + 2 * here + curve->samples[i + 1].step) / 4;
+			struct sample *sample = &curve->samples[i];
+			double here = sample->step, smooth = (before + 2 * here + curve->samples[i + 1].step) / 4;
+			smooth = smooth < best[i] + sample->play ? smooth : best[i] + sample->play;
+			sample->step = smooth > best[i] - sample->play ? smooth : best[i] - sample->play;
 			before = here;
 		}
 	}
@@ -443,27 +458,26 @@ static enum eco_code advance(struct progress *progress, struct eco_error *error)
 static enum eco_code measure_ways(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
 {
 	double step = 0;
-	uint32_t best = REACHES - 1, chosen = 0;
-	bool warm = false;
+	uint32_t chosen = 0;
+	bool several = curve->forms && curve->units > 1;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
 		struct sample *sample = &curve->samples[i];
-		if (sample->free) {
+		if (sample->free && several) {
+			code = try_ways(curve, i, chosen ? &curve->samples[i + 1] : NULL, error);
 			chosen = chosen ? chosen : i + 1;
-			if (curve->forms && curve->units > 1) {
-				code = try_ways(curve, sample, &best, &step, warm, error);
-			} else {
-				struct way way = { .reach = sample->share };
-				code = try_way(curve, sample->share, &way, step, warm, error);
-				sample->step = step = way.step;
-				sample->reach = curve->forms ? way.reach : 1;
-			}
-			warm = true;
+		} else if (sample->free) {
+			struct way way = { .reach = sample->share };
+			code = try_way(curve, sample->share, &way, step, chosen > 0, error);
+			chosen = chosen ? chosen : i + 1;
+			sample->step = step = way.step;
+			sample->play = way.play;
+			sample->reach = curve->forms ? way.reach : 1;
 		}
 		if (!code)
 			code = advance(progress, error);
 	}
-	if (!code && curve->forms && curve->units > 1)
+	if (!code && several)
 		choose_ways(curve, chosen);
 	return code;
 }

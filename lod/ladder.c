@@ -556,8 +556,12 @@ static float scale_at(const struct eco_scene *scene, const struct eco_ladder *la
 	if (ladder->organ == ECO_ORGAN_WOOD)
 		return 1;
 	density = density < 1 ? density : 1;
-	double share = lod_ladder_share(scene, ladder, vertices), least = share_of_reach(scene, ladder, density);
-	return (float)(lod_ladder_curve(scene, ladder, share > least ? share : least).scale / density);
+	double share = lod_ladder_share(scene, ladder, vertices);
+	if (density > lod_ladder_density(scene, ladder, vertices)) {         /* cells show more: this list is scaled as they are */
+		double half = ladder->total ? 0.5 / ladder->total : 0, least = share_of_reach(scene, ladder, density - half);
+		share = share > least ? share : least;
+	}
+	return (float)(lod_ladder_curve(scene, ladder, share).scale / density);
 }
 
 static uint32_t put(struct eco_cut *cut, uint32_t list, uint64_t first, uint64_t end, float scale)

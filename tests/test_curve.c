@@ -31,7 +31,7 @@ struct crown {
 	struct eco_model model;
 	uint32_t leaves;
 	int32_t *corner;             /* 12 a leaf */
-	struct lod_list_draft lists[2 + 2 * CELLS];
+	struct lod_list_draft lists[4 + 2 * CELLS];
 	struct eco_ladder ladders[2 + CELLS];
 	struct eco_anchor anchors[1 + CELLS];
 	struct eco_material material;
@@ -336,6 +336,75 @@ static void cells_share_the_curve_of_the_whole(void **unused)
 	crown_free(&parts);
 }
 
+/* Adds what a ladder draws at a share; cells beside a whole-plant list show as many of its elements as `density` says. */
+static void add_share(struct lod_probe *probe, const struct eco_ladder *ladder, double share, double density)
+{
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	uint64_t vertices = lod_ladder_vertices(&probe->scene, ladder, share);
+	double own = lod_ladder_density(&probe->scene, ladder, vertices);
+	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices, own > density ? own : density, cuts);
+	for (uint32_t i = 0; i < count; i++)
+		assert_int_equal(lod_probe_add(probe, &cuts[i], NULL), ECO_OK);
+}
+
+/* Greatest difference between the errors of the curve and of drawings at its samples and between them, from `least` vertices on. */
+static double curve_gap(struct crown *crown, uint32_t views, uint64_t least)
+{
+	struct lod_probe probe;
+	const struct eco_ladder *first = &crown->ladders[0];
+	double gap = 0;
+	uint64_t full = 0;
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = views, .pixels = 160 }, NULL), ECO_OK);
+	assert_true(lod_probe_keep_model(&probe));
+	for (uint32_t i = 0; i < crown->plant.ladder_count; i++)
+		full += lod_ladder_full(&probe.scene, &crown->ladders[i]);
+	for (uint32_t i = 0; i + 1 < 2 * first->curve_count; i++) {
+		const struct eco_curve *sample = &crown->plant.curves[first->curve_first + i / 2];
+		double share = i % 2 ? (sample[0].share + (double)sample[1].share) / 2 : sample->share;
+		if (share * (double)full < (double)least)
+			continue;
+		struct eco_curve said = lod_ladder_curve(&probe.scene, first, share);
+		struct lod_probe_result drawn;
+		lod_probe_clear(&probe);
+		for (uint32_t l = 0; l < crown->plant.ladder_count; l++)
+			add_share(&probe, &crown->ladders[l], share, l ? 0 : said.reach);
+		lod_probe_compare(&probe, 1, &drawn);
+		gap = fmax(gap, fabs(drawn.fp + drawn.fn - said.fp - said.fn));
+	}
+	lod_probe_free(&probe);
+	return gap;
+}
+
+/* At the samples and between them, on the curve's own views and on others, in one list and in cells. */
+static void ladders_draw_what_their_curve_was_measured_with(void **unused)
+{
+	(void)unused;
+	static const struct { uint32_t leaves; double size; bool cells; } rows[] = { { 900, 0.25, false }, { 1500, 0.12, false }, { 3000, 0.2, false },
+		{ 1600, 0.2, true }, { 2400, 0.12, true } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct crown crown;
+		uint32_t n = rows[i].leaves, whole = rows[i].cells ? n / 8 : n;
+		seed = 20 + i;
+		crown_make(&crown, n, rows[i].size);
+		uint32_t triangles = add_triangles(&crown, 0, whole, 1);
+		add_ladder(&crown, add_points(&crown, 0, whole, 1, triangles), triangles)->total = n;
+		for (uint32_t cell = 0; rows[i].cells && cell < CELLS; cell++) {
+			crown.anchors[1 + cell] = crown.anchors[0];
+			triangles = add_triangles(&crown, whole + cell, n + cell, CELLS);
+			struct eco_ladder *ladder = add_ladder(&crown, add_points(&crown, whole + cell, n + cell, CELLS, triangles), triangles);
+			ladder->anchor = 1 + cell;
+			ladder->flags = ECO_LADDER_NEAR;
+			ladder->total = n / CELLS;
+			ladder->before = whole / CELLS;
+		}
+		measure(&crown, 160);
+		double own = curve_gap(&crown, 8, 100), other = curve_gap(&crown, 11, 100);
+		if (own > 0.02 || other > 0.04)
+			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i, own, other);
+		crown_free(&crown);
+	}
+}
+
 static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused)
 {
 	struct crown crown;
@@ -506,6 +575,7 @@ int main(void)
 		cmocka_unit_test(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any),
 		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
 		cmocka_unit_test(cells_share_the_curve_of_the_whole),
+		cmocka_unit_test(ladders_draw_what_their_curve_was_measured_with),
 		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
 		cmocka_unit_test(grids_are_as_fine_as_the_picture_needs_and_no_finer),
 		cmocka_unit_test(every_kind_of_ladder_is_measured),
