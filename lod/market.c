@@ -425,6 +425,8 @@ static void price_gates(struct lod_market *m)
 				p->gates[plant] = (uint8_t)(band + 1);
 			}
 		}
+		if (m->gates_held[plant] && m->price > 0)
+			p->gates[plant] = (uint8_t)(m->gates_held[plant] - 1);
 	}
 }
 
@@ -594,7 +596,8 @@ enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, stru
 	m->ladder_steps = calloc(2 * LOD_EXTRAS * (size_t)scene->ladder_count + 1, sizeof *m->ladder_steps);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_most = malloc(scene->plant_count + 1u);
-	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->ladder_steps || !m->slot_of || !m->gates_most)
+	m->gates_held = calloc(scene->plant_count + 1u, sizeof *m->gates_held);
+	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->ladder_steps || !m->slot_of || !m->gates_most || !m->gates_held)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	memcpy(m->gates_most, p->gates, scene->plant_count);
 	for (uint32_t s = 0; s < slots; s++)
@@ -631,5 +634,6 @@ void lod_market_free(struct lod_market *m)
 	free(m->ladder_steps);
 	free(m->slot_of);
 	free(m->gates_most);
+	free(m->gates_held);
 	*m = (struct lod_market){ 0 };
 }

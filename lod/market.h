@@ -68,6 +68,7 @@ struct lod_market {
 	struct lod_amount **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
 	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */
+	uint16_t *gates_held;                /* the caller's, per plant: a gate + 1 that is not for prices to decide, or 0 */
 	double price;
 	struct lod_cost cost;                /* at the last price */
 };

@@ -259,30 +259,67 @@ static enum eco_code try_prices(const struct descent *d, uint64_t budget, int re
 	return code;
 }
 
-/* In small scenes: each tile the other way round, as long as that is better. */
-static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
+/* With a tile or a gate held as it is now; better says whether what is found is. */
+static enum eco_code try_held(const struct descent *d, uint64_t budget, struct found *found, bool *better, struct eco_error *error)
+{
+	struct found other = *found;
+	enum eco_code code = try_prices(d, budget, SMALL_REACH, &other, error);
+	*better = other.wrong < found->wrong;
+	*found = other;
+	return code;
+}
+
+/* Each tile the other way round. */
+static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
 {
 	struct lod_market *m = d->market;
 	enum eco_code code = ECO_OK;
-	bool better = true;
-	for (int pass = 0; better && pass < SMALL_PASSES; pass++) {
-		better = false;
-		for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
-			struct lod_stall *stall = &m->stalls[n];
-			enum lod_held held = stall->held;
-			struct found other = *found;
-			if (!stall->open || !stall->summary)
+	for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
+		struct lod_stall *stall = &m->stalls[n];
+		enum lod_held held = stall->held;
+		bool better;
+		if (!stall->open || !stall->summary)
+			continue;
+		lod_market_price(m, price_at(found->index));
+		stall->held = stall->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
+		code = try_held(d, budget, found, &better, error);
+		*any = *any || better;
+		if (!better)
+			stall->held = held;
+	}
+	return code;
+}
+
+/* Each plant's gate at each of its bands. */
+static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
+{
+	struct lod_market *m = d->market;
+	enum eco_code code = ECO_OK;
+	for (uint32_t plant = 0; plant < m->p->scene->plant_count; plant++)
+		for (uint32_t gate = 0; !code && gate <= m->gates_most[plant]; gate++) {
+			uint16_t held = m->gates_held[plant];
+			bool better;
+			if (m->gates_most[plant] == 0 || (gate > 0 && !m->slot_of[plant * (size_t)ECO_BANDS + gate - 1]))
 				continue;
-			lod_market_price(m, price_at(found->index));
-			stall->held = stall->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
-			code = try_prices(d, budget, SMALL_REACH, &other, error);
-			if (other.wrong < found->wrong) {
-				*found = other;
-				better = true;
-			} else {
-				stall->held = held;
-			}
+			m->gates_held[plant] = (uint16_t)(gate + 1);
+			code = try_held(d, budget, found, &better, error);
+			*any = *any || better;
+			if (!better)
+				m->gates_held[plant] = held;
 		}
+	return code;
+}
+
+/* In small scenes one tile more or less matters: each the other way round, as long as that is better. */
+static enum eco_code try_small(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	bool better = true;
+	for (int pass = 0; !code && better && pass < SMALL_PASSES; pass++) {
+		better = false;
+		code = try_tiles(d, budget, found, &better, error);
+		if (!code)
+			code = try_gates(d, budget, found, &better, error);
 	}
 	return code;
 }
@@ -296,7 +333,7 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 	double wrong;
 	enum eco_code code = try_prices(d, budget, small ? SMALL_REACH : 1, &found, error);
 	if (!code && small)
-		code = try_tiles(d, budget, &found, error);
+		code = try_small(d, budget, &found, error);
 	if (!code)
 		code = try_structure(d, found.index, budget, &spend, &wrong, error);
 	if (!code)

@@ -42,7 +42,7 @@ static double share_alone(const struct eco_scene *scene, const struct eco_ladder
 
 struct lod_amount lod_steps_amount(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
 {
-	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices <= lod_ladder_stage_end(scene, ladder);
+	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices == lod_ladder_stage_end(scene, ladder);
 	double share = alone ? share_alone(scene, ladder, vertices) : lod_ladder_share(scene, ladder, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
 		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
