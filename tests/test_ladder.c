@@ -4,6 +4,7 @@
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <math.h>
 
 #include "lod/ladder.h"
 #include "tests/scene_random.h"
@@ -183,6 +184,57 @@ static void four_forms_follow_each_other(void **state)
 	}
 }
 
+/* `k` elements of `each` triangles, and points of them. */
+static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
+{
+	random_scene_make(&scene, 3, 0);
+	uint32_t triangles = random_fans(&scene, k, 0);
+	struct eco_list *fans = &scene.lists[triangles];
+	for (uint32_t c = 0; c < fans->chunk_count; c++)
+		scene.chunks[fans->chunk_first + c].primitive_count = each * scene.chunks[fans->chunk_first + c].element_count;
+	fans->primitive_count = each * k;
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .total = k,
+		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
+}
+
+/* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where the reach goes on. */
+static void scales_follow_the_curve_where_the_reach_stays(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(300, 4);
+	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f }, { 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 3;
+	for (double share = 0.06; share < 0.2; share += 0.02) {
+		uint64_t v = lod_ladder_vertices(&scene.scene, &ladder, share);
+		double density = lod_ladder_density(&scene.scene, &ladder, v), scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+		assert_float_equal(density, 123.0 / 300, 1e-6);
+		uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, density, cuts);
+		for (uint32_t i = 0; i < count; i++)
+			assert_true(fabs(cuts[i].scale * density - scale) < 0.05);
+	}
+}
+
+/* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with points, as its plant does. */
+static void cells_begin_in_the_form_of_their_plant(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(157, 4);
+	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
+	ladder.before = 30;
+	ladder.total = 187;
+	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f }, { 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
+		{ 0.025f, 1, 0.3f, 0.3f, 0.3f }, { 0.4f, 1, 1, 0.1f, 0.1f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 6;
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	assert_true(lod_ladder_share(&scene.scene, &ladder, 0) < 0.02);
+	assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, lod_ladder_next(&scene.scene, &ladder, 0), 0.2, cuts), 1);
+	assert_int_equal(cuts[0].list, ladder.points);
+	assert_int_equal(cuts[0].end, 1);
+}
+
 /* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches beyond them. */
 static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 {
@@ -248,6 +300,8 @@ int main(void)
 		cmocka_unit_test(forms_give_way_from_the_front),
 		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
 		cmocka_unit_test(four_forms_follow_each_other),
+		cmocka_unit_test(scales_follow_the_curve_where_the_reach_stays),
+		cmocka_unit_test(cells_begin_in_the_form_of_their_plant),
 		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
 		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
 		cmocka_unit_test(a_curve_is_interpolated_and_clamped),
