@@ -20,6 +20,7 @@
 #include "lod/cover.h"
 #include "lod/rank_crown.h"
 #include "lod/rank_quad.h"
+#include "lod/rank_refine.h"
 #include "lod/sort.h"
 
 #define VIEWED 1200000u                  /* elements times views */
@@ -125,7 +126,7 @@ static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
 /* Asks whether to go on, now and then. The share never falls: trials take back what they picked. */
 static bool goes_on(struct ranking *r)
 {
-	double share = (double)r->picked / r->count;
+	double share = (r->options->plain ? 1 : LOD_RANK_REFINE_FROM) * r->picked / r->count;
 	r->share = share > r->share ? share : r->share;
 	if (!r->stopped && r->options->progress)
 		r->stopped = !r->options->progress(r->options->ctx, r->share);
@@ -360,6 +361,9 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
 	if (!code)
 		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
+	if (!code && !options->plain && !options->unscaled
+		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth }, arena))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	lod_arena_release(arena, mark);
 	return code;
 }

@@ -1,8 +1,9 @@
 /* Our order: greedy on Precision and Recall. Elements are picked one by one, each the one whose footprint adds most (right minus wrong)
  * pixels over many views to what is covered already, octave by octave of the list at the scale that serves the octave best, lazily
- * (gains mostly fall as more is covered). With it come how far each element follows a scale (eco_growth) and simpler shapes.
+ * (gains mostly fall as more is covered), and the list is then looked at again as a whole (rank_refine.h). With it come how far each
+ * element follows a scale (eco_growth) and simpler shapes.
  *
- * Deterministic: integer pixel counts decide, ties go to the smaller element. */
+ * Deterministic: counts of pixels decide, ties go to the smaller element. */
 #ifndef LOD_RANK_H
 #define LOD_RANK_H
 
