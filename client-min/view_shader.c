@@ -8,7 +8,7 @@
  * Light: a sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the visible side; a
  * crown shades itself towards its dark side and its inside. A point or line stands for leaves of every direction, so it gets
  * the mean of the same expressions over directions, and a plant keeps its tone when its representation changes; a summary's point, which
- * does not know where in a crown it is, gets the mean over crowns as well. */
+ * does not know where in a crown it is, gets the mean over a crown as well, and so does a point as large as a crown. */
 #include "client-min/view_shader.h"
 
 #include <epoxy/gl.h>
@@ -81,9 +81,9 @@ static const char vertex_common[] =
 	"	return Crown(shade, mix(0.45, 1.0, outer) * mix(0.65, 1.0, height), d.z);\n"
 	"}\n"
 	/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems, of which an eye sees 1/e through a
-	 * third to a sixth of their radius; within 0.07. */
+	 * sixth of their radius; within 0.05. */
 	"Crown crown_mean(vec3 to_eye) {\n"
-	"	return Crown(0.57 + 0.22 * dot(to_eye, SUN) + 0.02 * to_eye.z, 0.74 + 0.10 * to_eye.z, 0.20 + 0.45 * to_eye.z);\n"
+	"	return Crown(0.61 + 0.25 * dot(to_eye, SUN), 0.75 + 0.12 * to_eye.z, 0.25 + 0.48 * to_eye.z);\n"
 	"}\n"
 	/* facing: height of the mean normal. */
 	"vec3 light(vec2 sunny, float facing, Crown crown, float leaf) {\n"
@@ -108,19 +108,21 @@ static const char vertex_common[] =
 	"vec3 turned(Plant p, vec3 a) {\n"
 	"	return vec3(dot(p.row[0].xyz, a), dot(p.row[1].xyz, a), dot(p.row[2].xyz, a)) / p.scale;\n"
 	"}\n"
-	"void shade(Plant p, vec3 local, vec3 view, vec2 sunny, float facing, vec3 albedo) {\n"
+	/* reach: of what is drawn, from its middle; what is as large as a crown is lit as a crown is in the mean. */
+	"void shade(Plant p, vec3 local, float reach, vec3 view, vec2 sunny, float facing, vec3 albedo) {\n"
 	"	float leaf = smoothstep(0.0, 0.25, (albedo.g - max(albedo.r * 0.9, albedo.b)) / max(albedo.g, 1e-4));\n"
 	"	vec2 vary = vec2(fract(p.hash * 16.0), p.hash) - 0.5;\n"
 	"	albedo *= (1.0 + 0.28 * vary.x) * (1.0 + 0.16 * vary.y * leaf * vec3(1.0, 0.1, -1.0));\n"
 	"	vec3 in_crown = (local - p.center) / p.half_size.xxy, to_eye = -normalize(world_of(view));\n"
 	"	bool alone = u_tint.w == 0.0 && u_tint.r > 0.0;\n"
 	"	Crown crown = crown_at(normalize(to_eye + vec3(0, 0, 0.8)), 0.88, 0.75);\n"
-	"#if TEXELS == 2\n"
-	"	if (!alone) crown = crown_mean(to_eye);\n"
-	"#else\n"
 	"	if (!alone && p.half_size.y > 0.0) crown = crown_at(world_of(turned(p, in_crown / max(length(in_crown), 1e-4))),\n"
 	"		clamp(length(in_crown), 0.0, 1.0), clamp(local.z / (2.0 * p.half_size.y), 0.0, 1.0));\n"
-	"#endif\n"
+	"	if (!alone) {\n"
+	"		Crown mean = crown_mean(to_eye);\n"
+	"		float t = clamp(p.half_size.y > 0.0 ? reach / p.half_size.x : 1.0, 0.0, 1.0);\n"
+	"		crown = Crown(mix(crown.shade, mean.shade, t), mix(crown.open, mean.open, t), mix(crown.rise, mean.rise, t));\n"
+	"	}\n"
 	"	v_light = light(sunny, facing, crown, leaf);\n"
 	"	if (u_tint.w > 0.0) { albedo = linear(u_tint.rgb); v_light = mix(vec3(0.75), v_light, 0.35); }\n"
 	"	v_albedo = vec4(albedo, haze_at(length(view)) * (1.0 - u_tint.w));\n"
@@ -142,7 +144,7 @@ static const char vertex_triangles[] =
 	"	vec3 n = cross(b - a, c - a), view = view_of(p, at_corner);\n"
 	"	n = world_of(turned(p, n / max(length(n), 1e-20)));\n"
 	"	n = dot(n, world_of(view)) > 0.0 ? -n : n;\n"
-	"	shade(p, at_corner, view, max(vec2(dot(n, SUN), -dot(n, SUN)), 0.0), n.z, color_of(t0.w));\n"
+	"	shade(p, at_corner, 0.0, view, max(vec2(dot(n, SUN), -dot(n, SUN)), 0.0), n.z, color_of(t0.w));\n"
 	"#if TEXELS == 5\n"
 	"	uvec4 t4 = texelFetch(u_records, at + 4);\n"
 	"	v_uv = uintBitsToFloat(corner == 0 ? t3.yz : corner == 1 ? uvec2(t3.w, t4.x) : t4.yz);\n"
@@ -164,7 +166,7 @@ static const char vertex_lines[] =
 	"	bool at_b = corner == 1 || corner == 2, plus = corner >= 2;\n"
 	"	vec3 view = (at_b ? vb : va) + (plus ? offset : -offset);\n"
 	"	vec3 axis = world_of(along / max(length(along), 1e-12)), n = world_of(normalize(cross(along, side)));\n"
-	"	shade(p, at_b ? b : a, view, axis_sun(axis, n), 0.785 * n.z, color_of(t1.w));\n"
+	"	shade(p, at_b ? b : a, 0.0, view, axis_sun(axis, n), 0.785 * n.z, color_of(t1.w));\n"
 	"	v_owner = p.owner;\n"
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
@@ -192,9 +194,10 @@ static const char vertex_points[] =
 	"	vec3 to_eye = -normalize(world_of(view));\n"
 	"	float level = LEVEL * abs(to_eye.z), shows = level / (level + 0.5 * (1.0 - LEVEL)), side = to_eye.z < 0.0 ? -1.0 : 1.0;\n"
 	"	vec2 sunny = mix(round_sun(dot(to_eye, SUN), 0.2122066), max(vec2(side, -side) * SUN.z, 0.0), shows);\n"
-	"	shade(p, local, view, sunny, mix(0.667 * to_eye.z, side, shows), color_of(t0.w));\n"
+	"	float reach = u_scale * u_sides[t0.w >> 24];\n"
+	"	shade(p, local, reach, view, sunny, mix(0.667 * to_eye.z, side, shows), color_of(t0.w));\n"
 	"	gl_Position = project(view);\n"
-	"	gl_Position.xy += sign * (u_scale * u_sides[t0.w >> 24] * p.scale) * u_lens.xy;\n"
+	"	gl_Position.xy += sign * (reach * p.scale) * u_lens.xy;\n"
 	"}\n";
 
 static const char vertex_ground[] =
