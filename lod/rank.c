@@ -11,7 +11,7 @@
  * against .53 on others); first picks of 3 to 40 % at one scale (means .35 to .28 against .35 on a sparse crown); scales judged on other
  * views than the trial's (falls to small scales at once and cannot go back: few large leaves are lost).
  *
- * CPU seconds of one run each on a busy machine: 1,360 elements 3, 4,361 of four triangles 10, 5,280 cards 10, 26,786 of four triangles 24.
+ * CPU seconds of the greedy part, one run each on a busy machine: 1,360 elements 3, 4,361 of four triangles 10, 5,280 cards 10, 26,786 of four triangles 24.
  * Tried for speed and left out: first estimates by 16 of the views (a third less work, but over three seeds the shrub's mean saving .45
  * against .50); codes chosen by 16 of the views, or anew only for what is taken (alpha-card oak's lower by .02 to .03). */
 #include "lod/rank.h"
