@@ -45,7 +45,7 @@ static void path_of(const struct main_cache *cache, const struct main_cache_key 
 	char hex[33];
 	for (int i = 0; i < 16; i++)
 		snprintf(hex + 2 * i, 3, "%02x", key->bytes[i]);
-	snprintf(path, MAIN_CACHE_PATH, "%s/%s" SUFFIX, cache->folder, hex);
+	snprintf(path, MAIN_CACHE_PATH, "%.*s/%s" SUFFIX, (int)MAIN_CACHE_PATH - 64, cache->folder, hex);
 }
 
 static void count(struct main_cache *cache, int64_t hits, int64_t misses)

@@ -87,9 +87,12 @@ static inline uint32_t random_form(struct random_scene *r, uint8_t kind, uint32_
 	struct eco_list *list = &r->lists[id];
 	list->coder = ECO_CODER_FORM;
 	list->partner = of;
-	for (uint32_t c = 0; c < list->chunk_count && corners == 4; c++)
-		r->chunks[list->chunk_first + c].primitive_count *= 2;
-	list->primitive_count *= corners == 4 ? 2 : 1;
+	uint32_t each = corners == 4 ? 2 : 1;
+	for (uint32_t c = 0; c < list->chunk_count; c++) {
+		struct eco_chunk *chunk = &r->chunks[list->chunk_first + c];
+		chunk->primitive_count = each * chunk->element_count;
+	}
+	list->primitive_count *= each;
 	return id;
 }
 
