@@ -69,6 +69,8 @@ static inline uint32_t random_list(struct random_scene *r, uint8_t kind, uint32_
 static inline uint32_t random_fans(struct random_scene *r, uint32_t elements, uint32_t owner)
 {
 	uint32_t id = random_list(r, ECO_LIST_TRIANGLES, elements, owner, ECO_NONE);
+	if (id == ECO_NONE)
+		return id;
 	struct eco_list *list = &r->lists[id];
 	uint32_t mixed = random_below(r, 2);
 	list->coder = ECO_CODER_ELEMENTS;
@@ -84,6 +86,8 @@ static inline uint32_t random_fans(struct random_scene *r, uint32_t elements, ui
 static inline uint32_t random_form(struct random_scene *r, uint8_t kind, uint32_t of, uint32_t corners)
 {
 	uint32_t id = random_list(r, kind, r->lists[of].element_count, r->lists[of].owner, ECO_NONE);
+	if (id == ECO_NONE)
+		return id;
 	struct eco_list *list = &r->lists[id];
 	list->coder = ECO_CODER_FORM;
 	list->partner = of;
