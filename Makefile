@@ -156,7 +156,7 @@ survey: deps
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
-	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data $(DATA_BENCH)) $(if $(ONLY),--only $(ONLY))
+	$(B)/bench/ecobench --build $(B) --jobs 2 $(if $(FULL),--full) $(if $(DATA_BENCH),--data $(DATA_BENCH)) $(if $(ONLY),--only $(ONLY))
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps

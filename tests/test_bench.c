@@ -109,9 +109,9 @@ static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? *error = (struct eco_error){ 0 }, ECO_OK : ECO_BAD_INPUT;
 }
 
-static const struct bench_section tiny = { "tiny", "Squares", run_tiny }, keys = { "keys", "Keys", run_keys },
-	failing = { "failing", "Fails", run_failing }, plots = { "plots", "Plots", run_plots }, commands = { "commands", "Commands", run_commands },
-	slow = { "slow", "Slow", run_slow };
+static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny }, keys = { .name = "keys", .title = "Keys", .run = run_keys },
+	failing = { .name = "failing", .title = "Fails", .run = run_failing }, plots = { .name = "plots", .title = "Plots", .run = run_plots }, commands = { .name = "commands", .title = "Commands", .run = run_commands },
+	slow = { .name = "slow", .title = "Slow", .run = run_slow };
 static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, NULL };
 
 /* ---- Running ---- */

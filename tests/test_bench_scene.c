@@ -30,6 +30,7 @@ static const char program[] = "#!/bin/sh\n"
 
 static struct bench_state state;
 static struct bench bench;
+static const struct bench_section section = { .name = "test", .title = "Test" };
 
 static uint32_t asked(void)
 {
@@ -54,7 +55,7 @@ static int set_up(void **unused)
 	bench = (struct bench){ .build = ROOT "/programs", .out = ROOT "/out", .cache = ROOT "/cache", .state = &state };
 	if (bench_open(&bench, &error))
 		return 1;
-	bench_begin(&bench, &(const struct bench_section){ "test", "Test", NULL });
+	bench_begin(&bench, &section);
 	return 0;
 }
 

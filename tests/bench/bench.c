@@ -6,11 +6,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -71,6 +73,17 @@ double bench_now_s(void)
 	struct timespec t;
 	clock_gettime(CLOCK_MONOTONIC, &t);
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double bench_cpu_s(void)
+{
+	double sum = 0;
+	for (int i = 0; i < 2; i++) {
+		struct rusage used;
+		getrusage(i ? RUSAGE_CHILDREN : RUSAGE_SELF, &used);
+		sum += (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+	}
+	return sum;
 }
 
 static void erase_bar(void)
@@ -192,6 +205,8 @@ json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 		return NULL;
 	}
 	json_array_append(s->held, result);
+	s->units_cpu_s += json_number_value(json_object_get(kept, "cpu_s"));
+	s->unit_cpu_s = bench_cpu_s();
 	json_decref(kept);
 	s->recalled++;
 	return result;
@@ -202,8 +217,12 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 	char path[PATH];
 	struct bench_state *s = bench->state;
 	struct eco_error error = { 0 };
+	double now_s = bench_cpu_s();
 	file_name(path, bench, "units", unit);
-	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", s->program, "stamp", stamp ? stamp : "", "result", result);
+	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp", stamp ? stamp : "", "cpu_s",
+		now_s - s->unit_cpu_s, "result", result);
+	s->units_cpu_s += now_s - s->unit_cpu_s;
+	s->unit_cpu_s = now_s;
 	char *text = kept ? json_dumps(kept, JSON_COMPACT) : NULL;
 	/* A full disk costs the next run some time, not this one its result. */
 	if (!text)
@@ -340,25 +359,65 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 
 /* ---- Runs ---- */
 
-static void stamp_of_program(char stamp[17])
+static void hash_file(XXH3_state_t *hash, const char *path)
 {
-	XXH3_state_t *hash = XXH3_createState();
-	FILE *file = fopen("/proc/self/exe", "rb");
+	FILE *file = fopen(path, "rb");
 	static char part[1 << 16];
-	XXH3_64bits_reset(hash);
 	for (size_t n; file && (n = fread(part, 1, sizeof part, file)) > 0;)
 		XXH3_64bits_update(hash, part, n);
 	if (file)
 		fclose(file);
+}
+
+static void hash_objects(const struct bench *bench, const char *objects, char stamp[17])
+{
+	XXH3_state_t *hash = XXH3_createState();
+	bool any = false;
+	XXH3_64bits_reset(hash);
+	for (const char *at = objects; *at; at += strspn(at, " ")) {
+		char pattern[PATH];
+		glob_t found;
+		int size = (int)strcspn(at, " ");
+		snprintf(pattern, sizeof pattern, "%s/obj/%.*s", bench->build, size, at);
+		at += size;
+		if (glob(pattern, 0, NULL, &found))
+			continue;
+		for (size_t i = 0; i < found.gl_pathc; i++, any = true)
+			hash_file(hash, found.gl_pathv[i]);
+		globfree(&found);
+	}
+	if (!any)
+		hash_file(hash, "/proc/self/exe");
 	snprintf(stamp, 17, "%016llx", (unsigned long long)XXH3_64bits_digest(hash));
 	XXH3_freeState(hash);
+}
+
+void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17])
+{
+	static struct { char objects[256], stamp[17]; } made[32];
+	size_t i = 0, room = sizeof made / sizeof *made;
+	objects = objects ? objects : "";
+	while (i + 1 < room && *made[i].stamp && strcmp(made[i].objects, objects))
+		i++;
+	if (!*made[i].stamp || strcmp(made[i].objects, objects)) {
+		snprintf(made[i].objects, sizeof made[i].objects, "%s", objects);
+		hash_objects(bench, objects, made[i].stamp);
+	}
+	memcpy(stamp, made[i].stamp, 17);
+}
+
+const char *bench_objects(struct bench *bench, const char *objects)
+{
+	const char *before = bench->state->objects;
+	bench->state->objects = objects;
+	bench_objects_stamp(bench, objects, bench->state->program);
+	return before;
 }
 
 enum eco_code bench_open(struct bench *bench, struct eco_error *error)
 {
 	char path[PATH];
 	struct bench_state *s = bench->state;
-	stamp_of_program(s->program);
 	s->held = json_array();
 	enum eco_code code = bench_folder_make(bench->out, error);
 	for (int i = 0; i < 2 && !code; i++) {
@@ -382,6 +441,9 @@ void bench_begin(struct bench *bench, const struct bench_section *section)
 	s->keys = json_array();
 	s->kept = s->recalled = 0;
 	s->begun_s = bench_now_s();
+	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
+	s->units_cpu_s = 0;
+	bench_objects(bench, section->objects);
 	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title", section->title, "program", s->program, "full",
 		(int)bench->full, "items", s->items, "keys", s->keys);
 }
@@ -405,6 +467,8 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	erase_bar();
 	json_object_set_new(s->record, "state", json_string(state));
 	json_object_set_new(s->record, "seconds", json_real(seconds));
+	json_object_set_new(s->record, "cpu_s", json_real(bench_cpu_s() - s->begun_cpu_s));
+	json_object_set_new(s->record, "units_cpu_s", json_real(s->units_cpu_s));
 	if (code)
 		json_object_set_new(s->record, "why", json_string(error->text));
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
@@ -416,8 +480,8 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	else if (code != ECO_INTERRUPTED || !better_there(bench, path))
 		written = bench_file_write(path, text, strlen(text), &why);
 	free(text);
-	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name, state, seconds, s->kept, s->recalled,
-		code ? ": " : "", code ? error->text : "");
+	bench_note(bench, "%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were there)%s%s", s->section->name, state, seconds,
+		bench_cpu_s() - s->begun_cpu_s, s->kept, s->recalled, code ? ": " : "", code ? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
 	json_decref(s->items);
@@ -426,4 +490,15 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	json_array_clear(s->held);
 	s->section = NULL;
 	return code ? code : written;
+}
+
+void bench_lost(struct bench *bench, const struct bench_section *section, int status)
+{
+	struct eco_error error = { 0 };
+	bench_begin(bench, section);
+	if (WIFSIGNALED(status))
+		eco_fail(&error, ECO_IO, "its process was ended by signal %d", WTERMSIG(status));
+	else
+		eco_fail(&error, ECO_IO, "its process ended with status %d and without a word", WEXITSTATUS(status));
+	bench_end(bench, ECO_IO, &error);
 }

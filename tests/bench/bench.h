@@ -4,7 +4,8 @@
  *   a section does its work in units, each a JSON value that is kept on disk: run again, only what is missing is done
  *   from its units it writes tables (CSV), plots (PNG), paragraphs of report.html, and keys of summary.json
  *
- * A unit is kept under a stamp of what it depends on (the program itself, and what the section adds): after a change it is done anew. */
+ * A unit is kept under a stamp of what it depends on (the objects that its section is made of, and what the section adds: packs, how many
+ * views): after a change there it is done anew, after any other it is not. */
 #ifndef TESTS_BENCH_H
 #define TESTS_BENCH_H
 
@@ -25,7 +26,17 @@ struct bench {
 	struct bench_state *state;   /* private to bench.c */
 };
 
-struct bench_section { const char *name, *title; enum eco_code (*run)(struct bench *bench, struct eco_error *error); };
+struct bench_section {
+	const char *name, *title;
+	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
+	/* What its figures come from: patterns of object files below BUILD/obj, words with blanks between. NULL: the whole program. */
+	const char *objects;
+	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections wait for all before them. */
+	bool alone;
+};
+/* What all plans, streams and pictures come from. */
+#define BENCH_OBJECTS_FRAMES "ecofiles/*.o lod/*.o server/*.o client-min/*.o tests/bench/bench_fetch.o tests/bench/bench_scene.o "
+#define BENCH_OBJECTS_PLANTS "ecofiles/*.o lod/*.o tests/bench/bench_leaves.o tests/bench/bench_models.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
 bool bench_stopped(const struct bench *bench);
@@ -36,6 +47,8 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 
 /* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may be NULL. */
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
+/* Units from here on come from these objects (see bench_section): for units that more than one section uses. Returns those before, to put back. */
+const char *bench_objects(struct bench *bench, const char *objects);
 /* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside and renamed. */
 json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
 
@@ -78,6 +91,12 @@ extern const char *const bench_scene_names[];
 /* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the default). Writes its path.
  * ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512], struct eco_error *error);
+/* What the pack holds, as a stamp of units: the same for the same bytes. Borrowed until the next call. */
+const char *bench_pack_stamp(const char *path);
+/* What it took to build: processor seconds and wall-clock seconds; NaN where that is not known. */
+void bench_pack_times(const char *path, double *cpu_s, double *wall_s);
+/* Whether the quick bench looks at it. */
+bool bench_scene_quick(const char *name);
 /* Its cameras: `count` requests along the scene's path; views never used in building. */
 struct eco_request;
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests, uint32_t room);

@@ -370,15 +370,15 @@ static enum eco_code study_scene(struct bench *bench, size_t number, struct benc
 		char name[100];
 		snprintf(name, sizeof name, "colour-%s-%u-%g", scene, view, distance);
 		bench_progress(bench, ((double)number + (double)i / (views * DISTANCES)) / SCENES, name);
-		json_t *rows = bench_recall(bench, name, pack);
+		json_t *rows = bench_recall(bench, name, bench_pack_stamp(pack));
 		struct eco_request request = requests[view];
 		request.view = away(&requests[view].view, distance);
 		if (!rows && !server.count)
 			code = srv_store_add(&server, scene, pack, error);
 		if (!rows && !code)
 			code = study_view(&(struct work){ .bench = bench, .scene = &server.scenes[0], .name = name }, &request, &rows, error);
-		if (!code && !bench_recall(bench, name, pack))
-			rows = bench_keep(bench, name, pack, rows);
+		if (!code && !bench_recall(bench, name, bench_pack_stamp(pack)))
+			rows = bench_keep(bench, name, bench_pack_stamp(pack), rows);
 		for (size_t b = 0; b < BUDGETS && !code; b++)
 			add_row(sums, table, scene, view, distance, budgets[b], json_array_get(rows, b));
 		if (!code && view == 0)
@@ -424,4 +424,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_colour = { .name = "colour", .title = "Colour against full detail", .run = run };
+const struct bench_section bench_colour = { .name = "colour", .title = "Colour against full detail", .run = run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_colour.o tests/bench/bench_sh*.o" };

@@ -227,10 +227,10 @@ static enum eco_code show_pictures(struct bench *bench, const char *scene, struc
 		snprintf(name, sizeof name, "%s%u", kind, v);
 		snprintf(unit, sizeof unit, "pictures-%s-%s", scene, name);
 		snprintf(file, sizeof file, "frames-%s-%s-%llu.png", scene, name, (unsigned long long)budgets[0]);
-		if (!bench_recall(bench, unit, pack) || !has_picture(bench, file)) {
+		if (!bench_recall(bench, unit, bench_pack_stamp(pack)) || !has_picture(bench, file)) {
 			code = draw_pictures(bench, scene, pack, &requests[v], budgets, count, name, error);
 			if (!code)
-				bench_keep(bench, unit, pack, json_true());
+				bench_keep(bench, unit, bench_pack_stamp(pack), json_true());
 		}
 		for (uint32_t b = 0; b < count && !code; b++) {
 			snprintf(file, sizeof file, "frames-%s-%s-%llu.png", scene, name, (unsigned long long)budgets[b]);
@@ -270,7 +270,7 @@ static enum eco_code time_reference(struct bench *bench, const char *pack, json_
 	view_picture_free(&picture);
 	bench_still_close(still);
 	if (!code)
-		*unit = bench_keep(bench, "reference-trees5000", pack, json_pack("{s:f, s:f, s:f, s:f}", "frame_ms", ms[0], "full_ms", ms[1], "vertices",
+		*unit = bench_keep(bench, "reference-trees5000", bench_pack_stamp(pack), json_pack("{s:f, s:f, s:f, s:f}", "frame_ms", ms[0], "full_ms", ms[1], "vertices",
 			vertices[0], "full_vertices", vertices[1]));
 	return code;
 }
@@ -279,7 +279,7 @@ static enum eco_code show_reference(struct bench *bench, struct eco_error *error
 {
 	char pack[512];
 	enum eco_code code = bench_scene(bench, "trees5000", NULL, pack, error);
-	json_t *unit = code ? NULL : bench_recall(bench, "reference-trees5000", pack);
+	json_t *unit = code ? NULL : bench_recall(bench, "reference-trees5000", bench_pack_stamp(pack));
 	if (!code && !unit)
 		code = time_reference(bench, pack, &unit, error);
 	if (code)
@@ -382,4 +382,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_frames = { "frames", "Error against run time", run };
+const struct bench_section bench_frames = { "frames", "Error against run time", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame*.o tests/bench/bench_s[ht]*.o" };

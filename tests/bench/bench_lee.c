@@ -469,4 +469,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run };
+const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_lee.o tests/bench/bench_crown.o" };

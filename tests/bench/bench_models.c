@@ -163,6 +163,7 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 {
 	struct list list = { 0 };
 	enum eco_code code = find_all(bench, &list, error);
+	const char *before = bench_objects(bench, "ecofiles/*.o tests/bench/bench_models.o");
 	uint32_t kept = 0;
 	if (list.count)
 		qsort(list.items, list.count, sizeof *list.items, by_name);
@@ -174,6 +175,7 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 		if (bench_stopped(bench))
 			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
+	bench_objects(bench, before);
 	if (code) {
 		free(list.items);
 		return code;

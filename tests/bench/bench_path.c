@@ -127,14 +127,16 @@ static bool in_view(const struct tree *tree, const struct eco_view *view)
 	return acos(fmax(-1, fmin(1, cosine))) - asin(tree->height / 2 / away) < cone;
 }
 
-/* lambda of the method over Cook's, between the distances of the table. */
+/* lambda of the method over Cook's, between the distances of the table that is finer there. */
 static double ratio_at(const struct bench_savings *s, enum bench_method method, double d)
 {
+	enum bench_spacing spacing = d < bench_distance(BENCH_NEAR, BENCH_DISTANCES / 2) ? BENCH_NEAR : BENCH_EVEN;
+	const struct bench_reach *at = &s->at[spacing];
 	uint32_t i = 0;
-	while (i + 2 < BENCH_DISTANCES && bench_distance(i + 1) < d)
+	while (i + 2 < BENCH_DISTANCES && bench_distance(spacing, i + 1) < d)
 		i++;
-	double low = bench_distance(i), t = fmin(1, fmax(0, (d - low) / (bench_distance(i + 1) - low)));
-	return (1 - t) * s->lambda[method][i] / s->cook_lambda[i] + t * s->lambda[method][i + 1] / s->cook_lambda[i + 1];
+	double low = bench_distance(spacing, i), t = fmin(1, fmax(0, (d - low) / (bench_distance(spacing, i + 1) - low)));
+	return (1 - t) * at->lambda[method][i] / at->cook_lambda[i] + t * at->lambda[method][i + 1] / at->cook_lambda[i + 1];
 }
 
 static double saving_of(const struct path *p, const struct eco_view *view, enum bench_method method, uint32_t *seen)
@@ -208,4 +210,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_path = { "path", "Geometry saved along a path through 1,276 trees", run };
+const struct bench_section bench_path = { "path", "Geometry saved along a path through 1,276 trees", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_savings.o" };

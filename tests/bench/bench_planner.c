@@ -241,10 +241,10 @@ static enum eco_code time_scene(struct bench *bench, const char *scene, struct b
 		struct bench_plan_time time;
 		snprintf(name, sizeof name, "planner-time-%s-%u", scene, v);
 		requests[v].vertices = 1000000;
-		json_t *unit = bench_recall(bench, name, path);
+		json_t *unit = bench_recall(bench, name, bench_pack_stamp(path));
 		if (!unit) {
 			code = bench_plan_time(&time, &pack->scene, &requests[v], 500, error);
-			unit = code ? NULL : bench_keep(bench, name, path, json_of(&time));
+			unit = code ? NULL : bench_keep(bench, name, bench_pack_stamp(path), json_of(&time));
 		}
 		if (!code) {
 			double candidates = bench_shot_number(unit, "candidates"), cuts = bench_shot_number(unit, "cuts");
@@ -307,4 +307,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's rule, against itself", run };
+const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's rule, against itself", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o", .alone = true };

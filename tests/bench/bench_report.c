@@ -63,7 +63,7 @@ static json_t *bar_reached(const char *words, json_t *value)
 
 static json_t *about(const struct bench *bench)
 {
-	char line[256], model[256] = "", when[64];
+	char program[17], line[256], model[256] = "", when[64];
 	time_t now = time(NULL);
 	struct tm utc;
 	FILE *info = fopen("/proc/cpuinfo", "r");
@@ -76,8 +76,9 @@ static json_t *about(const struct bench *bench)
 		fclose(info);
 	gmtime_r(&now, &utc);
 	strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &utc);
+	bench_objects_stamp(bench, NULL, program);
 	return json_pack("{s:s, s:s, s:i, s:b, s:s, s:s*}", "when", when, "processor", model, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "full",
-		(int)bench->full, "program", bench->state->program, "data", bench->data);
+		(int)bench->full, "program", program, "data", bench->data);
 }
 
 /* ---- HTML ---- */
@@ -238,10 +239,23 @@ static void print_keys(FILE *out, json_t *records)
 	fputs("</table></div>\n", out);
 }
 
-static void print_section(FILE *out, const struct bench *bench, const json_t *record)
+/* Whether what the section is made of has changed since. */
+static bool is_current(const struct bench *bench, const struct bench_section *const *sections, const json_t *record)
+{
+	const char *name = json_string_value(json_object_get(record, "name")), *program = json_string_value(json_object_get(record, "program"));
+	char now[17];
+	while (*sections && (!name || strcmp((*sections)->name, name)))
+		sections++;
+	if (!*sections || !program)
+		return false;
+	bench_objects_stamp(bench, (*sections)->objects, now);
+	return !strcmp(now, program);
+}
+
+static void print_section(FILE *out, const struct bench *bench, const struct bench_section *const *sections, const json_t *record)
 {
 	const char *name = json_string_value(json_object_get(record, "name")), *state = json_string_value(json_object_get(record, "state"));
-	const char *program = json_string_value(json_object_get(record, "program")), *why = json_string_value(json_object_get(record, "why"));
+	const char *why = json_string_value(json_object_get(record, "why"));
 	size_t i;
 	json_t *item;
 	fputs("<h2 id=\"", out);
@@ -257,17 +271,17 @@ static void print_section(FILE *out, const struct bench *bench, const json_t *re
 		}
 		fputs(".</p>\n", out);
 	}
-	if (program && strcmp(program, bench->state->program))
+	if (!is_current(bench, sections, record))
 		fputs("<p class=\"note\">From an earlier build of the program: run it again for figures of this one.</p>\n", out);
 	if (!json_is_true(json_object_get(record, "full")))
 		fputs("<p class=\"soft\"><small>Quick run: fewer frames, plants or methods than with FULL=1.</small></p>\n", out);
 	json_array_foreach(json_object_get(record, "items"), i, item)
 		print_item(out, item);
-	fprintf(out, "<p class=\"soft\"><small>%.0f s in this run; pieces of work from earlier runs are not counted.</small></p>\n",
-		json_number_value(json_object_get(record, "seconds")));
+	fprintf(out, "<p class=\"soft\"><small>%.0f s in this run; its pieces of work took %.0f s of processor time, those of earlier runs included.</small></p>\n",
+		json_number_value(json_object_get(record, "seconds")), json_number_value(json_object_get(record, "units_cpu_s")));
 }
 
-static void print_page(FILE *out, const struct bench *bench, json_t *records, const json_t *machine)
+static void print_page(FILE *out, const struct bench *bench, const struct bench_section *const *sections, json_t *records, const json_t *machine)
 {
 	size_t i;
 	json_t *record;
@@ -291,7 +305,7 @@ static void print_page(FILE *out, const struct bench *bench, json_t *records, co
 		fputs("<p>No section has been run yet.</p>\n", out);
 	print_keys(out, records);
 	json_array_foreach(records, i, record)
-		print_section(out, bench, record);
+		print_section(out, bench, sections, record);
 	fputs("</html>\n", out);
 }
 
@@ -312,13 +326,12 @@ static json_t *read_records(const struct bench *bench, const struct bench_sectio
 	return records;
 }
 
-static json_t *summary_of(const struct bench *bench, json_t *records, json_t *machine)
+static json_t *summary_of(const struct bench *bench, const struct bench_section *const *sections, json_t *records, json_t *machine)
 {
 	json_t *summary = json_object(), *bars = json_object(), *reached = json_object(), *states = json_object(), *record, *key;
 	size_t i, k;
 	json_array_foreach(records, i, record) {
-		const char *program = json_string_value(json_object_get(record, "program"));
-		bool current = program && !strcmp(program, bench->state->program);
+		bool current = is_current(bench, sections, record);
 		json_object_set_new(states, json_string_value(json_object_get(record, "name")), json_pack("{s:O?, s:O?, s:b}", "state",
 			json_object_get(record, "state"), "full", json_object_get(record, "full"), "this_program", (int)current));
 		json_array_foreach(json_object_get(record, "keys"), k, key) {
@@ -341,11 +354,11 @@ enum eco_code bench_report_write(struct bench *bench, const struct bench_section
 {
 	char path[PATH], *bytes = NULL;
 	size_t size = 0;
-	json_t *records = read_records(bench, sections), *machine = about(bench), *summary = summary_of(bench, records, machine);
+	json_t *records = read_records(bench, sections), *machine = about(bench), *summary = summary_of(bench, sections, records, machine);
 	FILE *out = open_memstream(&bytes, &size);
 	enum eco_code code = out ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
 	if (out) {
-		print_page(out, bench, records, machine);
+		print_page(out, bench, sections, records, machine);
 		fclose(out);
 		snprintf(path, sizeof path, "%s/report.html", bench->out);
 		code = bench_file_write(path, bytes, size, error);

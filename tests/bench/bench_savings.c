@@ -44,9 +44,9 @@ struct study {
 	uint32_t row_count;
 };
 
-double bench_distance(uint32_t i)
+double bench_distance(enum bench_spacing spacing, uint32_t i)
 {
-	return i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
+	return spacing == BENCH_EVEN ? (double)i / BENCH_DISTANCES : i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
 }
 
 /* ---- Orders ---- */
@@ -330,14 +330,14 @@ static void compare_beside(struct study *s, const struct bench_savings *savings,
 	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
 	keep(&s->leaves, reference);
 	for (uint32_t d = 2; d < BENCH_DISTANCES; d += BESIDE_STRIDE) {
-		double count = elements_at(s->full[BENCH_STOCHASTIC], s->n, savings->cook_lambda[d] * savings->vertices);
+		double count = elements_at(s->full[BENCH_STOCHASTIC], s->n, savings->at[BENCH_EVEN].cook_lambda[d] * savings->vertices);
 		uint32_t kept = whole(count, s->n);
 		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
 		add_beside(&s->leaves, reference, 1, &cook[0]);
 		add_beside(&s->leaves, reference, lod_cook_contrast(kept, s->n, 1), &cook[1]);
 		for (int m = 0; m < BENCH_METHODS; m++) {
-			const struct row row = reach(s, (enum bench_method)m, savings->cook_q[d]);
+			const struct row row = reach(s, (enum bench_method)m, savings->at[BENCH_EVEN].cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
 			bench_leaves_ids(&s->leaves, &s->tests, view, &ours);
 			add_beside(&s->leaves, reference, 1, &beside[m]);
@@ -367,16 +367,16 @@ static enum eco_code measure_beside(struct bench *bench, struct study *s, struct
 /* ---- Protocol ---- */
 
 /* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
-static void measure_cook(struct study *s, struct bench_savings *savings)
+static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t vertices, struct bench_reach *reach)
 {
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-		double lambda = (1 - bench_distance(d)) * (1 - bench_distance(d));
-		uint32_t kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, lambda * savings->vertices), s->n);
+		double lambda = (1 - bench_distance(spacing, d)) * (1 - bench_distance(spacing, d));
+		uint32_t kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, lambda * vertices), s->n);
 		struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		double plain = q_of(s, &s->tests, &drawing);
 		drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
-		savings->cook_lambda[d] = lambda;
-		savings->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing));
+		reach->cook_lambda[d] = lambda;
+		reach->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing));
 	}
 }
 
@@ -399,11 +399,14 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 		return code;
 	savings->vertices = (uint32_t)s->full[0][s->n];
 	measure_share(s);
-	measure_cook(s, savings);
+	for (int g = 0; g < BENCH_SPACINGS; g++)
+		measure_cook(s, (enum bench_spacing)g, savings->vertices, &savings->at[g]);
 	code = fill_tables(bench, s, error);
-	for (int m = 0; m < BENCH_METHODS && !code; m++)
-		for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
-			savings->lambda[m][d] = reach(s, (enum bench_method)m, savings->cook_q[d]).lambda;
+	for (int i = 0; i < BENCH_SPACINGS * BENCH_METHODS && !code; i++)
+		for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
+			struct bench_reach *at = &savings->at[i / BENCH_METHODS];
+			at->lambda[i % BENCH_METHODS][d] = reach(s, (enum bench_method)(i % BENCH_METHODS), at->cook_q[d]).lambda;
+		}
 	return code ? code : measure_beside(bench, s, savings, error);
 }
 
@@ -450,12 +453,18 @@ static void read_row(const json_t *row, double *values)
 
 static json_t *pack(const struct bench_savings *s)
 {
-	json_t *methods = json_array();
+	json_t *methods = json_array(), *spacings = json_array();
 	for (int m = 0; m < BENCH_METHODS; m++)
-		json_array_append_new(methods, json_pack("{s:o,s:f,s:f}", "lambda", pack_row(s->lambda[m]), "owner_q", s->beside[m].owner_q, "colour_rms",
-			s->beside[m].colour_rms));
-	return json_pack("{s:i,s:i,s:o,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices", (int)s->vertices, "cook_lambda",
-		pack_row(s->cook_lambda), "cook_q", pack_row(s->cook_q), "owner_q", s->cook.owner_q, "colour_rms", s->cook.colour_rms, "methods", methods);
+		json_array_append_new(methods, json_pack("{s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms", s->beside[m].colour_rms));
+	for (int g = 0; g < BENCH_SPACINGS; g++) {
+		json_t *lambdas = json_array();
+		for (int m = 0; m < BENCH_METHODS; m++)
+			json_array_append_new(lambdas, pack_row(s->at[g].lambda[m]));
+		json_array_append_new(spacings, json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda), "cook_q",
+			pack_row(s->at[g].cook_q), "lambda", lambdas));
+	}
+	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices", (int)s->vertices, "spacings", spacings,
+		"owner_q", s->cook.owner_q, "colour_rms", s->cook.colour_rms, "methods", methods);
 }
 
 static double number(const json_t *object, const char *name) { return json_number_value(json_object_get(object, name)); }
@@ -464,11 +473,15 @@ static void unpack(struct bench_savings *s, const json_t *kept)
 {
 	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"), .vertices = (uint32_t)number(kept, "vertices"),
 		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
-	read_row(json_object_get(kept, "cook_lambda"), s->cook_lambda);
-	read_row(json_object_get(kept, "cook_q"), s->cook_q);
+	for (int g = 0; g < BENCH_SPACINGS; g++) {
+		const json_t *spacing = json_array_get(json_object_get(kept, "spacings"), (size_t)g);
+		read_row(json_object_get(spacing, "cook_lambda"), s->at[g].cook_lambda);
+		read_row(json_object_get(spacing, "cook_q"), s->at[g].cook_q);
+		for (int m = 0; m < BENCH_METHODS; m++)
+			read_row(json_array_get(json_object_get(spacing, "lambda"), (size_t)m), s->at[g].lambda[m]);
+	}
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		const json_t *method = json_array_get(json_object_get(kept, "methods"), (size_t)m);
-		read_row(json_object_get(method, "lambda"), s->lambda[m]);
 		s->beside[m] = (struct bench_beside){ number(method, "owner_q"), number(method, "colour_rms") };
 	}
 }
@@ -495,20 +508,22 @@ enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *saving
 	return code;
 }
 
-double bench_saving_mean(const struct bench_savings *s, enum bench_method method)
+double bench_saving_mean(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)
 {
+	const struct bench_reach *at = &s->at[spacing];
 	double sum = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
-		sum += 1 - s->lambda[method][d] / s->cook_lambda[d];
+		sum += 1 - at->lambda[method][d] / at->cook_lambda[d];
 	return sum / BENCH_DISTANCES;
 }
 
-double bench_saving_total(const struct bench_savings *s, enum bench_method method)
+double bench_saving_total(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)
 {
+	const struct bench_reach *at = &s->at[spacing];
 	double ours = 0, cook = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-		ours += s->lambda[method][d];
-		cook += s->cook_lambda[d];
+		ours += at->lambda[method][d];
+		cook += at->cook_lambda[d];
 	}
 	return 1 - ours / cook;
 }

@@ -1,6 +1,7 @@
 /* Geometry saved against Cook's stochastic simplification at equal quality, for one plant (Neubert 2011, section 5 and table 2).
  *
- *   d of 20 distances, 10 equidistant in [0, 0.1) and 10 in [0.1, 1), normalised by the distance at which nothing would be left
+ *   d of 20 distances, normalised by the distance at which nothing would be left, spaced in two ways: evenly over [0, 1), as plants that stand
+ *   anywhere do, and as the paper tabulates, 10 equidistant in [0, 0.1) and 10 in [0.1, 1), where half of all are close by
  *   lambda_Cook = (1 - d)^2, and the Q that Cook reaches there, seen from where no method was made for
  *   each method: the least lambda whose Q, at the scale that its table has, is no less
  *
@@ -20,20 +21,24 @@ extern const char *const bench_method_names[BENCH_METHODS];
 
 struct bench_beside { double owner_q, colour_rms; };      /* means over some of the distances */
 
+enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
+
+struct bench_reach { double cook_lambda[BENCH_DISTANCES], cook_q[BENCH_DISTANCES], lambda[BENCH_METHODS][BENCH_DISTANCES]; };
+
 struct bench_savings {
 	uint32_t elements, vertices;         /* foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
-	double cook_lambda[BENCH_DISTANCES], cook_q[BENCH_DISTANCES];
-	double lambda[BENCH_METHODS][BENCH_DISTANCES];
+	struct bench_reach at[BENCH_SPACINGS];
 	struct bench_beside cook, beside[BENCH_METHODS];
 };
 
-double bench_distance(uint32_t i);
+double bench_distance(enum bench_spacing spacing, uint32_t i);
 /* Takes the model over. */
 enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings, struct eco_model *model, struct eco_error *error);
 /* The same, kept as a piece of work called `name`; reads the model only if that is not there. */
 enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name, const char *path, struct eco_error *error);
 
-double bench_saving_mean(const struct bench_savings *savings, enum bench_method method);
-double bench_saving_total(const struct bench_savings *savings, enum bench_method method);
+/* Mean of 1 - lambda / lambda of Cook; and of all vertices that are drawn at the distances together. */
+double bench_saving_mean(const struct bench_savings *savings, enum bench_spacing spacing, enum bench_method method);
+double bench_saving_total(const struct bench_savings *savings, enum bench_spacing spacing, enum bench_method method);
 
 #endif

@@ -285,4 +285,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_scale = { "scale", "The scale of the table, and Precision and Recall by size and view", run };
+const struct bench_section bench_scale = { "scale", "The scale of the table, and Precision and Recall by size and view", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_scale.o" };

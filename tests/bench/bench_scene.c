@@ -5,10 +5,13 @@
  * multiplies the leaves until the sum fits. A forest inventory comes from the data folder.
  *
  * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it of what it was made from:
- * ecopack itself, what it was told, and the files that it read. */
+ * ecopack itself, what it was told, and the files that it read; a pack's also says what it took and what came of it (a hash). One process
+ * makes them at a time. */
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -20,15 +23,15 @@
 #define PATH 1024
 
 enum origin { GENERATED, CROWN, SCBI };
-static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants; double detail; } scenes[] = {
-	{ "crown", CROWN, NULL, 1, 1 },
-	{ "trees640", GENERATED, "grove", 640, 1 },
-	{ "palms", GENERATED, "palms", 1500, 1.16 },
-	{ "outdoor", GENERATED, "outdoor", 40000, 1 },
-	{ "sunflowers", GENERATED, "sunflowers", 13001, 1 },
-	{ "trees1276", GENERATED, "grove", 1276, 1 },
-	{ "trees5000", GENERATED, "grove", 5000, 7 },
-	{ "scbi", SCBI, NULL, 0, 1 } };
+static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants; double detail; bool quick; } scenes[] = {
+	{ "crown", CROWN, NULL, 1, 1, true },
+	{ "trees640", GENERATED, "grove", 640, 1, false },
+	{ "palms", GENERATED, "palms", 1500, 1.16, false },
+	{ "outdoor", GENERATED, "outdoor", 40000, 1, true },
+	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, false },
+	{ "trees1276", GENERATED, "grove", 1276, 1, false },
+	{ "trees5000", GENERATED, "grove", 5000, 7, true },
+	{ "scbi", SCBI, NULL, 0, 1, true } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276", "trees5000", "scbi", NULL };
 
@@ -40,7 +43,30 @@ static const struct scene *find(const char *name)
 	return NULL;
 }
 
+bool bench_scene_quick(const char *name)
+{
+	const struct scene *scene = find(name);
+	return scene && scene->quick;
+}
+
 /* ---- Stamps ---- */
+
+/* One process at a time makes scenes and packs. Closing ends it. */
+static int lock(const struct bench *bench)
+{
+	char path[PATH];
+	snprintf(path, sizeof path, "%s/lock", bench->cache);
+	int file = open(path, O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+	if (file >= 0)
+		flock(file, LOCK_EX);
+	return file;
+}
+
+static void unlock(int file)
+{
+	if (file >= 0)
+		close(file);
+}
 
 /* Of a file: its bytes where it is small, else size and time. */
 static uint64_t stamp_of_file(const char *path)
@@ -52,35 +78,47 @@ static uint64_t stamp_of_file(const char *path)
 	return XXH3_64bits(parts, sizeof parts);
 }
 
+static uint64_t hash_of_file(const char *path)
+{
+	static char part[1 << 16];
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		return 0;
+	XXH3_state_t *hash = XXH3_createState();
+	XXH3_64bits_reset(hash);
+	for (size_t n; (n = fread(part, 1, sizeof part, file)) > 0;)
+		XXH3_64bits_update(hash, part, n);
+	uint64_t value = XXH3_64bits_digest(hash);
+	XXH3_freeState(hash);
+	fclose(file);
+	return value;
+}
+
 static uint64_t stamp_of_program(const struct bench *bench)
 {
 	static uint64_t kept;
 	char path[PATH];
 	snprintf(path, sizeof path, "%s/ecopack", bench->build);
-	FILE *file = kept ? NULL : fopen(path, "rb");
-	if (file) {
-		static char part[1 << 16];
-		XXH3_state_t *hash = XXH3_createState();
-		XXH3_64bits_reset(hash);
-		for (size_t n; (n = fread(part, 1, sizeof part, file)) > 0;)
-			XXH3_64bits_update(hash, part, n);
-		kept = XXH3_64bits_digest(hash);
-		XXH3_freeState(hash);
-		fclose(file);
-	}
+	kept = kept ? kept : hash_of_file(path);
 	return kept;
+}
+
+/* What stands beside `what`, or "". */
+static void stamp_read(const char *what, char text[512])
+{
+	char path[PATH + 32];
+	snprintf(path, sizeof path, "%s.stamp", what);
+	FILE *file = fopen(path, "rb");
+	text[file ? fread(text, 1, 511, file) : 0] = 0;
+	if (file)
+		fclose(file);
 }
 
 static bool stamp_fits(const struct bench *bench, const char *what, const char *stamp)
 {
-	char path[PATH + 32], line[256] = "";
-	snprintf(path, sizeof path, "%s.stamp", what);
-	FILE *file = fopen(path, "rb");
-	if (file) {
-		line[fread(line, 1, sizeof line - 1, file)] = 0;
-		fclose(file);
-	}
-	return !access(what, R_OK) && *line && (bench->state->trust || !strcmp(line, stamp));
+	char text[512];
+	stamp_read(what, text);
+	return !access(what, R_OK) && *text && (bench->state->trust || !strncmp(text, stamp, strlen(stamp)));
 }
 
 static enum eco_code stamp_write(const char *what, const char *stamp, struct eco_error *error)
@@ -152,16 +190,37 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	if (stamp_fits(bench, scene, stamp))
 		return ECO_OK;
 	enum eco_code code = bench_folder_make(folder, error);
+	int locked = lock(bench);
+	if (stamp_fits(bench, scene, stamp)) {               /* another process has made it meanwhile */
+		unlock(locked);
+		return code;
+	}
 	bench_progress(bench, 0, s->name);
 	if (!code && s->origin == GENERATED)
 		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build, s->kind, folder, s->plants,
 			s->detail);
 	else if (!code)
 		code = s->origin == CROWN ? make_crown(bench, folder, error) : make_scbi(bench, folder, error);
-	return code ? code : stamp_write(scene, stamp, error);
+	code = code ? code : stamp_write(scene, stamp, error);
+	unlock(locked);
+	return code;
 }
 
 /* ---- Packs ---- */
+
+static enum eco_code make_pack(struct bench *bench, const char *name, const char *order, const char *path, const char *stamp,
+	struct eco_error *error)
+{
+	char folder[PATH], text[512];
+	double cpu_s = bench_cpu_s(), wall_s = bench_now_s();
+	snprintf(folder, sizeof folder, "%s/scenes/%s", bench->cache, name);
+	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384", bench->build,
+		folder, path, order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
+	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp, (unsigned long long)hash_of_file(path), bench_cpu_s() - cpu_s,
+		bench_now_s() - wall_s);
+	return code ? code : stamp_write(path, text, error);
+}
 
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512], struct eco_error *error)
 {
@@ -181,11 +240,31 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 	char packs[PATH];
 	snprintf(packs, sizeof packs, "%s/packs", bench->cache);
 	code = bench_folder_make(packs, error);
-	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
-	if (!code)
-		code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384", bench->build, folder, path,
-			order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
-	return code ? code : stamp_write(path, stamp, error);
+	int locked = lock(bench);
+	if (!code && !stamp_fits(bench, path, stamp))
+		code = make_pack(bench, name, order, path, stamp, error);
+	unlock(locked);
+	return code;
+}
+
+const char *bench_pack_stamp(const char *path)
+{
+	static char holds[64];
+	char text[512];
+	stamp_read(path, text);
+	const char *at = strstr(text, "\nholds ");
+	snprintf(holds, sizeof holds, "pack %.16s", at ? at + 7 : "");
+	return holds;
+}
+
+void bench_pack_times(const char *path, double *cpu_s, double *wall_s)
+{
+	char text[512];
+	stamp_read(path, text);
+	const char *at = strstr(text, "\ntook ");
+	*cpu_s = *wall_s = NAN;
+	if (at)
+		sscanf(at + 6, "%lf %lf", cpu_s, wall_s);
 }
 
 /* ---- Views ---- */

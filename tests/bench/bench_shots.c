@@ -139,15 +139,15 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	enum eco_code code = bench_scene(bench, scene, m->order, pack, error);
 	if (code)
 		return code;
+	const char *before = bench_objects(bench, BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o");
 	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
-	*rows = bench_recall(bench, name, pack);
-	if (*rows)
-		return ECO_OK;
-	uint32_t count = bench_shot_views(bench, scene, requests);
-	if (view >= count)
-		return eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
-	code = shoot(bench, scene, m, &requests[view], pack, rows, error);
-	if (!code)
-		*rows = bench_keep(bench, name, pack, *rows);
+	*rows = bench_recall(bench, name, bench_pack_stamp(pack));
+	if (!*rows) {
+		uint32_t count = bench_shot_views(bench, scene, requests);
+		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error) : eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
+		if (!code)
+			*rows = bench_keep(bench, name, bench_pack_stamp(pack), *rows);
+	}
+	bench_objects(bench, before);
 	return code;
 }

@@ -13,19 +13,23 @@
 #include "tests/bench/bench.h"
 
 struct bench_state {
-	char program[17];            /* a hash of ecobench itself, in hex */
+	char program[17];            /* a hash of what units come from now, in hex: of `objects` */
+	const char *objects;
 	bool trust;                  /* units of earlier programs count too */
 	bool quiet;
 	const struct bench_section *section;
 	json_t *record, *items, *keys;
 	json_t *held;                /* units that were given out */
-	double begun_s;
+	double begun_s, begun_cpu_s, unit_cpu_s;         /* of the section; of what is done since the last unit */
+	double units_cpu_s;          /* of all its units, whenever they were done */
 	uint32_t kept, recalled;     /* units of this section that were done, and that were there */
 };
 
 enum eco_code bench_open(struct bench *bench, struct eco_error *error);
 void bench_close(struct bench *bench);
 
+/* A hash of objects (see bench_section); of this program where they are not there. Each is made once. */
+void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17]);
 void bench_begin(struct bench *bench, const struct bench_section *section);
 enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error);
 
@@ -37,6 +41,9 @@ int bench_main(int argc, char **argv, const struct bench_section *const *section
 
 void bench_item(struct bench *bench, json_t *item);      /* takes it over */
 double bench_now_s(void);
+double bench_cpu_s(void);                                /* of this process, and of those that it started and waited for */
+/* Says what became of a section whose process ended without a word. */
+void bench_lost(struct bench *bench, const struct bench_section *section, int status);
 void bench_catch_interrupts(void);
 bool bench_interrupted(void);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));

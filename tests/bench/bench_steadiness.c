@@ -258,10 +258,10 @@ static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_t
 	for (int m = 0; m < MOTIONS && !code; m++) {
 		snprintf(name, sizeof name, "steadiness-%s-%s-%s", of, motion_names[m], bench->full ? "full" : "quick");
 		bench_progress(bench, ((double)scene + (double)done++ / MOTIONS) / SCENES, name);
-		json_t *unit = bench_recall(bench, name, pack);
+		json_t *unit = bench_recall(bench, name, bench_pack_stamp(pack));
 		if (!unit) {
 			code = run_motion(bench, pack, starts, found, (enum motion)m, &unit, error);
-			unit = code ? NULL : bench_keep(bench, name, pack, unit);
+			unit = code ? NULL : bench_keep(bench, name, bench_pack_stamp(pack), unit);
 		}
 		if (!code)
 			add_rows(table, worst, of, (enum motion)m, unit);
@@ -295,4 +295,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run };
+const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_st*.o" };
