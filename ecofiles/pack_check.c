@@ -333,7 +333,7 @@ static enum eco_code check_child(const struct eco_scene *s, uint32_t id, uint32_
 	for (int i = 0; i < 3; i++)
 		if (!within(c->at[i], -METRES_MAX, METRES_MAX))
 			return BAD("child %u: position %g is impossible", id, c->at[i]);
-	if (!within(c->scale, 1e-6, 1e6))
+	if (!within(c->scale, (double)1e-6f, 1e6))
 		return BAD("child %u: scale %g is not in 1e-6..1e6", id, (double)c->scale);
 	return ECO_OK;
 }

@@ -15,7 +15,7 @@
 
 static void print_help(FILE *out)
 {
-	fputs("ecobench [--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--jobs N] [--trust] [--list]\n"
+	fputs("ecobench [--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--extreme] [--jobs N] [--trust] [--list]\n"
 		"      error against run time of the methods of the literature and ours, on the same scenes\n"
 		"\n"
 		"      --full          all methods, scenes and frames; else fewer of them, and the same keys\n"
@@ -24,6 +24,7 @@ static void print_help(FILE *out)
 		"      --cache DIR     scenes, packs and finished pieces of work; OUT/cache if not given\n"
 		"      --build DIR     where the programs are; build if not given\n"
 		"      --only SECTION  this one only, or these (commas, or said again); the report keeps what is known of the others\n"
+		"      --extreme       --only extreme: the cases at the edge of what numbers can say; status 1 if one does not hold\n"
 		"      --jobs N        sections that run at the same time, each in a process of its own; 1 if not given. Those that measure time run alone\n"
 		"      --trust         pieces of work that another build of ecobench did are taken as they are\n"
 		"      --list          names of sections, and which are finished\n"
@@ -181,9 +182,10 @@ struct arguments { const char *out, *cache; char only[1024]; uint32_t jobs; bool
 
 static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, struct arguments *a, struct eco_error *error)
 {
-	enum { FULL = 256, DATA, OUT, CACHE, BUILD, ONLY, JOBS, TRUST, LIST, QUIET, HELP };
+	enum { FULL = 256, DATA, OUT, CACHE, BUILD, ONLY, EXTREME, JOBS, TRUST, LIST, QUIET, HELP };
 	static const struct option options[] = { { "full", 0, NULL, FULL }, { "data", 1, NULL, DATA }, { "out", 1, NULL, OUT },
-		{ "cache", 1, NULL, CACHE }, { "build", 1, NULL, BUILD }, { "only", 1, NULL, ONLY }, { "jobs", 1, NULL, JOBS },
+		{ "cache", 1, NULL, CACHE }, { "build", 1, NULL, BUILD }, { "only", 1, NULL, ONLY },
+		{ "extreme", 0, NULL, EXTREME }, { "jobs", 1, NULL, JOBS },
 		{ "trust", 0, NULL, TRUST }, { "list", 0, NULL, LIST }, { "quiet", 0, NULL, QUIET }, { "help", 0, NULL, HELP }, { 0 } };
 	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
 		switch (c) {
@@ -192,6 +194,7 @@ static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, 
 		case OUT: a->out = optarg; break;
 		case CACHE: a->cache = optarg; break;
 		case BUILD: bench->build = optarg; break;
+		case EXTREME: optarg = "extreme"; /* fall through */
 		case ONLY:
 			if (strlen(a->only) + strlen(optarg) + 2 > sizeof a->only)
 				return eco_fail(error, ECO_BAD_USAGE, "--only: too many names");

@@ -1,0 +1,135 @@
+/* Runs the families of extreme cases, and makes their page of the report. */
+#include "tests/bench/bench_extreme.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "tests/bench/bench.h"
+
+extern const struct extreme_family extreme_place, extreme_camera, extreme_time;
+
+const struct extreme_family *const extreme_families[] = { &extreme_place, &extreme_camera,
+	&extreme_time, NULL };
+
+/* ---- Cases ---- */
+
+void extreme_say(struct extreme *x, const char *format, ...)
+{
+	size_t used = strlen(x->measured);
+	va_list arguments;
+	if (used > 0 && used + 3 < sizeof x->measured) {
+		strcat(x->measured, "; ");
+		used += 2;
+	}
+	va_start(arguments, format);
+	vsnprintf(x->measured + used, sizeof x->measured - used, format, arguments);
+	va_end(arguments);
+}
+
+bool extreme_must(struct extreme *x, bool holds, const char *format, ...)
+{
+	char text[sizeof x->measured];
+	va_list arguments;
+	if (holds || x->failed)
+		return holds;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	x->failed = true;
+	memcpy(x->measured, text, sizeof text);
+	return false;
+}
+
+bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error)
+{
+	return extreme_must(x, code == ECO_OK, "%s", error->text);
+}
+
+uint32_t extreme_run(const struct extreme_family *family, bool quick, extreme_told *told, void *ctx)
+{
+	uint32_t failed = 0;
+	for (uint32_t i = 0; i < family->count; i++) {
+		const struct extreme_case *row = &family->cases[i];
+		struct extreme x = { .quick = quick };
+		bool run = !quick || !row->lengthy;
+		if (run)
+			row->run(&x);
+		failed += x.failed;
+		told(ctx, family, row, &x, run);
+	}
+	return failed;
+}
+
+/* ---- The section ---- */
+
+static double now_s(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Commas end a column. */
+static const char *without_commas(const char *text, char *room, size_t size)
+{
+	snprintf(room, size, "%s", text);
+	for (char *c = room; *c; c++)
+		*c = *c == ',' ? ';' : *c == '\n' ? ' ' : *c;
+	return room;
+}
+
+static enum eco_code run_case(struct bench *bench, const struct extreme_family *family, const struct extreme_case *row, json_t **unit)
+{
+	char name[256], must[400];
+	snprintf(name, sizeof name, "extreme-%s-%s", family->name, row->name);
+	*unit = bench_recall(bench, name, without_commas(row->must, must, sizeof must));
+	if (*unit)
+		return ECO_OK;
+	double from = now_s();
+	struct extreme x = { 0 };
+	row->run(&x);
+	*unit = bench_keep(bench, name, must, json_pack("{s:b, s:s, s:f}", "pass", !x.failed, "measured", x.measured, "seconds", now_s() - from));
+	return ECO_OK;
+}
+
+static uint32_t all_cases(void)
+{
+	uint32_t count = 0;
+	for (const struct extreme_family *const *f = extreme_families; *f; f++)
+		count += (*f)->count;
+	return count;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct bench_table *table = bench_table_open(bench, "extreme", "family,case,what must hold,measured,pass", true);
+	uint32_t done = 0, failed = 0, all = all_cases();
+	char names[160] = "", must[400], measured[400];
+	enum eco_code code = ECO_OK;
+	for (const struct extreme_family *const *f = extreme_families; *f && !code; f++)
+		for (uint32_t i = 0; i < (*f)->count && !code; i++, done++) {
+			const struct extreme_case *row = &(*f)->cases[i];
+			json_t *unit = NULL;
+			bench_progress(bench, (double)done / all, row->name);
+			code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : run_case(bench, *f, row, &unit);
+			if (code)
+				break;
+			bool pass = json_is_true(json_object_get(unit, "pass"));
+			if (!pass && failed++ < 4)
+				snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", *names ? "; " : "", row->name);
+			bench_table_row(table, "%s,%s,%s,%s,%s", (*f)->name, row->name, without_commas(row->must, must, sizeof must),
+				without_commas(json_string_value(json_object_get(unit, "measured")), measured, sizeof measured), pass ? "yes" : "NO");
+		}
+	bench_table_close(table);
+	if (code)
+		return code;
+	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
+	bench_key(bench, "extreme_cases", done, "of the table");
+	bench_key(bench, "extreme_failed", failed, "<= 0");
+	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names) : ECO_OK;
+}
+
+const struct bench_section bench_extreme = { "extreme", "Numerical stability", run,
+	BENCH_OBJECTS_FRAMES "tests/bench/bench_extreme*.o" };
