@@ -132,4 +132,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_extreme = { "extreme", "Numerical stability", run,
-	BENCH_OBJECTS_FRAMES "tests/bench/bench_extreme*.o" };
+	BENCH_OBJECTS_FRAMES "tests/bench/bench_extreme*.o", false };
