@@ -12,7 +12,7 @@
 
 #define INSTANCE_TEXELS 5
 #define QUADS 16384u                     /* a draw call: 16-bit indices */
-#define HAZE_M 5200.0f
+#define HAZE_M 5200.0
 
 struct view_gl {
 	uint32_t width, height;
@@ -199,7 +199,8 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	for (int i = 0; i < 3; i++)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
-	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y), (float)f->job->near_m, HAZE_M);
+	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y), (float)f->job->near_m,
+		(float)view_shade_haze_m(HAZE_M, eye->at[2]));
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_shade.h"
 #include "client-min/view_table.h"
 #include "lod/light.h"
 #include "lod/plant.h"
@@ -16,7 +17,7 @@
 #include "lod/texel.h"
 
 #define THREADS_MAX 64u
-#define HAZE_M 3000.0f
+#define HAZE_M 3000.0
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 
 struct mesh {                            /* geometry of one cut */
@@ -280,12 +281,12 @@ static void scene_free(struct scene *scene)
 }
 
 /* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky where nothing is. */
-static void tell_apart(const struct lod_raster *raster, struct view_picture *picture)
+static void tell_apart(const struct lod_raster *raster, struct view_picture *picture, float haze_m)
 {
 	static const float air[3] = { 186, 204, 222 };
 	size_t pixels = (size_t)picture->width * picture->height;
 	for (size_t i = 0; i < pixels; i++) {
-		float clear = raster->depth[i] > 0 ? expf(-1 / (HAZE_M * raster->depth[i])) : 0;
+		float clear = raster->depth[i] > 0 ? expf(-1 / (haze_m * raster->depth[i])) : 0;
 		uint32_t hash = (uint32_t)(picture->owner[i] * 0x9E3779B97F4A7C15u >> 56);
 		float tone = clear * (picture->owner[i] ? 0.8f + 0.35f * (float)hash / 255 : 1);
 		for (int k = 0; k < 3; k++)
@@ -314,7 +315,7 @@ static enum eco_code run(struct worker *workers, uint32_t count, struct view_pic
 	size_t pixels = (size_t)picture->width * picture->height;
 	memcpy(picture->cover, workers[0].raster.cover, pixels);
 	memcpy(picture->owner, workers[0].raster.owner, pixels * sizeof *picture->owner);
-	tell_apart(&workers[0].raster, picture);
+	tell_apart(&workers[0].raster, picture, (float)view_shade_haze_m(HAZE_M, workers[0].scene->job->eye->at[2]));
 	return ECO_OK;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #define REACH_M 450.0                    /* plants further away cast no shadow that is worth a texel */
+#define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
 #define SUN_X 0.693                      /* metres of shadow a metre of height, away from the shaders' SUN */
 #define SUN_Y 0.577
 
@@ -15,6 +16,13 @@ struct view_shape view_shape_of(const struct view_plant *plant)
 	if (!(half > 0))
 		half = whole->radius;
 	return (struct view_shape){ (float)half, (float)(square > least * least ? sqrt(square) : least), (float)half };
+}
+
+/* The mean over the way down of a density that falls to 1/e every AIR_M. */
+double view_shade_haze_m(double sea_m, double eye_z)
+{
+	double height = eye_z / AIR_M;
+	return height < 1e-6 ? sea_m : sea_m * height / (1 - exp(-height));
 }
 
 static void dim(uint8_t *texel, double share)

@@ -17,4 +17,8 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 	struct eco_error *error);
 void view_shade_free(struct view_shade *shade);
 
+/* Metres after which haze hides all but 1/e, where it is `sea_m` at z = 0: air thins with height, so from far above all of it is
+ * looked through within the last kilometres. */
+double view_shade_haze_m(double sea_m, double eye_z);
+
 #endif

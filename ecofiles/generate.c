@@ -17,10 +17,11 @@ const struct eco_generate_kind eco_generate_kinds[] = {
 	{ "palms", "a palm grove", 1500 },
 	{ "sunflowers", "a field of sunflowers around an old tree", 13001 },
 	{ "outdoor", "groups of trees, shrubs and patches of grasses and flowers on hills", 40000 },
+	{ "billion", "a forest of any size: hectares of a thousand plants in blocks of blocks", 1000000000 },
 	{ NULL, NULL, 0 },
 };
 static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) = { gen_park, gen_forest, gen_meadow, gen_grove,
-	gen_palms, gen_sunflowers, gen_outdoor };
+	gen_palms, gen_sunflowers, gen_outdoor, gen_billion };
 
 static enum eco_code make_folder(const char *path, struct eco_error *error)
 {
@@ -39,11 +40,12 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 	while (eco_generate_kinds[kind].name && strcmp(eco_generate_kinds[kind].name, options->name) != 0)
 		kind++;
 	if (!eco_generate_kinds[kind].name)
-		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest, meadow, grove, palms, sunflowers or outdoor",
+		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest, meadow, grove, palms, sunflowers, outdoor or billion",
 			options->name);
-	if (options->plants > ECO_GENERATE_PLANTS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%u plants: at most %u are generated; nest eco files for more", options->plants,
-			ECO_GENERATE_PLANTS_MAX);
+	uint64_t most = eco_generate_kinds[kind].plants > ECO_GENERATE_NAMED_MAX ? ECO_GENERATE_PLANTS_MAX : ECO_GENERATE_NAMED_MAX;
+	if (options->plants > most)
+		return eco_fail(error, ECO_TOO_LARGE, "%llu plants: at most %llu are generated; nest eco files for more",
+			(unsigned long long)options->plants, (unsigned long long)most);
 	if (!(options->detail >= 0 && options->detail <= ECO_GENERATE_DETAIL_MAX))
 		return eco_fail(error, ECO_TOO_LARGE, "detail %g: 0.1 to %g times the leaves", options->detail, ECO_GENERATE_DETAIL_MAX);
 	if (snprintf(models, sizeof models, "%s/models", options->folder) >= (int)sizeof models)
@@ -53,7 +55,7 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 		code = make_folder(models, error);
 	if (code)
 		return code;
-	struct gen_layout layout = { .options = options, .plants = options->plants ? options->plants : eco_generate_kinds[kind].plants,
+	struct gen_layout layout = { .options = options, .plants = (uint32_t)(options->plants ? options->plants : eco_generate_kinds[kind].plants),
 		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
 	return layouts[kind](&layout, error);
 }

@@ -13,13 +13,14 @@
 
 #include "ecofiles/status.h"
 
-#define ECO_GENERATE_PLANTS_MAX 20000000u
+#define ECO_GENERATE_PLANTS_MAX 10000000000000u    /* nested; of scenes that name each plant: */
+#define ECO_GENERATE_NAMED_MAX 20000000u
 #define ECO_GENERATE_DETAIL_MAX 64.0
 
 struct eco_generate_options {
 	const char *name;            /* of eco_generate_kinds */
 	const char *folder;          /* made if it is not there; files of the same names are replaced, each one whole */
-	uint32_t plants;             /* about so many instances; 0: the scene's own number */
+	uint64_t plants;             /* about so many instances; 0: the scene's own number */
 	double detail;               /* leaves of woody plants: so many times as many, each as much smaller, up to ECO_GENERATE_DETAIL_MAX; 0: 1 */
 	uint64_t seed;
 	/* Called before each piece of work with its name and the share done; false stops with ECO_INTERRUPTED; may be NULL. */
@@ -28,7 +29,7 @@ struct eco_generate_options {
 };
 
 /* Names and one-line descriptions of what can be generated; ends with a NULL name. */
-struct eco_generate_kind { const char *name, *says; uint32_t plants; };
+struct eco_generate_kind { const char *name, *says; uint64_t plants; };
 extern const struct eco_generate_kind eco_generate_kinds[];
 
 /* On failure scene.json is not written, so that half a folder is not mistaken for a scene. */

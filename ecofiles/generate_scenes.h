@@ -31,7 +31,7 @@ enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m
 /* Each writes its scene.json last. `plants` is not 0. */
 struct gen_layout {
 	const struct eco_generate_options *options;
-	uint32_t plants;
+	uint32_t plants;             /* low 32 bits of those asked for */
 	struct gen_random random;
 };
 enum eco_code gen_progress(const struct gen_layout *layout, const char *stage, double share, struct eco_error *error);
@@ -75,5 +75,6 @@ enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_palms(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_sunflowers(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error);
+enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error);
 
 #endif

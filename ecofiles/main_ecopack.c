@@ -136,7 +136,7 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 	enum eco_code code = main_arguments(argc, argv, "generate", options, "the name of a scene", &generate.name, 1, NULL, error);
 	if (!code && !generate.folder)
 		code = eco_fail(error, ECO_BAD_USAGE, "ecopack generate: -o DIR is missing");
-	generate.plants = (uint32_t)plants;
+	generate.plants = plants;
 	if (!code)
 		code = eco_generate(&generate, error);
 	main_progress_end();
@@ -161,7 +161,7 @@ static void print_help(FILE *out)
 		fprintf(out, "  ecopack %s %s\n      %s\n", commands[i]->name, commands[i]->synopsis, commands[i]->says);
 	fputs("\nScenes to generate:\n", out);
 	for (const struct eco_generate_kind *k = eco_generate_kinds; k->name; k++)
-		fprintf(out, "      %-8s %s (%u plants)\n", k->name, k->says, k->plants);
+		fprintf(out, "      %-10s %s (%" PRIu64 " plants)\n", k->name, k->says, k->plants);
 	fputs("\n  ecopack COMMAND --help says more, --quiet leaves out progress, --version names the version.\n"
 		"\nExit status: 0 done, 1 failed, 2 wrong usage.\n", out);
 }

@@ -91,6 +91,7 @@ static const struct { const char *name; uint32_t plants; const char *files[12]; 
 	{ "palms", 60, { "scene.json", "camera.json", "plants.csv", "models/palm.obj" } },
 	{ "sunflowers", 400, { "scene.json", "camera.json", "plants.csv", "models/sunflower.obj", "models/maple.obj" } },
 	{ "outdoor", 500, { "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
+	{ "billion", 230000, { "scene.json", "camera.json", "dem.tif", "hectare-0.json", "hectare-2.json", "block-1-1.json", "models/beech.obj" } },
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -186,6 +187,41 @@ static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
 			lines += csv[k] == '\n';
 		free(csv);
 		assert_int_equal(lines, cases[i].plants + 1);
+		remove_folder(folder);
+	}
+}
+
+/* Plants of a file with all that it nests. */
+static uint64_t plants_of(const struct eco_sources *sources, uint32_t source)
+{
+	const struct eco_source *s = &sources->items[source];
+	uint64_t sum = s->instance_count;
+	for (uint32_t first = 0, next; first < s->child_count; first = next) {
+		for (next = first; next < s->child_count && s->children[next].source == s->children[first].source; next++)
+			;
+		sum += (next - first) * plants_of(sources, s->children[first].source);
+	}
+	return sum;
+}
+
+static void test_blocks_of_blocks_hold_any_number(void **state)
+{
+	static const uint64_t wanted[] = { 1, 700, 100000, 230000 };
+	(void)state;
+	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+		const char *folder = fresh("blocks");
+		char path[512];
+		struct eco_sources sources;
+		struct eco_error error = { 0 };
+		if (eco_generate(&(struct eco_generate_options){ .name = "billion", .folder = folder, .plants = wanted[i], .seed = 4 }, &error))
+			fail_msg("%s", error.text);
+		snprintf(path, sizeof path, "%s/scene.json", folder);
+		if (eco_sources_load(&sources, path, &error))
+			fail_msg("%s", error.text);
+		uint64_t plants = plants_of(&sources, 0);
+		if (plants < wanted[i] || plants > wanted[i] + wanted[i] / 2)
+			fail_msg("%llu plants where %llu were asked for", (unsigned long long)plants, (unsigned long long)wanted[i]);
+		eco_sources_free(&sources);
 		remove_folder(folder);
 	}
 }
@@ -288,6 +324,7 @@ int main(void)
 		cmocka_unit_test(test_park_has_about_as_many_as_asked),
 		cmocka_unit_test(test_stems_keep_their_distance),
 		cmocka_unit_test(test_measured_scenes_have_exactly_as_many_as_asked),
+		cmocka_unit_test(test_blocks_of_blocks_hold_any_number),
 		cmocka_unit_test(test_detail_multiplies_leaves),
 		cmocka_unit_test(test_plants_have_believable_sizes),
 		cmocka_unit_test(test_ground_is_smooth),
