@@ -188,7 +188,7 @@ static double distance_m(const struct lod_eye *eye, const double p[3])
 	return sqrt(x * x + y * y + z * z);
 }
 
-static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, const struct view_list *list)
+static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left, const struct view_list *list)
 {
 	const struct view_plant *plant = view_store_plant(w->store, list->list.plant);
 	uint32_t count = list->elements.primitive_count;
@@ -204,6 +204,8 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		struct view_instance instance = { .plant = list->list.plant, .path = placement->path };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
 		instance.hash = lod_share_hash(placement->path, list->id, i);
+		if (lod_open_hash(instance.hash) < left)
+			continue;
 		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors, plant->plant.anchor_first,
 			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : (uint8_t)gate, instance.hash, w->seen);
 		if (!seen)
@@ -267,7 +269,7 @@ static enum eco_code walk_runs(struct walk *w)
 			const struct view_list *list = view_store_list(w->store, id);
 			if (!list)
 				return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which was not sent", id);
-			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement], list);
+			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement], plan->runs[r].left, list);
 			if (code)
 				return code;
 		}

@@ -42,8 +42,8 @@ static int compare(const uint32_t *a, const uint32_t *b, size_t count)
 static int run_order(const void *a, const void *b)
 {
 	const struct eco_run *x = a, *y = b;
-	return compare((uint32_t[3]){ x->placement, x->list_first, x->list_end },
-		(uint32_t[3]){ y->placement, y->list_first, y->list_end }, 3);
+	return compare((uint32_t[4]){ x->placement, x->list_first, x->list_end, x->left },
+		(uint32_t[4]){ y->placement, y->list_first, y->list_end, y->left }, 4);
 }
 
 static int gate_order(const void *a, const void *b)
@@ -130,6 +130,8 @@ static enum eco_code check_runs(const struct eco_plan *plan, struct eco_error *e
 				plan->placement_count);
 		if (run->list_first >= run->list_end)
 			return eco_fail(error, ECO_DAMAGED, "run %u of the plan, [%u,%u), is empty", i, run->list_first, run->list_end);
+		if (run->left >= ECO_SHARE_ONE)
+			return eco_fail(error, ECO_DAMAGED, "run %u of the plan leaves out all of its plants", i);
 		if (before && (run->placement < before->placement ||
 				(run->placement == before->placement && run->list_first < before->list_end)))
 			return eco_fail(error, ECO_DAMAGED, "run %u of the plan overlaps the run before it or is out of order", i);

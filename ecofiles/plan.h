@@ -41,8 +41,9 @@ struct eco_placement {           /* how a nested eco file's coordinates become t
 	uint32_t path;               /* names this occurrence, see owners below */
 };
 
-struct eco_run {                 /* instance lists [list_first, list_end), all of whose visible plants are drawn by the rules */
+struct eco_run {                 /* instance lists [list_first, list_end), whose visible plants are drawn by the rules */
 	uint32_t placement, list_first, list_end;
+	uint32_t left;               /* of ECO_SHARE_ONE: plants whose lod_open_hash is below are not, but left to their tile's summary. 0: all are drawn */
 };
 
 struct eco_gate {                /* plant's cells are drawn where its band is below `band`; plants without cells are not listed */

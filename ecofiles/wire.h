@@ -36,7 +36,7 @@
  *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the run before
  *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or 0); then
  *                v placement - placement before - 1 (first: placement)
- *     v          list_end - list_first - 1
+ *     v          (list_end - list_first - 1) << 1 | 1 if some plants are left out: then u16 left
  *   v count, gates, ascending:   v plant - plant before - 1 (first: plant)   u8 band
  *   v count, lists drawn once (cuts without an anchor: summaries, ground), then v count, rules; both as
  *
@@ -60,7 +60,7 @@
 #include "ecofiles/plan.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN, ECO_FRAME_END };
-#define ECO_WIRE_VERSION 3u
+#define ECO_WIRE_VERSION 4u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)

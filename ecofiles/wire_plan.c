@@ -191,7 +191,9 @@ static void write_runs(struct eco_writer *w, const struct eco_plan *plan)
 			eco_write_varint(w, i ? run->placement - run[-1].placement - 1 : run->placement);
 			first_of_placement = run->list_first;
 		}
-		eco_write_varint(w, run->list_end - run->list_first - 1);
+		eco_write_varint(w, (uint64_t)(run->list_end - run->list_first - 1) << 1 | (run->left > 0));
+		if (run->left)
+			eco_write_u16(w, (uint16_t)run->left);
 	}
 }
 
@@ -234,7 +236,9 @@ static void read_runs(struct eco_reader *r, struct eco_plan *plan)
 		} else {
 			r->failed = true;
 		}
-		run->list_end = narrow(r, (uint64_t)run->list_first + 1 + read_narrow(r));
+		uint64_t rest = eco_read_varint(r);
+		run->list_end = narrow(r, (uint64_t)run->list_first + 1 + narrow(r, rest >> 1));
+		run->left = rest & 1 ? eco_read_u16(r) : 0;
 	}
 }
 

@@ -9,6 +9,9 @@
 
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* amounts taken from memory at once */
+#define GIVING_WAY 0.07          /* tiles are open in part where choices differ by less than this, of what they gain */
+#define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
+#define LAST_PRICE 1e-200        /* of what is bought only where nothing else is left to buy */
 #define HIDDEN_WOOD 0.1          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
 
 /* ---- Room ---- */
@@ -446,6 +449,31 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 	return sum;
 }
 
+/* How far a tile is open that draws `fine` instead of its summary. */
+static double open_share(const struct lod_market *m, const struct lod_stall *stall, const struct lod_cost *fine)
+{
+	double plants = stall->worth - paid(fine, 1, m->price), summary = stall->worth - paid(&stall->cost, 1, m->price);
+	if (!stall->summary || m->price <= 0)
+		return 1;
+	if (stall->held != LOD_HELD_NOT)
+		return stall->held == LOD_HELD_OPEN;
+	if (m->sharp || !(plants > 0))
+		return plants > summary;
+	double share = 0.5 + (plants - summary) / (2 * GIVING_WAY * plants);
+	return share < 0 ? 0 : share > 1 ? 1 : share;
+}
+
+/* Points stand for the plants that are left, but no one knows which are whose: all stay until half of the plants are there. */
+static double points_share(double share) { return share < 0.5 ? 1 : 2 * (1 - share); }
+
+static void mix(struct lod_stall *stall, const struct lod_cost *fine)
+{
+	double s = stall->share, points = stall->summary ? points_share(s) : 0;
+	stall->cost.fp = s * fine->fp + (1 - s) * stall->cost.fp;
+	stall->cost.fn = s * fine->fn + (1 - s) * stall->cost.fn;
+	stall->cost.vertices = s * fine->vertices + points * stall->cost.vertices;
+}
+
 static void price_stalls(struct lod_market *m)
 {
 	const struct lod_visible *visible = &m->p->visible;
@@ -454,6 +482,7 @@ static void price_stalls(struct lod_market *m)
 		struct lod_stall *stall = &m->stalls[n];
 		stall->cost = (struct lod_cost){ 0 };
 		stall->opened = false;
+		stall->share = 0;
 		if (stall->summary) {
 			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth);
 			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
@@ -466,11 +495,9 @@ static void price_stalls(struct lod_market *m)
 		struct lod_cost fine = plants_cost(m, n);
 		for (uint32_t c = 0; c < node->child_count; c++)
 			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1, 1);
-		stall->opened = !stall->summary || m->price <= 0 || paid(&fine, 1, m->price) < paid(&stall->cost, 1, m->price);
-		if (stall->held != LOD_HELD_NOT && stall->summary && m->price > 0)
-			stall->opened = stall->held == LOD_HELD_OPEN;
-		if (stall->opened)
-			stall->cost = fine;
+		stall->share = open_share(m, stall, &fine);
+		stall->opened = stall->share >= 0.5;
+		mix(stall, &fine);
 	}
 }
 
@@ -547,14 +574,42 @@ enum eco_code lod_market_expect(struct lod_market *m, struct eco_prediction *pre
 	return lod_screen_expect(&m->p->screen, odds_of, m, prediction, error);
 }
 
+/* Of a summary that is drawn beside plants: the points of the last price, fewer of them, each as large. */
+static void settle_points(struct lod_stall *stall, double points)
+{
+	uint32_t whole = (uint32_t)stall->position;
+	const struct lod_amount *a = &stall->steps.amounts[whole];
+	double part = stall->position - whole, all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
+	stall->part[0] = stall->part[1] = (struct lod_amount){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
+	if (part > 0) {
+		stall->part[0].fp += part * (a[1].fp - a->fp);
+		stall->part[0].fn += part * (a[1].fn - a->fn);
+	}
+	stall->part[1] = stall->part[0];
+	stall->part[1].vertices = (uint64_t)all;
+	stall->part[1].price = LAST_PRICE;
+	stall->parts = (struct lod_steps){ stall->part, stall->part[1].vertices > stall->part[0].vertices ? 2 : 1, stall->steps.extra };
+}
+
 void lod_market_settle(struct lod_market *m)
 {
 	struct lod_visible *visible = &m->p->visible;
 	find_drawn_by(m);
+	for (uint32_t n = 0; n < visible->node_count; n++)
+		m->stalls[n].weight = n == 0;
 	for (uint32_t n = 0; n < visible->node_count; n++) {
-		const struct lod_stall *stall = &m->stalls[n];
-		bool own = m->drawn_by[n] == n && (stall->open || stall->summary);
-		visible->nodes[n].state = !own ? LOD_CLOSED : stall->opened ? LOD_OPEN : stall->summary ? LOD_SUMMARY : LOD_CLOSED;
+		struct lod_node *node = &visible->nodes[n];
+		struct lod_stall *stall = &m->stalls[n];
+		double plants = stall->open ? stall->weight * stall->share : 0;
+		node->points = stall->summary ? stall->weight * points_share(stall->share) : 0;
+		node->left = (uint32_t)((1 - plants) * ECO_SHARE_ONE);
+		node->state = stall->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0 ? LOD_SUMMARY : LOD_CLOSED;
+		if (node->state != LOD_OPEN)
+			node->left = 0;
+		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
+			settle_points(stall, node->points);
+		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
+			m->stalls[node->child_first + c].weight = plants;
 	}
 	lod_visible_recount(visible, m->p->gates);
 }
@@ -617,7 +672,10 @@ enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, stru
 	for (uint32_t s = 0; !code && s < slots; s++)
 		if (p->visible.slots[s].cell)
 			code = make_lot(m, s, error);
-	return code ? code : make_stalls(m, error);
+	if (!code)
+		code = make_stalls(m, error);
+	m->sharp = m->stalls[0].plants < SHARP_BELOW;
+	return code;
 }
 
 void lod_market_free(struct lod_market *m)

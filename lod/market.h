@@ -8,7 +8,10 @@
  * At a price everything decides for itself: a slot's ladder takes the steps that gain more than they cost; a band of a plant draws its
  * cells where they are worth more than the whole plant's lists; a tile, from the leaves up, draws its plants and its
  * children's best where that beats its summary. This is the Lagrangian of the one objective: the amounts found at a price are
- * the best there are for the vertices they come to. Lower prices buy more. */
+ * the best there are for the vertices they come to. Lower prices buy more.
+ *
+ * Where both choices of a tile are worth nearly the same, it is open in part: so many of its plants are drawn, by their hashes, and its
+ * summary, whose points go as the last plants come. So a tile does not change at once from one picture to the next. */
 #ifndef LOD_MARKET_H
 #define LOD_MARKET_H
 
@@ -46,7 +49,11 @@ enum lod_held { LOD_HELD_NOT, LOD_HELD_OPEN, LOD_HELD_SHUT };
 struct lod_stall {                   /* a tile */
 	enum lod_held held;          /* the caller's: not for its price to decide */
 	bool open, summary;          /* its plants are known; it has a summary */
-	bool opened;                 /* at the last price */
+	bool opened;                 /* at the last price: more than half */
+	double share;                /* at the last price: how far its summary has given way to its plants and children, 0 to 1 */
+	double weight;               /* and how far those above it have given way to it */
+	struct lod_amount part[2];   /* its summary, settled: so many points, as what is left for them does not depend on what is bought */
+	struct lod_steps parts;
 	double worth, bare;          /* wrong when nothing of it is drawn, its children's too; of that, where no other plant is */
 	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
@@ -69,6 +76,7 @@ struct lod_market {
 	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
 	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */
 	uint16_t *gates_held;                /* the caller's, per plant: a gate + 1 that is not for prices to decide, or 0 */
+	bool sharp;                          /* tiles open all at once: where single plants decide */
 	double price;
 	struct lod_cost cost;                /* at the last price */
 };

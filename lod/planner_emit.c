@@ -1,6 +1,7 @@
 /* From decided amounts to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
 #include "lod/planning.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,7 +48,7 @@ static void add_summary_cut(const struct lod_planning *p, const struct lod_entry
 		return;
 	plan->cuts[plan->cut_count++] = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
-		.scale = eco_wire_scale_round((float)((double)entry->full / (double)entry->vertices)),
+		.scale = eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted, (double)entry->vertices))),
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
 }
 
@@ -96,14 +97,14 @@ static void add_runs(const struct lod_planning *p, const uint32_t *placement_in_
 			continue;
 		for (uint32_t g = 0; g < tile->group_count; g++) {
 			uint32_t list = p->scene->groups[tile->group_first + g].list;
-			plan->runs[plan->run_count++] = (struct eco_run){ placement_in_plan[node->placement], list, list + 1 };
+			plan->runs[plan->run_count++] = (struct eco_run){ placement_in_plan[node->placement], list, list + 1, node->left };
 		}
 	}
 	qsort(plan->runs, plan->run_count, sizeof *plan->runs, by_list);
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < plan->run_count; i++) {
 		struct eco_run *last = kept ? &plan->runs[kept - 1] : NULL;
-		if (last && last->placement == plan->runs[i].placement && last->list_end == plan->runs[i].list_first)
+		if (last && last->placement == plan->runs[i].placement && last->list_end == plan->runs[i].list_first && last->left == plan->runs[i].left)
 			last->list_end = plan->runs[i].list_end;
 		else
 			plan->runs[kept++] = plan->runs[i];
@@ -120,7 +121,7 @@ static void add_placements(const struct lod_planning *p, uint32_t *placement_in_
 	plan->placements[plan->placement_count++] = p->visible.placements[0];
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
-		bool drawn = node->state == LOD_SUMMARY || (node->state == LOD_OPEN && node->plants);
+		bool drawn = node->state == LOD_SUMMARY || (node->state == LOD_OPEN && (node->plants || node->points > 0));
 		if (!drawn || placement_in_plan[node->placement] != ECO_NONE)
 			continue;
 		placement_in_plan[node->placement] = plan->placement_count;

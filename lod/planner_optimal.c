@@ -22,6 +22,7 @@
 #define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
 #define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
 #define PRICES_PER_PICTURE 4
+#define PRICE_HALVINGS 10        /* between two prices: how near to the one that uses the budget */
 #define SMALL_OFFERS 64u
 #define SMALL_REACH 6
 #define SMALL_PASSES 3
@@ -216,21 +217,21 @@ static double closed_wrong(const struct lod_market *m)
 	double sum = 0;
 	const struct lod_visible *visible = &m->p->visible;
 	for (uint32_t n = 0; n < visible->node_count; n++)
-		if (m->drawn_by[n] == n && visible->nodes[n].state == LOD_CLOSED)
-			sum += m->stalls[n].worth;
+		if (visible->nodes[n].state == LOD_CLOSED)
+			sum += m->stalls[n].weight * m->stalls[n].worth;
 	return sum;
 }
 
-/* What the structure of price `index` leaves wrong with all of the budget: infinitely much where it does not fit. */
-static enum eco_code try_structure(const struct descent *d, int index, uint64_t budget, struct lod_spend *spend, double *wrong,
+/* What the structure of a price leaves wrong with all of the budget: infinitely much where it does not fit. */
+static enum eco_code try_structure(const struct descent *d, double price, uint64_t budget, struct lod_spend *spend, double *wrong,
 	struct eco_error *error)
 {
-	lod_market_price(d->market, price_at(index));
+	lod_market_price(d->market, price);
 	lod_market_settle(d->market);
 	enum eco_code code = lod_spend_make(spend, d->market, error);
 	if (code)
 		return code;
-	lod_spend_search(spend, price_at(index < d->last ? index : d->last), budget);
+	lod_spend_search(spend, fmax(price, price_at(d->last)), budget);
 	*wrong = spend->vertices <= budget ? spend->wrong + closed_wrong(d->market) : INFINITY;
 	return ECO_OK;
 }
@@ -247,7 +248,7 @@ static enum eco_code try_prices(const struct descent *d, uint64_t budget, int re
 	for (int i = from, count = 0; !code && count < 2 * reach && tried != PRICE_COUNT; i = index_after(d, i), count++) {
 		struct lod_spend spend = { 0 };
 		double wrong = INFINITY;
-		code = try_structure(d, tried = i, budget, &spend, &wrong, error);
+		code = try_structure(d, price_at(tried = i), budget, &spend, &wrong, error);
 		if (!code && reach > 1 && wrong < INFINITY) {
 			code = lod_spend_finish(&spend, budget, error);
 			wrong = spend.wrong + closed_wrong(d->market);
@@ -324,18 +325,31 @@ static enum eco_code try_small(const struct descent *d, uint64_t budget, struct 
 	return code;
 }
 
+/* The price that uses the budget. Prices of the grid lie so far apart that from one to the next many tiles open and many gates rise at once;
+ * along this one they do so one after the other, as a camera moves. */
+static double exact_price(const struct descent *d, uint64_t budget)
+{
+	double high = price_at(d->index), low = price_at(index_after(d, d->index));
+	for (int i = 0; i < PRICE_HALVINGS && low > 0; i++) {
+		double middle = sqrt(low * high);
+		lod_market_price(d->market, middle);
+		*(d->market->cost.vertices <= (double)budget ? &high : &low) = middle;
+	}
+	return high;
+}
+
 static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
 {
 	struct lod_market *m = d->market;
 	struct lod_spend spend = { 0 };
 	struct found found = { d->index, INFINITY };
-	bool small = m->offer_count < SMALL_OFFERS && m->p->visible.node_count < SMALL_OFFERS;
+	bool small = m->sharp && m->offer_count < SMALL_OFFERS && m->p->visible.node_count < SMALL_OFFERS;
 	double wrong;
-	enum eco_code code = try_prices(d, budget, small ? SMALL_REACH : 1, &found, error);
+	enum eco_code code = small ? try_prices(d, budget, SMALL_REACH, &found, error) : ECO_OK;
 	if (!code && small)
 		code = try_small(d, budget, &found, error);
 	if (!code)
-		code = try_structure(d, found.index, budget, &spend, &wrong, error);
+		code = try_structure(d, small || d->index == PRICE_COUNT ? price_at(found.index) : exact_price(d, budget), budget, &spend, &wrong, error);
 	if (!code)
 		code = lod_spend_finish(&spend, budget, error);
 	m->p->cheapest = spend.cheapest;

@@ -14,7 +14,7 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	uint64_t vertices, full;     /* per plant */
 	uint64_t more;               /* per plant whose hash is below `share`: this many instead */
 	uint32_t share;
-	double wanted;               /* points or lines of the whole region that d' asked for */
+	double wanted;               /* points or lines of the whole region that d' asked for; summary: as large as if so many were drawn */
 	double pixels;               /* expected covered pixels of one plant's organ */
 };
 

@@ -14,6 +14,8 @@
 
 /* ---- Bids ---- */
 
+static double drawn_share(const struct lod_node *node) { return 1 - (double)node->left / ECO_SHARE_ONE; }
+
 /* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
 static void see_slots(const struct lod_market *m, double *seen)
 {
@@ -21,9 +23,12 @@ static void see_slots(const struct lod_market *m, double *seen)
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
 		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
-			seen[node->tallies[i].slot] += node->tallies[i].count * m->stalls[n].factor;
+			seen[node->tallies[i].slot] += drawn_share(node) * node->tallies[i].count * m->stalls[n].factor;
 	}
 }
+
+/* A summary that nothing is drawn beside: it may have as many points as are worth it. */
+static bool alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
 
 static bool applies(const struct lod_planning *p, const struct lod_offer *offer)
 {
@@ -46,10 +51,13 @@ enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, stru
 			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = o->steps,
 				.count = p->visible.slots[o->slot].count, .worth = o->worth, .seen = o->worth * m->scratch[o->slot] };
 	}
-	for (uint32_t n = 0; n < p->visible.node_count; n++)
-		if (p->visible.nodes[n].state == LOD_SUMMARY)
-			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = ECO_NONE, .node = n, .steps = &m->stalls[n].steps, .count = 1,
-				.worth = m->stalls[n].worth, .seen = m->stalls[n].worth };
+	for (uint32_t n = 0; n < p->visible.node_count; n++) {
+		const struct lod_node *node = &p->visible.nodes[n];
+		const struct lod_stall *stall = &m->stalls[n];
+		if (node->points > 0)
+			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = ECO_NONE, .node = n, .steps = alone(node) ? &stall->steps : &stall->parts,
+				.count = 1, .worth = stall->worth, .seen = stall->weight * (1 - stall->share) * stall->worth };
+	}
 	return ECO_OK;
 }
 
@@ -151,6 +159,11 @@ static void file_cells(void *ctx, const struct lod_anchor_band *anchors, uint32_
 	}
 }
 
+static bool is_drawn(const struct lod_node *node, uint32_t hash)
+{
+	return node->state == LOD_OPEN && lod_open_hash(hash) >= node->left;
+}
+
 /* Hashes of all plants and cells that are drawn, slot by slot. */
 static bool file_hashes(struct lod_spend *spend)
 {
@@ -170,7 +183,7 @@ static bool file_hashes(struct lod_spend *spend)
 		return false;
 	for (uint32_t i = 0; i < p->screen.count; i++) {
 		const struct lod_sight *sight = &p->screen.sights[i];
-		if (sight->slot != ECO_NONE && p->visible.nodes[sight->node].state == LOD_OPEN)
+		if (sight->slot != ECO_NONE && is_drawn(&p->visible.nodes[sight->node], sight->hash))
 			spend->hashes[spend->hash_first[sight->slot]++] = sight->hash;
 	}
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
@@ -406,9 +419,10 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 			if (!slot->cell || t->whole_band >= p->gates[slot->plant])
 				continue;
 			uint32_t whole = m->slot_of[slot->plant * (size_t)ECO_BANDS + t->whole_band] - 1;
+			double count = drawn_share(&p->visible.nodes[n]) * t->count;
 			for (int o = 0; o < ECO_ORGAN_COUNT; o++) {
-				drawn[whole][o] += t->count * drawn[t->slot][o];
-				all[whole][o] += t->count * all[t->slot][o];
+				drawn[whole][o] += count * drawn[t->slot][o];
+				all[whole][o] += count * all[t->slot][o];
 			}
 		}
 }
@@ -428,7 +442,9 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 		const struct lod_bid *bid = &spend->bids[i];
 		struct lod_entry entry = { .slot = ECO_NONE, .ladder = bid->node, .count = bid->count, .vertices = bid->low };
 		if (bid->offer == ECO_NONE) {
-			entry.full = lod_planning_count(p->scene, p->scene->tiles[p->visible.nodes[bid->node].tile].summary);
+			const struct lod_node *node = &p->visible.nodes[bid->node];
+			entry.full = lod_planning_count(p->scene, p->scene->tiles[node->tile].summary);
+			entry.wanted = alone(node) ? 0 : (double)m->stalls[bid->node].part[1].vertices;
 		} else {
 			const struct lod_offer *o = &m->offers[bid->offer];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];

@@ -48,5 +48,7 @@ uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place 
 
 /* Hash of an instance in [0, ECO_SHARE_ONE): which side of a cut's share it is on, and how its distance is blurred. */
 uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index);
+/* The same in another order: which plants of a tile come first where its summary gives way to them, whatever side of a cut's share they are on. */
+static inline uint32_t lod_open_hash(uint32_t hash) { return (hash * 40503u + 12829u) % ECO_SHARE_ONE; }
 
 #endif

@@ -299,6 +299,31 @@ static void add_counts(struct lod_visible *visible, const struct lod_node *node,
 	visible->plants += node->plants;
 }
 
+/* The same of a tile that leaves plants to its summary. */
+static void add_part(struct lod_visible *visible, const struct lod_node *node, const uint8_t *gates)
+{
+	const struct eco_scene *scene = visible->scene;
+	const struct eco_tile *tile = &scene->tiles[node->tile];
+	const struct eco_placement *placement = &visible->placements[node->placement];
+	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
+		const struct eco_group *group = &scene->groups[g];
+		const struct eco_plant *plant = &scene->plants[group->plant];
+		for (uint32_t i = 0; i < scene->lists[group->list].primitive_count; i++) {
+			struct eco_place stored = eco_place_read(scene, group->place_first + i);
+			struct lod_place place;
+			uint32_t hash = lod_share_hash(placement->path, group->list, i);
+			if (lod_open_hash(hash) < node->left)
+				continue;
+			lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
+			uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
+				plant->anchor_count, gates[group->plant], hash, visible->scratch);
+			for (uint32_t a = 0; a < n; a++)
+				visible->slots[lod_visible_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)].count++;
+			visible->plants += n > 0;
+		}
+	}
+}
+
 static void forget_counts(struct lod_visible *visible)
 {
 	visible->plants = 0;
@@ -311,7 +336,7 @@ void lod_visible_recount(struct lod_visible *visible, const uint8_t *gates)
 	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++)
 		if (visible->nodes[i].state == LOD_OPEN)
-			add_counts(visible, &visible->nodes[i], gates);
+			(visible->nodes[i].left ? add_part : add_counts)(visible, &visible->nodes[i], gates);
 }
 
 static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint8_t *gates,
@@ -357,8 +382,11 @@ enum eco_code lod_visible_count(struct lod_visible *visible, double sample_dista
 	struct eco_error *error)
 {
 	forget_counts(visible);
-	for (uint32_t i = 0; i < visible->node_count; i++)
+	for (uint32_t i = 0; i < visible->node_count; i++) {
 		visible->nodes[i].state = LOD_CLOSED;
+		visible->nodes[i].left = 0;
+		visible->nodes[i].points = 0;
+	}
 	/* children always follow their parents in `nodes`, so one pass in order is the walk: no stack, no recursion */
 	visible->nodes[0].state = LOD_OPEN;
 	for (uint32_t i = 0; i < visible->node_count; i++) {
@@ -371,6 +399,7 @@ enum eco_code lod_visible_count(struct lod_visible *visible, double sample_dista
 		}
 		if (summary_suffices(visible, node, sample_distance)) {
 			node->state = LOD_SUMMARY;
+			node->points = 1;
 			continue;
 		}
 		enum eco_code code = node->expanded ? ECO_OK : expand(visible, i, error);
@@ -405,6 +434,8 @@ void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint8_t
 				struct lod_place place;
 				lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
 				uint32_t hash = lod_share_hash(placement->path, group->list, i);
+				if (lod_open_hash(hash) < node->left)
+					continue;
 				uint32_t count = lod_instance_anchors(&visible->eye, &place, scene->anchors + p->anchor_first, p->anchor_first,
 					p->anchor_count, gates[plant], hash, visible->scratch);
 				if (count)

@@ -32,6 +32,8 @@ struct lod_node {                /* a tile in a placement */
 	struct lod_tally *tallies;   uint32_t tally_count, tally_capacity;
 	uint8_t *gate_done;          /* per group: plants in bands below it have their cells counted */
 	uint64_t plants;
+	uint32_t left;               /* LOD_OPEN: of its own plants, those whose lod_open_hash is below are left to its summary */
+	double points;               /* of its summary this share is drawn: 1 where it is LOD_SUMMARY, and less where it gives way to plants */
 };
 
 struct lod_slot {

@@ -259,6 +259,7 @@ static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
 		srv_json_key_count(json, "placement", plan->runs[i].placement);
 		srv_json_key_count(json, "list_first", plan->runs[i].list_first);
 		srv_json_key_count(json, "list_end", plan->runs[i].list_end);
+		srv_json_key_count(json, "left", plan->runs[i].left);
 		srv_json_close(json, '}');
 	}
 	srv_json_close(json, ']');

@@ -94,7 +94,7 @@ static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
 {
 	struct eco_cut cuts[] = { rule(2, 0, 1), rule(1, 1, 0), rule(1, 0, 5), { .list = 9, .end = 4, .scale = 2, .anchor = ECO_NONE },
 		rule(1, 0, 4), rule(0, 7, 7) };
-	struct eco_run runs[] = { { 1, 0, 2 }, { 0, 5, 6 }, { 0, 1, 2 } };
+	struct eco_run runs[] = { { 1, 0, 2, 0 }, { 0, 5, 6, 0 }, { 0, 1, 2, 0 } };
 	struct eco_gate gates[] = { { 3, 10 }, { 1, 20 } };
 	struct eco_placement placements[] = { { .scale = 1 }, { .scale = 2 } };
 	struct eco_plan plan = { .cuts = cuts, .cut_count = 6, .runs = runs, .run_count = 3, .gates = gates, .gate_count = 2,

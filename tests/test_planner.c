@@ -63,6 +63,8 @@ static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *
 				struct lod_anchor_band at[64];
 				lod_place_instance(&place, placement, &s->lists[list], &stored);
 				uint32_t hash = lod_share_hash(placement->path, list, i);
+				if (lod_open_hash(hash) < plan->runs[r].left)
+					continue;
 				uint32_t n = lod_instance_anchors(&eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
 					plant->anchor_count, gate, hash, at);
 				for (uint32_t a = 0; a < n; a++)

@@ -229,7 +229,7 @@ static void changed_plans_are_refused_or_other_plans(void **state)
 static void plans_that_break_a_rule_are_not_written(void **state)
 {
 	(void)state;
-	for (int fault = 0; fault < 16; fault++) {
+	for (int fault = 0; fault < 17; fault++) {
 		struct eco_plan plan = forest_plan(1);
 		struct eco_writer w = { 0 };
 		plan.gates = calloc(2, sizeof *plan.gates);
@@ -250,6 +250,7 @@ static void plans_that_break_a_rule_are_not_written(void **state)
 		case 13: plan.placements[0].scale = 0; break;
 		case 14: plan.placements[0].at[1] = INFINITY; break;
 		case 15: plan.sample_distance = -1; break;
+		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
 		}
 		eco_wire_write_plan(&w, &plan);
 		assert_true(w.failed);
@@ -488,7 +489,7 @@ static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault f
 static void put_faulty_plan(struct eco_writer *w, uint32_t *number, enum fault fault)
 {
 	struct eco_placement placement = { .scale = 1 };
-	struct eco_run run = { 0, 3, fault == FAULT_PLAN_RUN ? 7 : 4 };
+	struct eco_run run = { 0, 3, fault == FAULT_PLAN_RUN ? 7 : 4, 0 };
 	struct eco_gate gate = { fault == FAULT_PLAN_GATE ? 2 : 1, 60 };
 	struct eco_cut cut = { .list = fault == FAULT_PLAN_LIST ? 6 : 1, .end = 9, .scale = 1, .band_end = 90, .share_end = ECO_SHARE_ONE };
 	struct eco_plan plan = { .vertices = 77, .placements = &placement, .placement_count = 1, .runs = &run, .run_count = 1,
@@ -593,12 +594,12 @@ static void events_without_a_callback_are_checked_and_ignored(void **state)
 	eco_writer_free(&w);
 }
 
-/* The bytes themselves: this must never change within version 3. */
+/* The bytes themselves: this must never change within version 4. */
 static void golden_stream(void **state)
 {
 	static const char expected[] =
-		"010000003a00000083416181eec2f433"
-		"03000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
+		"010000003a000000333de428cc1b8990"
+		"04000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
 		"0500000035000000edca6d74f1f7299d"
 		"4d0000000000000000000000000000000000000000000000000000000000000000000107000000010d000001013c00010b00025a08"
 		"06000000100000002c590a0eb809d814"

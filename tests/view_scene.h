@@ -335,6 +335,8 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 						gate = plan->gates[g].band;
 				lod_place_instance(&place, placement, &s->lists[id], &at);
 				uint32_t hash = lod_share_hash(placement->path, id, i);
+				if (lod_open_hash(hash) < plan->runs[r].left)
+					continue;
 				uint32_t count = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
 					plant->anchor_count, gate, hash, seen);
 				*plants += count != 0;
@@ -375,7 +377,7 @@ static inline void scene_plan(const struct view_scene *s, const struct eco_view 
 		{ .scale = 1 }, { .at = { 12, 16, 1 }, .turn = 9000, .scale = 0.8, .path = eco_owner_child(1) },
 		{ .at = { 20, 25, 0.5 }, .turn = 40000, .scale = 1.2, .path = eco_owner_child(2) },
 	};
-	struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1 }, { 1, L_TREES, L_BUSHES + 1 } };
+	struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1, 0 }, { 1, L_TREES, L_BUSHES + 1, 30000 } };
 	*plan = (struct eco_plan){ .placement_count = 3, .run_count = 2, .gate_count = 1,
 		.cut_count = sizeof cuts / sizeof cuts[0], .prediction = { 100, 10, 10 } };
 	plan->placements = malloc(sizeof placements);

@@ -156,7 +156,8 @@ static inline struct eco_plan wire_random_plan(struct wire_random *r, uint32_t m
 		plan.placements[i] = i ? wire_random_placement(r) : (struct eco_placement){ .scale = 1 };
 	for (uint32_t i = 0; i < plan.run_count; i++) {
 		uint32_t first = wire_random_below(r, lists), placement = wire_random_below(r, plan.placement_count);
-		plan.runs[i] = (struct eco_run){ placement, first, first + 1 + wire_random_size(r, lists - first - 1) };
+		plan.runs[i] = (struct eco_run){ placement, first, first + 1 + wire_random_size(r, lists - first - 1),
+			wire_random_below(r, 3) ? 0 : wire_random_below(r, ECO_SHARE_ONE) };
 	}
 	for (uint32_t i = 0; i < plan.gate_count; i++) {
 		plan.gates[i].plant = wire_random_below(r, plants);
