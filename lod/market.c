@@ -35,36 +35,14 @@ static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
 	return m->blocks[m->block_count - 1] + m->block_used;
 }
 
-static double extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
-
 static uint32_t extra_of(double bare, double seen)
 {
 	double part = seen > 0 ? bare / seen : 0;
 	return (uint32_t)((part < 1 ? part : 1) * (LOD_EXTRAS - 1) + 0.5);
 }
 
-static const struct lod_steps *steps_of(struct lod_market *m, uint32_t ladder, bool beside_cells, uint32_t extra)
-{
-	struct lod_steps *steps = &m->ladder_steps[(2 * (size_t)ladder + beside_cells) * LOD_EXTRAS + extra];
-	const struct eco_scene *scene = m->p->scene;
-	const struct eco_ladder *l = &scene->ladders[ladder];
-	if (steps->count)
-		return steps;
-	struct lod_amount *amounts = take_amounts(m, LOD_STEPS_MAX);
-	if (!amounts)
-		return NULL;
-	bool coarse = scene->plants[l->plant].anchor_count > 1 && l->anchor == scene->plants[l->plant].anchor_first;
-	uint64_t full = lod_ladder_full(scene, l), end = coarse ? lod_ladder_stage_end(scene, l) : full;
-	steps->extra = extra_weight(extra);
-	lod_steps_make(steps, amounts, scene, l, beside_cells ? end : 0, beside_cells ? full : end, &m->p->candidates);
-	m->block_used += steps->count;
-	return steps;
-}
-
 static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
 {
-	if (!offer->steps)
-		return false;
 	if (m->offer_count == m->offer_capacity) {
 		uint32_t wanted = m->offer_capacity ? 2 * m->offer_capacity : 1024;
 		struct lod_offer *bigger = realloc(m->offers, wanted * sizeof *bigger);
@@ -74,6 +52,7 @@ static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
 		m->offer_capacity = wanted;
 	}
 	m->offers[m->offer_count++] = *offer;
+	m->p->candidates += offer->steps->count;
 	return true;
 }
 
@@ -88,14 +67,14 @@ static double organ_pixels(const struct lod_market *m, const struct eco_ladder *
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
 	struct lod_body body = { .area = ladder->area, .crown_across = anchor->radius, .crown_up = anchor->radius };
 	if (ladder->anchor == plant->anchor_first) {
-		body = p->bodies[ladder->plant];
+		body = lod_tables_bodies(p->tables)[ladder->plant];
 		body.area = ladder->area;
 	}
 	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
 	double pixels = lod_body_opacity(&body) * PI * body.crown_across * body.crown_up * px * px;
 	if (ladder->organ != ECO_ORGAN_WOOD)
 		return pixels;
-	body = p->bodies[ladder->plant];
+	body = lod_tables_bodies(p->tables)[ladder->plant];
 	body.area = fmax(0, plant->area - 2 * (double)ladder->area);
 	return pixels * fmax(HIDDEN_WOOD, 1 - lod_body_opacity(&body));
 }
@@ -108,9 +87,11 @@ static double importance_of(const struct eco_ladder *ladder)
 /* Of everything at the slot's anchor. Of a cell, what the plant's own list does not draw already. */
 static double anchor_pixels(const struct lod_market *m, const struct lod_slot *slot)
 {
+	uint32_t count;
+	const uint32_t *ladders = lod_tables_anchor(m->p->tables, slot->anchor, &count);
 	double sum = 0;
-	for (uint32_t i = m->p->ladder_first[slot->anchor]; i < m->p->ladder_first[slot->anchor + 1]; i++) {
-		const struct eco_ladder *ladder = &m->p->scene->ladders[m->p->ladder_order[i]];
+	for (uint32_t i = 0; i < count; i++) {
+		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
 		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
 		sum += rest * organ_pixels(m, ladder, slot->band);
 	}
@@ -122,7 +103,10 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 	const struct eco_scene *scene = m->p->scene;
 	const struct lod_slot *slot = &m->p->visible.slots[s];
 	const struct eco_ladder *ladder = &scene->ladders[id];
-	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = steps_of(m, id, false, m->lots[s].extra) };
+	const struct lod_tables_ladder *table = lod_tables_ladder(m->p->tables, id);
+	if (!table)
+		return false;
+	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = &table->steps[0][m->lots[s].extra] };
 	offer.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_offer(m, &offer))
 		return false;
@@ -130,8 +114,8 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 		return true;
 	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
 	offer.when = LOD_NEAR;
-	offer.steps = steps_of(m, id, true, m->lots[s].extra);
-	offer.worth = worth * lod_ladder_density(scene, ladder, lod_ladder_full(scene, ladder));
+	offer.steps = &table->steps[1][m->lots[s].extra];
+	offer.worth = worth * lod_way_density(&table->way, table->way.full);
 	return add_offer(m, &offer);
 }
 
@@ -141,11 +125,13 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	const struct lod_slot *slot = &m->p->visible.slots[s];
 	struct lod_lot *lot = &m->lots[s];
 	double all = anchor_pixels(m, slot);
+	uint32_t count;
+	const uint32_t *ladders = lod_tables_anchor(m->p->tables, slot->anchor, &count);
 	bool good = true;
 	lot->extra = extra_of(lot->bare, lot->seen);
 	lot->offer_first = m->offer_count;
-	for (uint32_t i = m->p->ladder_first[slot->anchor]; good && i < m->p->ladder_first[slot->anchor + 1]; i++) {
-		uint32_t id = m->p->ladder_order[i];
+	for (uint32_t i = 0; good && i < count; i++) {
+		uint32_t id = ladders[i];
 		const struct eco_ladder *ladder = &scene->ladders[id];
 		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
 		double part = all > 0 ? rest * organ_pixels(m, ladder, slot->band) / all : 0;
@@ -257,9 +243,7 @@ static void measure_closed(struct lod_market *m, const struct lod_sight *sight, 
 {
 	const struct lod_planning *p = m->p;
 	const struct lod_node *node = &p->visible.nodes[sight->node];
-	double ratio = 0, px = 1 / ((double)sight->depth * p->visible.eye.pixel_rad);
-	for (uint32_t i = 0; i < p->scene->plant_count; i++)
-		ratio += PI * p->bodies[i].crown_across * p->bodies[i].crown_up / p->bodies[i].area / p->scene->plant_count;
+	double ratio = lod_tables_ellipse(p->tables), px = 1 / ((double)sight->depth * p->visible.eye.pixel_rad);
 	stall->worth = seen_pixels(sight);
 	stall->bare = bare_pixels(sight);
 	stall->plants += (double)p->scene->tiles[node->tile].instance_count;
@@ -421,7 +405,7 @@ static void price_gates(struct lod_market *m)
 				continue;
 			const struct lod_lot *lot = &m->lots[s];
 			double count = (double)m->counts[s];
-			double extra = extra_weight(lot->extra);
+			double extra = lod_extra_weight(lot->extra);
 			sum += count * (paid(&lot->cost[1], extra, m->price) - paid(&lot->cost[0], extra, m->price)) + paid(&lot->cells, extra, m->price);
 			if (sum < least || m->price <= 0) {
 				least = sum;
@@ -444,7 +428,7 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 		uint8_t band = slot->cell ? t->whole_band : slot->band;
 		bool near = band < m->p->gates[slot->plant];
 		if (!slot->cell || near)
-			add_cost(&sum, &m->lots[t->slot].cost[near], extra_weight(m->lots[t->slot].extra), t->count, t->count * factor);
+			add_cost(&sum, &m->lots[t->slot].cost[near], lod_extra_weight(m->lots[t->slot].extra), t->count, t->count * factor);
 	}
 	return sum;
 }
@@ -648,11 +632,10 @@ enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, stru
 	m->counts = calloc(slots + 1, sizeof *m->counts);
 	m->stalls = calloc(nodes + 1, sizeof *m->stalls);
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
-	m->ladder_steps = calloc(2 * LOD_EXTRAS * (size_t)scene->ladder_count + 1, sizeof *m->ladder_steps);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_most = malloc(scene->plant_count + 1u);
 	m->gates_held = calloc(scene->plant_count + 1u, sizeof *m->gates_held);
-	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->ladder_steps || !m->slot_of || !m->gates_most || !m->gates_held)
+	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->slot_of || !m->gates_most || !m->gates_held)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	memcpy(m->gates_most, p->gates, scene->plant_count);
 	for (uint32_t s = 0; s < slots; s++)
@@ -689,7 +672,6 @@ void lod_market_free(struct lod_market *m)
 	free(m->stalls);
 	free(m->drawn_by);
 	free(m->offers);
-	free(m->ladder_steps);
 	free(m->slot_of);
 	free(m->gates_most);
 	free(m->gates_held);

@@ -15,10 +15,7 @@
 #ifndef LOD_MARKET_H
 #define LOD_MARKET_H
 
-#define LOD_EXTRAS 5u            /* weights of pixels too many that steps are made for: 0 to 1 */
-
 #include "lod/planning.h"
-#include "lod/steps.h"
 #include "lod/summary.h"
 
 enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
@@ -71,7 +68,6 @@ struct lod_market {
 	uint32_t *drawn_by;                  /* per node, at the last expectation */
 	uint64_t *counts;                    /* per slot: plants, all that is open being drawn */
 	double *scratch;                     /* per slot */
-	struct lod_steps *ladder_steps;      /* [(2 ladder + beside cells) LOD_EXTRAS + extra]; made when first asked for */
 	struct lod_amount **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
 	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */

@@ -13,16 +13,13 @@ enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planne
 	const struct eco_scene *scene = input->scene;
 	*p = (struct lod_planning){ .input = input, .scene = scene };
 	p->gates = calloc(scene->plant_count + 1, 1);
-	p->ladder_first = calloc(scene->anchor_count + 2, sizeof *p->ladder_first);
-	p->ladder_order = calloc(scene->ladder_count + 1, sizeof *p->ladder_order);
-	if (!p->gates || !p->ladder_first || !p->ladder_order)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladders", scene->ladder_count);
-	for (uint32_t i = 0; i < scene->ladder_count; i++)
-		p->ladder_first[scene->ladders[i].anchor + 2]++;
-	for (uint32_t i = 2; i <= scene->anchor_count + 1; i++)
-		p->ladder_first[i] += p->ladder_first[i - 1];
-	for (uint32_t i = 0; i < scene->ladder_count; i++)
-		p->ladder_order[p->ladder_first[scene->ladders[i].anchor + 1]++] = i;
+	p->tables = input->tables;
+	if (!p->gates)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", scene->plant_count);
+	enum eco_code code = p->tables ? ECO_OK : lod_tables_make(&p->own, scene, error);
+	if (code)
+		return code;
+	p->tables = p->tables ? p->tables : p->own;
 	return lod_visible_init(&p->visible, scene, &input->request->view, input->tiles_max ? input->tiles_max : 1000000,
 		input->placements_max ? input->placements_max : 100000, error);
 }
@@ -30,10 +27,8 @@ enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planne
 void lod_planning_end(struct lod_planning *p)
 {
 	free(p->gates);
-	free(p->ladder_first);
-	free(p->ladder_order);
 	free(p->entries);
-	free(p->bodies);
+	lod_tables_free(p->own);
 	lod_screen_free(&p->screen);
 	if (p->visible.nodes)
 		lod_visible_free(&p->visible);

@@ -172,19 +172,23 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 		double r = lod_band_distance_m(slot->band);
 		if (slot->count == 0)
 			continue;
-		for (uint32_t i = p->ladder_first[slot->anchor]; i < p->ladder_first[slot->anchor + 1]; i++) {
-			const struct eco_ladder *ladder = &p->scene->ladders[p->ladder_order[i]];
+		uint32_t count;
+		const uint32_t *ladders = lod_tables_anchor(p->tables, slot->anchor, &count);
+		for (uint32_t i = 0; i < count; i++) {
+			const struct eco_ladder *ladder = &p->scene->ladders[ladders[i]];
 			if (!ladder_applies(p, ladder, slot))
 				continue;
-			struct lod_entry entry = { .slot = s, .ladder = p->ladder_order[i], .count = slot->count,
-				.full = lod_ladder_full(p->scene, ladder), .pixels = organ_pixels(p, ladder, r) };
+			const struct lod_tables_ladder *table = lod_tables_ladder(p->tables, ladders[i]);
+			if (!table)
+				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for ladder %u", ladders[i]);
+			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count, .full = table->way.full, .pixels = organ_pixels(p, ladder, r) };
 			entry.vertices = ladder_wants(p->scene, ladder, r, d, &entry.wanted);
 			/* a whole-plant list alone, or beside cells that do not show all their points yet, stands for more than itself */
 			bool coarse = !slot->cell && p->scene->plants[slot->plant].anchor_count > 1
 				&& (slot->band >= p->gates[slot->plant] || entry.wanted < ladder->total);
 			if (coarse)
-				entry.full = lod_ladder_stage_end(p->scene, ladder);
-			entry.vertices = lod_ladder_floor(p->scene, ladder, entry.vertices < entry.full ? entry.vertices : entry.full);
+				entry.full = lod_way_stage_end(&table->way);
+			entry.vertices = lod_way_floor(&table->way, entry.vertices < entry.full ? entry.vertices : entry.full);
 			p->ended = p->ended && entry.vertices == entry.full && !coarse;
 			if (lod_planning_add(p, &entry, error))
 				return ECO_NO_MEMORY;

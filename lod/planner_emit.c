@@ -13,7 +13,7 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
-	double density = lod_ladder_density(p->scene, ladder, vertices);
+	double density = lod_way_density(lod_planning_way(p, entry->ladder), vertices);
 	/* where cells add to the coarse list, the plant as a whole is as dense as d' asked for */
 	if (!slot->cell && slot->band < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;
@@ -23,12 +23,11 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first,
 	uint32_t share_end, struct eco_plan *plan)
 {
-	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	if (vertices == 0 || share_first == share_end)
 		return;
-	uint32_t count = lod_ladder_cuts(p->scene, ladder, vertices, entry_density(p, entry, vertices), cuts);
+	uint32_t count = lod_way_cuts(lod_planning_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), cuts);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round(cuts[i].scale);
 		cuts[i].anchor = slot->anchor;

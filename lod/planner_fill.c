@@ -14,20 +14,20 @@ struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct l
 		double share = entry->full ? (double)vertices / (double)entry->full : 1;
 		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share), .fn = (float)(1 - 0.7 * share) };
 	}
-	return lod_ladder_curve(p->scene, ladder, lod_ladder_share(p->scene, ladder, vertices));
+	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planning_way(p, entry->ladder), vertices));
 }
 
 static uint64_t entry_floor(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	vertices = vertices < entry->full ? vertices : entry->full;
-	return entry->slot == ECO_NONE ? vertices : lod_ladder_floor(p->scene, &p->scene->ladders[entry->ladder], vertices);
+	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planning_way(p, entry->ladder), vertices);
 }
 
 static uint64_t entry_next(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	if (vertices >= entry->full)
 		return UINT64_MAX;
-	return entry->slot == ECO_NONE ? vertices + 1 : lod_ladder_next(p->scene, &p->scene->ladders[entry->ladder], vertices);
+	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planning_way(p, entry->ladder), vertices);
 }
 
 /* Next amount worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */

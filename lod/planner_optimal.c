@@ -31,7 +31,6 @@
 #define FINER_OCTAVES 3
 #define FINER_TIMES 3
 #define COARSEST -12
-#define THINNEST 0.01            /* area of a plant over its radius squared: whatever has no area is still to be seen */
 
 static double price_at(int index)
 {
@@ -40,74 +39,11 @@ static double price_at(int index)
 	return ldexp(index % 2 ? 0.70710678118654752440 : 1, PRICE_HIGHEST - index / PRICES_PER_OCTAVE);
 }
 
-/* ---- Plants as bodies ---- */
-
-/* Area of what is drawn at an anchor in full detail. */
-static double anchor_area(const struct eco_scene *scene, const struct eco_plant *plant, uint32_t anchor)
+static void begin_screen(struct lod_planning *p)
 {
-	double area = 0;
-	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count; i++)
-		if (scene->ladders[i].anchor == anchor)
-			area += scene->ladders[i].area;
-	return area;
-}
-
-/* The ellipse that has the moments of the cells' areas, each spread over its sphere. */
-static void find_crown(const struct eco_scene *scene, const struct eco_plant *plant, struct lod_body *body)
-{
-	const struct eco_anchor *all = &scene->anchors[plant->anchor_first];
-	double sum = 0, mean = 0, up = 0, across = 0;
-	for (uint32_t i = 1; i < plant->anchor_count; i++) {
-		double area = anchor_area(scene, plant, plant->anchor_first + i);
-		sum += area;
-		mean += area * ((double)all[i].center[2] - all->center[2]);
-	}
-	if (!(sum > 0))
-		return;
-	mean /= sum;
-	for (uint32_t i = 1; i < plant->anchor_count; i++) {
-		const struct eco_anchor *cell = all + i;
-		double area = anchor_area(scene, plant, plant->anchor_first + i), ball = (double)cell->radius * cell->radius / 5;
-		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
-		double z = (double)cell->center[2] - all->center[2] - mean;
-		up += area * (z * z + ball);
-		across += area * ((x * x + y * y) / 2 + ball);
-	}
-	body->rise = mean;
-	body->crown_up = fmin(2 * sqrt(up / sum), body->up);
-	body->crown_across = fmin(2 * sqrt(across / sum), body->across);
-}
-
-/* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is and where its crown is, else its height does. */
-static struct lod_body body_of(const struct eco_scene *scene, const struct eco_plant *plant)
-{
-	const struct eco_anchor *all = &scene->anchors[plant->anchor_first];
-	double r = all->radius, up = plant->height_m > 0 ? fmin(r, 0.5 * (double)plant->height_m) : r, across = 0;
-	for (uint32_t i = 1; i < plant->anchor_count; i++) {
-		const struct eco_anchor *cell = all + i;
-		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
-		across = fmax(across, sqrt(x * x + y * y) + 0.6 * cell->radius);
-	}
-	if (plant->anchor_count < 2)
-		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
-	across = fmin(across, r);
-	double area = plant->area > 0 ? (double)plant->area : anchor_area(scene, plant, plant->anchor_first);
-	struct lod_body body = { across, up, fmax(area, THINNEST * r * r), across, up, 0 };
-	find_crown(scene, plant, &body);
-	return body;
-}
-
-static enum eco_code make_bodies(struct lod_planning *p, struct eco_error *error)
-{
-	p->bodies = calloc(p->scene->plant_count + 1u, sizeof *p->bodies);
-	if (!p->bodies)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", p->scene->plant_count);
-	for (uint32_t i = 0; i < p->scene->plant_count; i++)
-		p->bodies[i] = body_of(p->scene, &p->scene->plants[i]);
 	lod_screen_init(&p->screen, &p->visible.eye, &p->input->request->view, p->scene->ground_count > 0);
 	p->visible.screen = &p->screen;
-	p->visible.bodies = p->bodies;
-	return ECO_OK;
+	p->visible.bodies = lod_tables_bodies(p->tables);
 }
 
 /* ---- Down the prices ---- */
@@ -416,15 +352,15 @@ static enum eco_code open_possible(struct lod_planning *p, int *level, int coars
 
 static enum eco_code look_first(struct lod_planning *p, int *level, struct eco_error *error)
 {
-	enum eco_code code = make_bodies(p, error);
+	begin_screen(p);
 	*level = 0;
-	return code ? code : open_possible(p, level, COARSEST, error);
+	return open_possible(p, level, COARSEST, error);
 }
 
 enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
 {
-	enum eco_code code = make_bodies(p, error);
-	return code ? code : open_level(p, (int)level + COARSEST, error);
+	begin_screen(p);
+	return open_level(p, (int)level + COARSEST, error);
 }
 
 enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)

@@ -4,7 +4,10 @@
 #ifndef LOD_PLANNING_H
 #define LOD_PLANNING_H
 
+#include <assert.h>
+
 #include "lod/planner.h"
+#include "lod/tables.h"
 #include "lod/visible.h"
 
 struct lod_entry {                   /* one ladder for all plants of one slot, or a tile's summary */
@@ -23,8 +26,7 @@ struct lod_planning {
 	const struct eco_scene *scene;
 	struct lod_visible visible;
 	uint8_t *gates;              /* per plant */
-	uint32_t *ladder_first;      /* per anchor, into ladder_order; anchor_count + 1 */
-	uint32_t *ladder_order;
+	struct lod_tables *tables, *own;     /* the input's; or its own */
 	struct lod_entry *entries;
 	uint32_t entry_count, entry_capacity;
 	uint64_t vertices;
@@ -35,7 +37,6 @@ struct lod_planning {
 	uint64_t candidates;         /* steps whose gain was computed */
 	struct eco_prediction prediction;        /* of the optimiser; the other rule's is made from its entries */
 	struct lod_screen screen;    /* the optimiser's */
-	struct lod_body *bodies;     /* per plant */
 };
 
 /* `input` must outlive p, which is to be ended whatever comes of it. */
@@ -61,6 +62,14 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices);
+
+/* Of a ladder that is in an entry or an offer. */
+static inline const struct lod_way *lod_planning_way(const struct lod_planning *p, uint32_t ladder)
+{
+	const struct lod_tables_ladder *table = lod_tables_ladder(p->tables, ladder);
+	assert(table);
+	return &table->way;
+}
 
 static inline uint64_t lod_planning_count(const struct eco_scene *scene, uint32_t list)
 {

@@ -261,9 +261,9 @@ static double next_price(const struct lod_bid *bid)
 	return at_end(bid) ? 0 : amount_of(bid)[1].price * bid->worth;
 }
 
-static const struct eco_ladder *ladder_of(const struct lod_spend *spend, const struct lod_bid *bid)
+static const struct lod_way *way_of(const struct lod_spend *spend, const struct lod_bid *bid)
 {
-	return &spend->market->p->scene->ladders[spend->market->offers[bid->offer].ladder];
+	return lod_planning_way(spend->market->p, spend->market->offers[bid->offer].ladder);
 }
 
 /* All have reached `vertices`, on the way to the next amount or there. */
@@ -292,14 +292,13 @@ static uint64_t buy_plants(struct lod_spend *spend, struct lod_bid *bid, uint64_
 /* Less than a step for one plant is left: all plants go part of the way, and some of them one primitive further. */
 static uint64_t buy_evenly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 {
-	const struct eco_scene *scene = spend->market->p->scene;
-	const struct eco_ladder *ladder = ladder_of(spend, bid);
-	uint64_t each = left / bid->count, spent = 0, to = lod_ladder_floor(scene, ladder, each < bid->high - bid->low ? bid->low + each : bid->high);
+	const struct lod_way *way = way_of(spend, bid);
+	uint64_t each = left / bid->count, spent = 0, to = lod_way_floor(way, each < bid->high - bid->low ? bid->low + each : bid->high);
 	if (to > bid->low) {
 		spent = (to - bid->low) * bid->count;
 		bid->low = to;
 	}
-	uint64_t next = lod_ladder_next(scene, ladder, bid->low);
+	uint64_t next = lod_way_next(way, bid->low);
 	if (next < bid->high && next - bid->low <= left - spent) {
 		uint64_t plants = share_floor(spend, bid, (left - spent) / (next - bid->low));
 		if (plants > 0) {
@@ -315,7 +314,7 @@ static uint64_t buy_evenly(struct lod_spend *spend, struct lod_bid *bid, uint64_
 static uint64_t buy_thinly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 {
 	uint64_t had = bid->ahead * (bid->high - bid->low), plants = share_next(spend, bid, bid->ahead);
-	uint64_t to = lod_ladder_floor(spend->market->p->scene, ladder_of(spend, bid), bid->low + (had + left) / plants);
+	uint64_t to = lod_way_floor(way_of(spend, bid), bid->low + (had + left) / plants);
 	if (to <= bid->low || to >= bid->high || plants * (to - bid->low) <= had)
 		return 0;
 	uint64_t spent = plants * (to - bid->low) - had;
@@ -390,7 +389,7 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 		if (bid->offer != ECO_NONE && bid->ahead)
 			cost = (share_next(spend, bid, bid->ahead) - bid->ahead) * (bid->high - bid->low);
 		else if (bid->offer != ECO_NONE)
-			cost = share_next(spend, bid, 0) * (lod_ladder_next(spend->market->p->scene, ladder_of(spend, bid), bid->low) - bid->low);
+			cost = share_next(spend, bid, 0) * (lod_way_next(way_of(spend, bid), bid->low) - bid->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -409,7 +408,7 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 			continue;
 		const struct eco_ladder *ladder = &p->scene->ladders[m->offers[bid->offer].ladder];
 		uint32_t slot = m->offers[bid->offer].slot;
-		drawn[slot][ladder->organ] += lod_ladder_density(p->scene, ladder, bid->low) * ladder->area;
+		drawn[slot][ladder->organ] += lod_way_density(lod_planning_way(p, m->offers[bid->offer].ladder), bid->low) * ladder->area;
 		all[slot][ladder->organ] += ladder->area;
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
@@ -450,7 +449,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
 			entry.slot = o->slot;
 			entry.ladder = o->ladder;
-			entry.full = lod_ladder_full(p->scene, ladder);
+			entry.full = lod_planning_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
 			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
 			if (bid->ahead) {        /* and less than all */
@@ -467,8 +466,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 /* Between two amounts a curve is not a straight line. */
 static double error_at(const struct lod_spend *spend, const struct lod_bid *bid, uint64_t vertices)
 {
-	const struct eco_scene *scene = spend->market->p->scene;
-	struct lod_amount amount = lod_steps_amount(scene, ladder_of(spend, bid), vertices);
+	struct lod_amount amount = lod_steps_amount(way_of(spend, bid), vertices);
 	return lod_steps_error(bid->steps, &amount);
 }
 

@@ -27,10 +27,11 @@ void lod_steps_hull(struct lod_steps *steps)
 }
 
 /* A whole-plant list without cells: all of it drawn is a share of the plant, and no more, though the curve goes on. */
-static double share_alone(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+static double share_alone(const struct lod_way *way, uint64_t vertices)
 {
-	double share = lod_ladder_share(scene, ladder, vertices), reach = lod_ladder_density(scene, ladder, vertices);
-	const struct eco_curve *c = scene->curves + ladder->curve_first;
+	const struct eco_ladder *ladder = way->ladder;
+	double share = lod_way_share(way, vertices), reach = lod_way_density(way, vertices);
+	const struct eco_curve *c = way->scene->curves + ladder->curve_first;
 	uint32_t i = 0;
 	while (i < ladder->curve_count && (double)c[i].reach < reach)
 		i++;
@@ -40,39 +41,41 @@ static double share_alone(const struct eco_scene *scene, const struct eco_ladder
 	return fmin(share, (double)c[i - 1].share + part * ((double)c[i].share - (double)c[i - 1].share));
 }
 
-struct lod_amount lod_steps_amount(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices)
 {
-	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices == lod_ladder_stage_end(scene, ladder);
-	double share = alone ? share_alone(scene, ladder, vertices) : lod_ladder_share(scene, ladder, vertices);
+	const struct eco_scene *scene = way->scene;
+	const struct eco_ladder *ladder = way->ladder;
+	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices == lod_way_stage_end(way);
+	double share = alone ? share_alone(way, vertices) : lod_way_share(way, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
 		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
 	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn };
 }
 
-void lod_steps_make(struct lod_steps *steps, struct lod_amount *amounts, const struct eco_scene *scene, const struct eco_ladder *ladder,
-	uint64_t from, uint64_t to, uint64_t *looked)
+uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct lod_way *way, uint64_t from, uint64_t to)
 {
-	uint64_t stage = lod_ladder_stage_end(scene, ladder), at = from;
-	steps->amounts = amounts;
-	steps->count = 1;
-	amounts[0] = lod_steps_amount(scene, ladder, from);
-	while (at < to && steps->count < LOD_STEPS_MAX - 2) {
-		uint64_t next = lod_ladder_next(scene, ladder, at), further = lod_ladder_floor(scene, ladder, at + at / PER_OCTAVE_STEP + 1);
+	uint64_t stage = lod_way_stage_end(way), at = from;
+	uint32_t count = 1;
+	amounts[0] = lod_steps_amount(way, from);
+	while (at < to && count < LOD_STEPS_MAX - 2) {
+		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / PER_OCTAVE_STEP + 1);
 		next = further > next ? further : next;
 		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
 			next = stage;
 		at = next < to ? next : to;
-		amounts[steps->count++] = lod_steps_amount(scene, ladder, at);
+		amounts[count++] = lod_steps_amount(way, at);
 	}
 	if (at < to)
-		amounts[steps->count++] = lod_steps_amount(scene, ladder, to);
-	*looked += steps->count;
-	lod_steps_hull(steps);
-	/* all there is, for who can have everything */
-	const struct lod_amount *last = &amounts[steps->count - 1];
+		amounts[count++] = lod_steps_amount(way, to);
+	return count;
+}
+
+void lod_steps_complete(struct lod_steps *steps, uint64_t to)
+{
+	const struct lod_amount *last = &steps->amounts[steps->count - 1];
 	if (last->vertices < to)
-		amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn, .price = 0 };
+		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn, .price = 0 };
 }
 
 double lod_steps_position(const struct lod_steps *steps, double price)

@@ -2,7 +2,9 @@
  * that only becomes worth it together with the next is taken together with it. They depend on no view: a slot's steps are
  * its ladder's, times what a wrong pixel of it weighs.
  *
- *   lod_steps_make(&steps, scene, ladder, from, to, room)       amounts[0] is `from`; amount i has error amounts[i].fp + amounts[i].fn
+ *   n = lod_steps_sample(amounts, &way, from, to)               amounts[0] is `from`; amount i has error amounts[i].fp + amounts[i].fn
+ *   lod_steps_hull(&steps)                                      those that are worth it, in place
+ *   lod_steps_complete(&steps, to)
  *   x = lod_steps_position(&steps, price)                       how far up at that price of a vertex: amounts[floor(x)], and the next for a
  *                                                               share of x - floor(x) of the plants */
 #ifndef LOD_STEPS_H
@@ -11,6 +13,8 @@
 #include "lod/ladder.h"
 
 #define LOD_STEPS_MAX 97u        /* with the last */
+#define LOD_EXTRAS 5u            /* weights of pixels too many that steps are made for: 0 to 1 */
+static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
 
 struct lod_amount {
 	uint64_t vertices;           /* a value that lod_ladder_floor returns */
@@ -24,16 +28,16 @@ struct lod_steps {
 	double extra;                /* what a pixel too many weighs: one that is missing weighs 1 */
 };
 
-/* Amounts of a ladder from `from` to `to` vertices, both values that lod_ladder_floor returns, with steps->extra as it is. `amounts` has LOD_STEPS_MAX; *looked grows by
- * how many were compared. */
-void lod_steps_make(struct lod_steps *steps, struct lod_amount *amounts, const struct eco_scene *scene, const struct eco_ladder *ladder,
-	uint64_t from, uint64_t to, uint64_t *looked);
+/* Amounts of a ladder from `from` to `to` vertices, both values that lod_way_floor returns; their number, at most LOD_STEPS_MAX - 1. */
+uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct lod_way *way, uint64_t from, uint64_t to);
 
-/* Errors at an amount that lod_ladder_floor returns. */
-struct lod_amount lod_steps_amount(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
+/* Errors at an amount that lod_way_floor returns. */
+struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices);
 
-/* The hull of any amounts in ascending vertices, in place. */
+/* The hull of any amounts in ascending vertices, in place, with steps->extra as it is. */
 void lod_steps_hull(struct lod_steps *steps);
+/* All there is, for who can have everything: `to` as the last amount. Needs room for one more. */
+void lod_steps_complete(struct lod_steps *steps, uint64_t to);
 
 /* In [0, count - 1]. A step is taken by all plants where its gain is above LOD_STEPS_BLUR times the price, by none where below 1 / that, and
  * between by a share that grows: so that a slot's amounts change little by little where a price does. */

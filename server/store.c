@@ -12,6 +12,7 @@ void srv_store_init(struct srv_store *store)
 
 static void scene_free(struct srv_scene *scene)
 {
+	lod_tables_free(scene->tables);
 	eco_pack_close(scene->pack);
 	free(scene->by_id);
 	free(scene->checked);
@@ -73,6 +74,7 @@ enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, stru
 	if (!code) {
 		snprintf(scene.name, sizeof scene.name, "%s", name);
 		code = scene_index(&scene, error);
+		code = code ? code : lod_tables_make(&scene.tables, &pack->scene, error);
 	}
 	struct srv_scene *grown = code ? NULL : realloc(store->scenes, (store->count + 1) * sizeof *grown);
 	if (!code && !grown)

@@ -1,5 +1,6 @@
 /* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any number of threads read it
- * without locks; only two per-chunk marks change, each once and atomically: "hash checked" and "response made".
+ * without locks; only two per-chunk marks change, each once and atomically: "hash checked" and "response made"; and the planner's
+ * tables fill themselves likewise (lod/tables.h).
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
@@ -14,6 +15,7 @@
 #include <stdbool.h>
 
 #include "ecofiles/pack.h"
+#include "lod/tables.h"
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u
@@ -23,6 +25,7 @@ struct MHD_Response;
 struct srv_scene {
 	char name[SRV_NAME_BYTES];
 	struct eco_pack *pack;
+	struct lod_tables *tables;
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
 	_Atomic(struct MHD_Response *) *responses;   /* per chunk: the shared response, made when first asked for */

@@ -80,7 +80,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	const struct srv_stream_input *input = &stream->input;
 	const struct eco_scene *scene = &input->scene->pack->scene;
 	struct eco_request request = *input->request;
-	struct lod_planner_input planner = { .scene = scene, .request = &request, .holdings = input->holdings,
+	struct lod_planner_input planner = { .scene = scene, .tables = input->scene->tables, .request = &request, .holdings = input->holdings,
 		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
 		.ignore_occlusion = input->ignore_occlusion };
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };

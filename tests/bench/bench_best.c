@@ -29,8 +29,7 @@ static double error_at(const struct search *s, const struct lod_bid *bid, uint64
 	const struct lod_steps *steps = bid->steps;
 	uint32_t i = 0;
 	if (bid->offer != ECO_NONE) {
-		const struct eco_scene *scene = s->planning.scene;
-		struct lod_amount amount = lod_steps_amount(scene, &scene->ladders[s->market.offers[bid->offer].ladder], vertices);
+		struct lod_amount amount = lod_steps_amount(lod_planning_way(&s->planning, s->market.offers[bid->offer].ladder), vertices);
 		return lod_steps_error(steps, &amount);
 	}
 	while (i + 1 < steps->count && steps->amounts[i + 1].vertices <= vertices)
@@ -44,7 +43,7 @@ static uint64_t next_amount(const struct search *s, const struct lod_bid *bid, u
 {
 	uint64_t last = bid->steps->amounts[bid->steps->count - 1].vertices, next = vertices + 1;
 	if (bid->offer != ECO_NONE)
-		next = lod_ladder_next(s->planning.scene, &s->planning.scene->ladders[s->market.offers[bid->offer].ladder], vertices);
+		next = lod_way_next(lod_planning_way(&s->planning, s->market.offers[bid->offer].ladder), vertices);
 	return next > last ? UINT64_MAX : next;
 }
 

@@ -210,7 +210,8 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	struct eco_error error = { 0 };
 	request.vertices = rung->budget;
 	request.bytes = ECO_BYTES_UNBOUNDED;
-	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .request = &request, .stats = &rung->stats }, &error)) {
+	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .tables = run->scene->tables, .request = &request,
+			.stats = &rung->stats }, &error)) {
 		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
 		return false;
 	}
