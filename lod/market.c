@@ -11,6 +11,8 @@
 #define BLOCK 4096u              /* amounts taken from memory at once */
 #define GIVING_WAY 0.07          /* tiles are open in part where choices differ by less than this, of what they gain */
 #define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
+#define SMOOTH_BANDS 3           /* on either side, ...*/
+#define SMOOTH_PLANTS 40.0       /* ... where there are fewer plants than this */
 #define LAST_PRICE 1e-200        /* of what is bought only where nothing else is left to buy */
 #define HIDDEN_WOOD 0.1          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
 
@@ -160,6 +162,37 @@ static double bare_pixels(const struct lod_sight *sight)
 	return (double)sight->bare * sight->pixels;
 }
 
+static uint32_t whole_slot(const struct lod_market *m, uint32_t plant, uint8_t band)
+{
+	return m->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
+}
+
+/* What is seen of a plant in the mean of its slot. Of a few plants the mean jumps as one more of them crosses a border or is hidden; so those of
+ * the bands around it count, too, as if they were at its distance, the less the more it has of its own. Sums are in `own` and `parts`,
+ * numbers in m->scratch. */
+static void smooth_plants(struct lod_market *m)
+{
+	const struct lod_visible *visible = &m->p->visible;
+	for (uint32_t s = 0; s < visible->slot_count; s++) {
+		const struct lod_slot *slot = &visible->slots[s];
+		double own = m->scratch[s], seen = 0, bare = 0, sum = 0, nominal = lod_band_distance_m(slot->band);
+		for (int k = -SMOOTH_BANDS; !slot->cell && k <= SMOOTH_BANDS; k++) {
+			int band = (int)slot->band + k;
+			uint32_t t = band < 0 || band >= (int)ECO_BANDS ? ECO_NONE : whole_slot(m, slot->plant, (uint8_t)band);
+			if (t == ECO_NONE || !(m->scratch[t] > 0))
+				continue;
+			double far = lod_band_distance_m((uint8_t)band) / nominal, weight = k == 0 ? 1 : fmin(1, SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
+			seen += weight * far * far * m->lots[t].own;
+			bare += weight * far * far * m->lots[t].parts;
+			sum += weight * m->scratch[t];
+		}
+		m->lots[s].seen = own > 0 ? seen / sum : 0;
+		m->lots[s].bare = own > 0 ? bare / sum : 0;
+	}
+	for (uint32_t s = 0; s < visible->slot_count; s++)
+		m->lots[s].own = m->lots[s].parts = 0;
+}
+
 static void see_plants(struct lod_market *m)
 {
 	struct lod_planning *p = m->p;
@@ -169,24 +202,18 @@ static void see_plants(struct lod_market *m)
 		const struct lod_sight *sight = &p->screen.sights[i];
 		if (sight->slot == ECO_NONE || !m->stalls[sight->node].open)
 			continue;
-		m->lots[sight->slot].seen += seen_pixels(sight);
-		m->lots[sight->slot].bare += bare_pixels(sight);
+		m->lots[sight->slot].own += seen_pixels(sight);
+		m->lots[sight->slot].parts += bare_pixels(sight);
 		counts[sight->slot] += 1;
 	}
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
-		if (slot->cell)
-			continue;
-		m->lots[s].seen = counts[s] > 0 ? m->lots[s].seen / counts[s] : 0;
-		m->lots[s].bare = counts[s] > 0 ? m->lots[s].bare / counts[s] : 0;
-		m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
+		if (!slot->cell)
+			m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
 	}
+	smooth_plants(m);
 }
 
-static uint32_t whole_slot(const struct lod_market *m, uint32_t plant, uint8_t band)
-{
-	return m->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
-}
 
 typedef void (*cell_fn)(struct lod_market *m, const struct lod_tally *tally, struct lod_lot *cell, struct lod_lot *whole);
 
