@@ -80,8 +80,9 @@ enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_
 
 /* ---- Scenes and plants (bench_scene.c) ---- */
 
-/* Plant models of the data folder and generated ones, sorted by name: files that read as one plant each. */
-struct bench_model { char name[64], path[512]; bool generated; };
+/* Plant models of the data folder, then generated ones, those with the fewest leaves first: files that read as one plant each. So a quick
+ * bench that stops after some sees as many as it can, and among them the sparse ones, which are the hard ones. */
+struct bench_model { char name[64], path[512]; bool generated; uint32_t leaves; };
 enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count, struct eco_error *error);
 /* Reads one (in a child process). The caller frees it with eco_model_free. */
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out, struct eco_error *error);

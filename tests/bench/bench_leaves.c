@@ -59,20 +59,6 @@ double bench_wrong_q(const struct bench_wrong *wrong)
 	return 1 - sqrt(lost_p * lost_p + lost_r * lost_r);
 }
 
-static uint32_t common_divisor(uint32_t a, uint32_t b)
-{
-	return b ? common_divisor(b, a % b) : a;
-}
-
-/* Steps of about a golden section of the list. */
-uint32_t bench_spread(uint32_t i, uint32_t count)
-{
-	uint32_t stride = (uint32_t)(count * 0.382) + 1;
-	while (common_divisor(count, stride) != 1)
-		stride++;
-	return (uint32_t)((uint64_t)i * stride % count);
-}
-
 /* ---- Whose pixels ---- */
 
 /* Another shape for the leaf, opaque, about the mean of its own corners. */

@@ -28,9 +28,6 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 
-/* A permutation of [0, count) for taking a few models of many, as those of one maker stand together in their list. */
-uint32_t bench_spread(uint32_t i, uint32_t count);
-
 /* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood; colours by how a leaf faces the eye. NULL draws all. */
 #define BENCH_WOOD (UINT64_C(1) << 40)
 void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing);

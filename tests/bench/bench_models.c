@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "lod/foliage.h"
 #include "tests/bench/bench_state.h"
 
 #define PATH 1024
@@ -91,10 +92,27 @@ static int by_name(const void *a, const void *b)
 	return order ? order : strcmp(x->path, y->path);
 }
 
+static int by_leaves(const void *a, const void *b)
+{
+	const struct bench_model *x = a, *y = b;
+	int order = x->generated - y->generated;
+	return order ? order : x->leaves != y->leaves ? (x->leaves < y->leaves ? -1 : 1) : by_name(a, b);
+}
+
 /* ---- What is read ---- */
 
-/* Whether it reads; kept, as it takes a second or two each. */
-static bool reads(struct bench *bench, const struct bench_model *model)
+static uint32_t count_leaves(const struct eco_model *model)
+{
+	struct lod_arena arena = { 0 };
+	struct lod_foliage foliage;
+	struct eco_error why = { 0 };
+	uint32_t count = lod_foliage_make(&foliage, model, &arena, &why) ? 0 : foliage.count;
+	lod_arena_free(&arena);
+	return count;
+}
+
+/* Whether it reads, and its leaves; kept, as it takes a second or two each. */
+static bool reads(struct bench *bench, struct bench_model *model)
 {
 	char unit[640], stamp[64];
 	struct stat status;
@@ -109,12 +127,13 @@ static bool reads(struct bench *bench, const struct bench_model *model)
 		enum eco_code code = bench_model_read(bench, model, &read, &error);
 		if (code == ECO_INTERRUPTED)
 			return false;
-		kept = bench_keep(bench, unit, stamp, json_pack("{s:b, s:i, s:s}", "reads", (int)!code, "triangles", code ? 0 : (int)read.triangle_count, "why",
+		kept = bench_keep(bench, unit, stamp, json_pack("{s:b, s:i, s:s}", "reads", (int)!code, "leaves", code ? 0 : (int)count_leaves(&read), "why",
 			error.text));
 		if (!code)
 			eco_model_free(&read);
 	}
 	bool good = json_is_true(json_object_get(kept, "reads"));
+	model->leaves = (uint32_t)json_integer_value(json_object_get(kept, "leaves"));
 	if (!good)
 		bench_note(bench, "%s is left out: %s", model->path, json_string_value(json_object_get(kept, "why")));
 	return good;
@@ -163,7 +182,7 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 {
 	struct list list = { 0 };
 	enum eco_code code = find_all(bench, &list, error);
-	const char *before = bench_objects(bench, "ecofiles/*.o tests/bench/bench_models.o");
+	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS);
 	uint32_t kept = 0;
 	if (list.count)
 		qsort(list.items, list.count, sizeof *list.items, by_name);
@@ -176,6 +195,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
 	bench_objects(bench, before);
+	if (kept)
+		qsort(list.items, kept, sizeof *list.items, by_leaves);
 	if (code) {
 		free(list.items);
 		return code;

@@ -10,7 +10,6 @@
 #include "lod/ladder.h"
 #include "lod/probe.h"
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_leaves.h"
 
 #define MODELS 8u
 #define MODELS_QUICK 4u
@@ -263,9 +262,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		return code;
 	struct tables t = { bench_table_open(bench, "scale_gaps", "plant,lambda,Q at the table's scale,best Q,gap,best scale over the table's", false),
 		bench_table_open(bench, "scale_sizes", "plant,pixels,lambda,P,spread of P,R,spread of R,Q", false), -1, 0, 0, "" };
-	for (uint32_t i = 0; i < count && found < wanted && !code; i++) {
-		uint32_t k = bench_spread(i, count);
+	for (uint32_t k = 0; k < count && found < wanted && !code; k++) {
 		json_t *one = NULL;
+		if (models[k].leaves < ELEMENTS_LEAST)
+			continue;
 		bench_progress(bench, (double)found / wanted, models[k].name);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : unit(bench, &models[k], &one, error);
 		if (code || !json_array_size(json_object_get(one, "gaps")))

@@ -4,10 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench_leaves.h"
 #include "tests/bench/bench_savings.h"
 
-#define READ_QUICK 5u            /* plants of the data folder, in the quick bench */
+#define READ_QUICK 8u            /* plants of the data folder, in the quick bench: those with the fewest leaves */
 #define MADE_QUICK 2u            /* generated ones */
 
 struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS]; uint32_t count; };
@@ -178,8 +177,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	const struct tables tables = open_tables(bench);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		struct bench_savings s;
-		const struct bench_model *model = &models[bench->full ? i : bench_spread(i, count)];
-		if (!bench->full && (model->generated ? sum->made.count == MADE_QUICK : sum->read.count == READ_QUICK))
+		const struct bench_model *model = &models[i];
+		bool enough = model->generated ? sum->made.count == MADE_QUICK : sum->read.count == READ_QUICK;
+		if (model->leaves < BENCH_ELEMENTS_LEAST || (enough && !bench->full))
 			continue;
 		bench_progress(bench, (double)i / count, model->name);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : bench_savings_of(bench, &s, model->name, model->path, error);
