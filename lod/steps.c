@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define PER_OCTAVE_STEP 4u       /* amounts grow by a quarter: curves are smooth, and are sampled no finer */
+#define PER_OCTAVE_STEP 2u       /* amounts grow by half: curves are smooth, and the fewer steps, the fewer plants take one as a camera moves */
 
 void lod_steps_hull(struct lod_steps *steps)
 {
