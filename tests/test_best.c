@@ -18,7 +18,7 @@
 /* The best is never worse than the plan: else something was not tried. */
 static void plans_are_close_to_the_best_there_is(void **state)
 {
-	double sum = 0;
+	double sum = 0, worst = 0;
 	uint32_t count = 0, tried = 0;
 	(void)state;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
@@ -30,12 +30,14 @@ static void plans_are_close_to_the_best_there_is(void **state)
 		assert_true(best.planner >= best.best * (1 - ROUNDING) - ROUNDING);
 		assert_true(best.best <= best.empty * (1 + ROUNDING));
 		sum += (best.planner - best.best) / best.empty;
+		worst = fmax(worst, (best.planner - best.best) / best.empty);
 		tried += best.structures;
 		count++;
 	}
 	assert_true(count > SCENES / 2);
 	assert_true(tried > 2 * count);
-	assert_true(sum / count < 0.01);
+	print_message("          above the best, of what is wrong with nothing drawn: mean %.4f %%, at most %.4f %%\n", 100 * sum / count, 100 * worst);
+	assert_true(sum / count <= 0.01 && worst <= 0.05);
 }
 
 static void the_best_is_found_again(void **state)

@@ -67,8 +67,8 @@ static double closed_wrong(const struct lod_market *m)
 {
 	double sum = 0;
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->drawn_by[n] == n && m->p->visible.nodes[n].state == LOD_CLOSED)
-			sum += m->stalls[n].worth;
+		if (m->p->visible.nodes[n].state == LOD_CLOSED)
+			sum += m->stalls[n].weight * m->stalls[n].worth;
 	return sum;
 }
 
@@ -95,7 +95,7 @@ static enum eco_code try_tiles(struct search *s, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	for (uint32_t choice = 0; choice < 1u << s->free_count && !code; choice++) {
 		for (uint32_t i = 0; i < s->free_count; i++)
-			s->market.stalls[s->free_nodes[i]].opened = choice >> i & 1;
+			s->market.stalls[s->free_nodes[i]].share = choice >> i & 1;
 		code = try_structure(s, error);
 	}
 	return code;
@@ -121,7 +121,7 @@ static void find_free(struct search *s)
 {
 	for (uint32_t n = 0; n < s->planning.visible.node_count; n++) {
 		struct lod_stall *stall = &s->market.stalls[n];
-		stall->opened = stall->open && !stall->summary;
+		stall->share = stall->open && !stall->summary;
 		if (stall->open && stall->summary && s->free_count < FREE_MOST)
 			s->free_nodes[s->free_count++] = n;
 	}
