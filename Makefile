@@ -49,6 +49,7 @@ endif
 CFLAGS_ALL := -std=c11 $(OPT) $(COMMON) $(WARN) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(OPT) $(COMMON) $(CXXWARN) $(CXXFLAGS)
 
+comma := ,
 sources = $(filter-out $(1)/main_%.c,$(wildcard $(1)/*.c))
 objects = $(patsubst %.c,$(B)/obj/%.o,$(1))
 
@@ -102,9 +103,11 @@ $(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_EC
 TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
 $(B)/tests/test_make $(B)/tests/test_cache $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
 $(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_extreme: $(call objects,$(wildcard tests/bench/bench*.c))
-$(B)/tests/test_%: $(B)/obj/tests/test_%.o $(TEST_LIBS)
+# Floating-point traps around lod/: these functions are entered through tests/traps.c.
+TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' tests/traps.c))
+$(B)/tests/test_%: $(B)/obj/tests/test_%.o $(B)/obj/tests/traps.o $(TEST_LIBS)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $(filter %.o,$^) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
+	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
 		$(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
 # Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.

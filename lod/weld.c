@@ -72,8 +72,11 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 	}
 	mesh->triangle_count = kept;
 	double extent = 0;
-	for (int a = 0; a < 3 && kept; a++)
-		extent = fmax(extent, (double)mesh->high[a] - mesh->low[a]);
+	for (int a = 0; a < 3; a++)
+		if (kept)
+			extent = fmax(extent, (double)mesh->high[a] - mesh->low[a]);
+		else
+			mesh->low[a] = mesh->high[a] = 0;
 	return extent;
 }
 

@@ -62,8 +62,8 @@ bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b);
 
 /* What every plan must be: in order, within the budget, and of finite numbers that make sense. */
 bool extreme_plan_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request);
-/* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze is so many metres deep, so that
- * colours are not to be asked for where the metre is another. */
+/* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze is so many metres deep and
+ * high, so that colours are not to be asked for where the metre or the height is another. */
 double extreme_pixels_differ(const struct view_picture *a, const struct view_picture *b, bool colours);
 
 /* Plans for this scene's tables and request, and checks the plan; false where it failed. The caller frees the plan. */
