@@ -253,6 +253,8 @@ void bench_say(struct bench *bench, const char *format, ...)
 	free(text);
 }
 
+void bench_head(struct bench *bench, const char *text) { bench_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text)); }
+
 void bench_key(struct bench *bench, const char *key, double value, const char *bar)
 {
 	json_array_append_new(bench->state->keys, json_pack("{s:s, s:o, s:s}", "key", key, "value", isfinite(value) ? json_real(value) : json_null(),

@@ -61,7 +61,8 @@ void bench_table_close(struct bench_table *table);
 /* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` is what it should reach, in words. */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
-/* A paragraph of the report: plain text, escaped. */
+/* A heading within the section, and a paragraph: plain text, escaped. */
+void bench_head(struct bench *bench, const char *text);
 void bench_say(struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Lines over a common axis, as NAME.png and in the report. NaN interrupts a line. */

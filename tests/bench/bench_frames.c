@@ -23,9 +23,9 @@ static double times_of(const json_t *row, double bits_a_ms)
 
 /* ---- All frames of a scene ---- */
 
-enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, COLOUR, PREDICTED, VERTICES, BYTES, PLAN, DECODE, DRAW, TOTAL_10, TOTAL_100, FIGURES };
+enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, COLOUR, PREDICTED, VERTICES, BYTES, PLAN, DECODE, DRAW, TOTAL_10, TOTAL_100, SENT_10, SENT_100, FIGURES };
 static const char *const figure_keys[FIGURES] = { "q", "p", "r", "wrong", "skill", "owner_q", "colour", "predicted_q", "vertices", "bytes", "plan_ms",
-	"decode_ms", "draw_ms", NULL, NULL };
+	"decode_ms", "draw_ms", NULL, NULL, NULL, NULL };
 
 struct means { double sum[FIGURES]; uint32_t count[FIGURES]; };        /* over views; what is NaN in one does not count */
 
@@ -46,7 +46,13 @@ static double mean(const struct means *means, enum figure figure)
 
 static double value_of(const json_t *row, enum figure figure)
 {
-	return figure == TOTAL_10 ? times_of(row, NARROW) : figure == TOTAL_100 ? times_of(row, WIDE) : bench_shot_number(row, figure_keys[figure]);
+	switch (figure) {
+	case TOTAL_10: return times_of(row, NARROW);
+	case TOTAL_100: return times_of(row, WIDE);
+	case SENT_10: return 8 * bench_shot_number(row, "bytes") / NARROW;
+	case SENT_100: return 8 * bench_shot_number(row, "bytes") / WIDE;
+	default: return bench_shot_number(row, figure_keys[figure]);
+	}
 }
 
 static void add(struct means *means, const json_t *row)
@@ -111,16 +117,24 @@ static enum eco_code study_scene(struct bench *bench, struct study *s, struct be
 
 /* ---- Tables and plots ---- */
 
-static void write_means(struct bench_table *table, const struct study *s)
+/* One table a scene, budget by budget, so that methods stand below each other. */
+static void write_means(struct bench *bench, const struct study *s)
 {
-	for (uint32_t m = 0; m < BENCH_METHODS; m++)
-		for (uint32_t b = 0; b < s->budgets && s->done[m]; b++) {
+	char name[64];
+	snprintf(name, sizeof name, "frames_%s", s->scene);
+	struct bench_table *table = bench_table_open(bench, name, "budget,method,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,plan ms,transfer at 10 Mbit/s "
+		"ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,at 100 Mbit/s ms,vertices,bytes,predicted Q", true);
+	for (uint32_t b = 0; b < s->budgets; b++)
+		for (uint32_t m = 0; m < BENCH_METHODS; m++) {
 			const struct means *a = &s->all[m][b];
-			bench_table_row(table, "%s,%llu,%s,%.4f,%.4f,%.4f,%.0f,%.3f,%.3f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.0f", s->scene,
-				(unsigned long long)s->vertices[b], bench_methods[m].name, 1 - mean(a, QUALITY), mean(a, PRECISION), mean(a, RECALL),
-				mean(a, WRONG), mean(a, SKILL), mean(a, OWNER), mean(a, COLOUR), mean(a, PLAN), mean(a, DECODE), mean(a, DRAW),
-				mean(a, TOTAL_10), mean(a, TOTAL_100), mean(a, BYTES));
+			if (s->done[m])
+				bench_table_row(table, "%llu,%s,%.4f,%.4f,%.4f,%.0f,%.3f,%.3f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.0f,%.0f,%.4f",
+					(unsigned long long)s->vertices[b], bench_methods[m].name, 1 - mean(a, QUALITY), mean(a, PRECISION), mean(a, RECALL),
+					mean(a, WRONG), mean(a, SKILL), mean(a, OWNER), mean(a, COLOUR), mean(a, PLAN), mean(a, SENT_10), mean(a, SENT_100),
+					mean(a, DECODE), mean(a, DRAW), mean(a, TOTAL_10), mean(a, TOTAL_100), mean(a, VERTICES), mean(a, BYTES),
+					mean(a, PREDICTED));
 		}
+	bench_table_close(table);
 }
 
 static void write_occlusion(struct bench_table *table, const struct study *s)
@@ -327,7 +341,7 @@ static void trees5000_keys(struct bench *bench, const struct study *s)
 
 /* ---- The section ---- */
 
-struct tables { struct bench_table *frames, *means, *occlusion; };
+struct tables { struct bench_table *frames, *occlusion; };
 
 static enum eco_code run_scene(struct bench *bench, size_t index, const struct tables *tables, struct eco_error *error)
 {
@@ -343,9 +357,10 @@ static enum eco_code run_scene(struct bench *bench, size_t index, const struct t
 	if (!code && found)
 		code = study_scene(bench, s, tables->frames, error);
 	if (!code && found) {
-		write_means(tables->means, s);
+		bench_head(bench, scene);
 		write_occlusion(tables->occlusion, s);
 		code = plot_over(bench, s, TOTAL_100, "time", "plan + transfer at 100 Mbit/s + decode + draw, ms", error);
+		write_means(bench, s);
 	}
 	if (!code && found)
 		code = plot_over(bench, s, VERTICES, "vertices", "vertices drawn", error);
@@ -365,8 +380,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,"
 		"predicted Q,plan ms,transfer at 10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 ms,total at 100 ms,vertices,bytes", false),
-		.means = bench_table_open(bench, "frames_means", "scene,budget,method,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,plan ms,decode ms,"
-			"draw ms,total at 10 Mbit/s ms,at 100 Mbit/s ms,bytes", true),
 		.occlusion = bench_table_open(bench, "frames_occlusion", "scene,vertices,Q with occlusion,Q without,wrong with,wrong without,ratio,"
 			"skill with,skill without", true) };
 	enum eco_code code = ECO_OK;
@@ -377,7 +390,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		if (scenes[i].quick || bench->full)
 			code = run_scene(bench, i, &tables, error);
 	bench_table_close(tables.frames);
-	bench_table_close(tables.means);
 	bench_table_close(tables.occlusion);
 	return code;
 }

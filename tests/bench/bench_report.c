@@ -102,7 +102,7 @@ static const char style[] =
 	"@media(prefers-color-scheme:dark){:root{--ink:#e6e4dc;--soft:#9aa;--line:#3a3d38;--page:#181a17;--card:#20231f;--good:#6cc98a;--bad:#f08a80}}\n"
 	"*{box-sizing:border-box}body{font:16px/1.55 system-ui,sans-serif;margin:0 auto;max-width:62rem;padding:1rem;color:var(--ink);background:var(--page)}\n"
 	"h1{font-size:1.6rem;line-height:1.2;margin:.6rem 0}h2{font-size:1.2rem;margin:2.4rem 0 .4rem;padding-top:.8rem;border-top:1px solid var(--line)}\n"
-	"p{margin:.6rem 0;max-width:46rem}small,.soft{color:var(--soft)}a{color:inherit}\n"
+	"h3{font-size:1.02rem;margin:1.6rem 0 .3rem}p{margin:.6rem 0;max-width:46rem}small,.soft{color:var(--soft)}a{color:inherit}\n"
 	"nav{display:flex;flex-wrap:wrap;gap:.2rem .9rem;font-size:.9rem;margin:.8rem 0}\n"
 	".wide{overflow-x:auto;margin:.7rem 0}table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;background:var(--card)}\n"
 	"th,td{padding:.22rem .65rem;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}th{font-weight:600;vertical-align:bottom;white-space:normal}\n"
@@ -189,9 +189,10 @@ static void print_item(FILE *out, const json_t *item)
 		escape_all(out, json_string_value(json_object_get(item, "caption")));
 		fputs("</figcaption></figure>\n", out);
 	} else {
-		fputs("<p>", out);
+		const char *tag = strcmp(kind, "head") ? "p" : "h3";
+		fprintf(out, "<%s>", tag);
 		escape_all(out, json_string_value(json_object_get(item, "text")));
-		fputs("</p>\n", out);
+		fprintf(out, "</%s>\n", tag);
 	}
 }
 

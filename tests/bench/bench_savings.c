@@ -22,6 +22,8 @@
 #define KNEE 0.3                 /* lambdas are a constant factor apart below, a constant step above */
 #define FACTOR 1.4
 #define STEP 0.05
+#define FACTOR_QUICK 1.6         /* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
+#define STEP_QUICK 0.07
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
 #define WAYS 5                   /* from as they are to as many as can be, simpler */
 #define BESIDE_STRIDE 4u         /* distances that owners and colours are compared at */
@@ -254,10 +256,10 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 static enum eco_code fill_tables(struct bench *bench, struct study *s, struct eco_error *error)
 {
 	double lambda[ROWS_MAX];
-	double least = fmax(LAMBDA_LEAST, 2.0 / s->n);
-	for (double l = 1; l > KNEE + STEP / 2; l -= STEP)
+	double least = fmax(LAMBDA_LEAST, 2.0 / s->n), step = bench->full ? STEP : STEP_QUICK, factor = bench->full ? FACTOR : FACTOR_QUICK;
+	for (double l = 1; l > KNEE + step / 2; l -= step)
 		lambda[s->row_count++] = l;
-	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= FACTOR)
+	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
 		lambda[s->row_count++] = l;
 	for (int m = 0; m < BENCH_METHODS; m++)
 		for (uint32_t i = 0; i < s->row_count; i++) {
