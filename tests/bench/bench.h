@@ -97,6 +97,8 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 const char *bench_pack_stamp(const char *path);
 /* What it took to build: processor seconds and wall-clock seconds; NaN where that is not known. */
 void bench_pack_times(const char *path, double *cpu_s, double *wall_s);
+/* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there (bench_requests.c). */
+enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);
 /* Whether the quick bench looks at it. */
 bool bench_scene_quick(const char *name);
 /* Its cameras: `count` requests along the scene's path; views never used in building. */

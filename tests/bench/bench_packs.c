@@ -51,6 +51,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			code = add_scene(bench, table, bench_scene_names[i], &sum_s, error);
 	}
 	bench_table_close(table);
+	if (!code)
+		code = bench_request_packs(bench, error);
 	bench_say(bench, "Times are those of the run that built a pack; a plant that another pack has had before comes from a cache and costs nothing anew.");
 	if (!code)
 		bench_key(bench, "packs_cpu_s", sum_s, "processor time of all packs of this bench");
