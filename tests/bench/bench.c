@@ -361,21 +361,27 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 
 /* ---- Runs ---- */
 
-static void hash_file(XXH3_state_t *hash, const char *path)
+uint64_t bench_file_hash(const char *path)
 {
-	FILE *file = fopen(path, "rb");
 	static char part[1 << 16];
-	for (size_t n; file && (n = fread(part, 1, sizeof part, file)) > 0;)
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		return 0;
+	XXH3_state_t *hash = XXH3_createState();
+	XXH3_64bits_reset(hash);
+	for (size_t n; (n = fread(part, 1, sizeof part, file)) > 0;)
 		XXH3_64bits_update(hash, part, n);
-	if (file)
-		fclose(file);
+	uint64_t value = XXH3_64bits_digest(hash);
+	XXH3_freeState(hash);
+	fclose(file);
+	return value;
 }
+
+static uint64_t mix(uint64_t sum, uint64_t value) { return XXH3_64bits_withSeed(&value, sizeof value, sum); }
 
 static void hash_objects(const struct bench *bench, const char *objects, char stamp[17])
 {
-	XXH3_state_t *hash = XXH3_createState();
-	bool any = false;
-	XXH3_64bits_reset(hash);
+	uint64_t sum = 0;
 	for (const char *at = objects; *at; at += strspn(at, " ")) {
 		char pattern[PATH];
 		glob_t found;
@@ -384,14 +390,11 @@ static void hash_objects(const struct bench *bench, const char *objects, char st
 		at += size;
 		if (glob(pattern, 0, NULL, &found))
 			continue;
-		for (size_t i = 0; i < found.gl_pathc; i++, any = true)
-			hash_file(hash, found.gl_pathv[i]);
+		for (size_t i = 0; i < found.gl_pathc; i++)
+			sum = mix(sum, bench_file_hash(found.gl_pathv[i]));
 		globfree(&found);
 	}
-	if (!any)
-		hash_file(hash, "/proc/self/exe");
-	snprintf(stamp, 17, "%016llx", (unsigned long long)XXH3_64bits_digest(hash));
-	XXH3_freeState(hash);
+	snprintf(stamp, 17, "%016llx", (unsigned long long)(sum ? sum : bench_file_hash("/proc/self/exe")));
 }
 
 void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17])

@@ -79,6 +79,9 @@ void bench_picture(struct bench *bench, const char *file, const char *caption);
 /* Writes one: 3 bytes a pixel, rows from the top. */
 enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb, struct eco_error *error);
 
+/* Of a file's bytes; 0 where it cannot be read. */
+uint64_t bench_file_hash(const char *path);
+
 /* ---- Scenes and plants (bench_scene.c) ---- */
 
 /* Plant models of the data folder, then generated ones, those with the fewest leaves first: files that read as one plant each. So a quick

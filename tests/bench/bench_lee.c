@@ -325,9 +325,9 @@ static enum eco_code study_model(struct bench *bench, struct eco_model *model, u
 static enum eco_code unit(struct bench *bench, const struct bench_model *model, json_t **out, struct eco_error *error)
 {
 	uint32_t sectors = bench->full ? 12 : 2, views = bench->full ? 4 : 3;
-	char name[96], stamp[32];
+	char name[96], stamp[64];
 	snprintf(name, sizeof name, "lee-%s", model ? model->name : "crown-6143");
-	snprintf(stamp, sizeof stamp, "%u sectors %u views", sectors, views);
+	snprintf(stamp, sizeof stamp, "%u sectors %u views %016llx", sectors, views, (unsigned long long)(model ? bench_file_hash(model->path) : 0));
 	if ((*out = bench_recall(bench, name, stamp)))
 		return ECO_OK;
 	struct eco_model read;

@@ -493,7 +493,8 @@ enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *saving
 	char unit[96], stamp[32];
 	struct bench_model file = { 0 };
 	struct eco_model model;
-	snprintf(unit, sizeof unit, "savings-%s", name);
+	/* by what the file holds: the same plant in two scenes is measured once */
+	snprintf(unit, sizeof unit, "savings-%016llx", (unsigned long long)bench_file_hash(path));
 	snprintf(stamp, sizeof stamp, "%u views", bench->full ? 12 : 6);
 	json_t *kept = bench_recall(bench, unit, stamp);
 	if (kept) {

@@ -12,7 +12,7 @@
 #include "tests/bench/bench.h"
 
 #define MODELS 8u
-#define MODELS_QUICK 4u
+#define MODELS_QUICK 8u
 #define LAMBDAS 10u
 #define ELEMENTS_LEAST 500u
 #define VIEWS 11u                /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */
@@ -167,11 +167,12 @@ static enum eco_code study_plant(const struct lod_plant *plant, const struct eco
 
 static enum eco_code unit(struct bench *bench, const struct bench_model *model, json_t **out, struct eco_error *error)
 {
-	char name[96];
+	char name[96], stamp[32];
 	struct eco_model read;
 	struct lod_plant plant;
 	snprintf(name, sizeof name, "scale-%s", model->name);
-	if ((*out = bench_recall(bench, name, NULL)))
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	if ((*out = bench_recall(bench, name, stamp)))
 		return ECO_OK;
 	enum eco_code code = bench_model_read(bench, model, &read, error);
 	if (code)
@@ -193,7 +194,7 @@ static enum eco_code unit(struct bench *bench, const struct bench_model *model, 
 	if (code)
 		json_decref(result);
 	else
-		*out = bench_keep(bench, name, NULL, result);
+		*out = bench_keep(bench, name, stamp, result);
 	return code;
 }
 

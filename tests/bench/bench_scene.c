@@ -78,28 +78,12 @@ static uint64_t stamp_of_file(const char *path)
 	return XXH3_64bits(parts, sizeof parts);
 }
 
-static uint64_t hash_of_file(const char *path)
-{
-	static char part[1 << 16];
-	FILE *file = fopen(path, "rb");
-	if (!file)
-		return 0;
-	XXH3_state_t *hash = XXH3_createState();
-	XXH3_64bits_reset(hash);
-	for (size_t n; (n = fread(part, 1, sizeof part, file)) > 0;)
-		XXH3_64bits_update(hash, part, n);
-	uint64_t value = XXH3_64bits_digest(hash);
-	XXH3_freeState(hash);
-	fclose(file);
-	return value;
-}
-
 static uint64_t stamp_of_program(const struct bench *bench)
 {
 	static uint64_t kept;
 	char path[PATH];
 	snprintf(path, sizeof path, "%s/ecopack", bench->build);
-	kept = kept ? kept : hash_of_file(path);
+	kept = kept ? kept : bench_file_hash(path);
 	return kept;
 }
 
@@ -217,7 +201,7 @@ static enum eco_code make_pack(struct bench *bench, const char *name, const char
 	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
 	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384", bench->build,
 		folder, path, order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
-	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp, (unsigned long long)hash_of_file(path), bench_cpu_s() - cpu_s,
+	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp, (unsigned long long)bench_file_hash(path), bench_cpu_s() - cpu_s,
 		bench_now_s() - wall_s);
 	return code ? code : stamp_write(path, text, error);
 }
