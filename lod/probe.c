@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/weld.h"
+
 #define DISTANCE_RADII 16.0
 #define FRAME 1.04                   /* half the picture over the bounding sphere's silhouette */
 #define PIXELS_AT_ONCE (1u << 22)    /* of all pictures that are drawn at a time */
@@ -21,11 +23,19 @@ struct lod_drawing {                 /* one cut, as triangles, lines or points; 
 
 /* ---- Set-up ---- */
 
+static bool usable(const struct eco_model *model, uint32_t triangle)
+{
+	enum eco_drop why;
+	return lod_mesh_usable(model, triangle, &why);
+}
+
 /* Centre of the bounding box, and the greatest distance of a vertex from it. */
 static void bounds(struct lod_probe *probe, const struct eco_model *model)
 {
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, far2 = 0;
 	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!usable(model, (uint32_t)(i / 3)))
+			continue;
 		const float *p = model->position + 3 * (size_t)model->index[i];
 		for (int k = 0; k < 3; k++) {
 			low[k] = p[k] < low[k] ? p[k] : low[k];
@@ -35,6 +45,8 @@ static void bounds(struct lod_probe *probe, const struct eco_model *model)
 	for (int k = 0; k < 3; k++)
 		probe->center[k] = low[k] <= high[k] ? (low[k] + high[k]) / 2 : 0;
 	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!usable(model, (uint32_t)(i / 3)))
+			continue;
 		const float *p = model->position + 3 * (size_t)model->index[i];
 		double d[3] = { p[0] - probe->center[0], p[1] - probe->center[1], p[2] - probe->center[2] };
 		double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -259,7 +271,7 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 static void flush(const struct lod_probe *probe, struct lod_raster *raster, const struct eco_material *material, uint32_t count,
 	const float *position, const float *uv)
 {
-	const struct eco_image *image = material->cutout && material->image != ECO_NONE ? &probe->model->images[material->image] : NULL;
+	const struct eco_image *image = material->cutout && material->image < probe->model->image_count ? &probe->model->images[material->image] : NULL;
 	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image : NULL, .owner = 1 };
 	lod_raster_triangles(raster, &batch);
 }
@@ -270,16 +282,17 @@ static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
 	float position[SOUP * 9], uv[SOUP * 6];
 	uint32_t count = 0;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		for (uint32_t i = 0; i < 3; i++) {
+		bool good = usable(model, t);
+		for (uint32_t i = 0; i < 3 && good; i++) {
 			uint32_t vertex = model->index[3 * (size_t)t + i];
 			memcpy(position + 9 * count + 3 * i, model->position + 3 * (size_t)vertex, 3 * sizeof(float));
 			if (model->uv)
 				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * (size_t)vertex, 2 * sizeof(float));
 		}
-		count++;
+		count += good;
 		bool last = t + 1 == model->triangle_count || model->material[t + 1] != model->material[t];
 		if (count == SOUP || last) {
-			flush(probe, raster, &model->materials[model->material[t]], count, position, model->uv ? uv : NULL);
+			flush(probe, raster, lod_mesh_material(model, model->material[t]), count, position, model->uv ? uv : NULL);
 			count = 0;
 		}
 	}

@@ -15,24 +15,25 @@
 
 #define TOLERANCE 1e-6           /* of the largest extent */
 #define UV_MOST (1 << 26)        /* beyond it texture coordinates are noise: taken as 0 */
+#define COORDINATE_MOST 1e8f     /* m: what is farther off is not of a plant, and its squares would leave the range of floats */
 #define KINDS_OF_RULE (ECO_ORGAN_COUNT + 1u)
 
 /* ---- What can be used at all ---- */
 
-static bool finite_corner(const float *p)
-{
-	return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
+static bool in_range(float v) { return isfinite(v) && fabsf(v) <= COORDINATE_MOST; }
 
-static bool usable(const struct eco_model *model, uint32_t t, enum eco_drop *why)
+bool lod_mesh_usable(const struct eco_model *model, uint32_t t, enum eco_drop *why)
 {
 	const uint32_t *v = model->index + 3 * (size_t)t;
 	*why = ECO_DROP_BAD_INDEX;
 	if (v[0] >= model->vertex_count || v[1] >= model->vertex_count || v[2] >= model->vertex_count)
 		return false;
 	*why = ECO_DROP_NOT_FINITE;
-	return finite_corner(model->position + 3 * (size_t)v[0]) && finite_corner(model->position + 3 * (size_t)v[1])
-		&& finite_corner(model->position + 3 * (size_t)v[2]);
+	for (int k = 0; k < 3; k++)
+		for (int a = 0; a < 3; a++)
+			if (!in_range(model->position[3 * (size_t)v[k] + a]))
+				return false;
+	return true;
 }
 
 /* Keeps the usable triangles; their indices still name the model's vertices. Returns the largest extent. */
@@ -49,7 +50,7 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 	}
 	for (uint32_t t = 0; t < n; t++) {
 		enum eco_drop why;
-		if (!usable(model, t, &why)) {
+		if (!lod_mesh_usable(model, t, &why)) {
 			mesh->dropped[why]++;
 			continue;
 		}

@@ -43,6 +43,9 @@ struct lod_mesh {
  * dropped = model->triangle_count. A mesh without triangles is a valid result. */
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
 
+/* Whether a triangle of the model has corners that are there and finite; else why not. */
+bool lod_mesh_usable(const struct eco_model *model, uint32_t triangle, enum eco_drop *why);
+
 /* Fills `across` again after triangles have changed. */
 void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena);
 

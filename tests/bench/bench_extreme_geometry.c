@@ -1,0 +1,364 @@
+/* Geometry: models that no modeller would make and every scanner does. Each is built into a plant, packed, planned and drawn; or refused with a
+ * reason. Every triangle of the source is stored or counted as dropped, and no number that is written is not a number. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/ladder.h"
+#include "tests/bench/bench_extreme_scene.h"
+#include "tests/plant_models.h"
+
+/* ---- Plants of a soup ---- */
+
+static void corner_triangle(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, struct lod_v3 c)
+{
+	uint32_t i = soup_vertex(s, a, 0, 0), k = soup_vertex(s, b, 1, 0), l = soup_vertex(s, c, 0, 1);
+	soup_triangle(s, material, i, k, l);
+}
+
+static uint32_t begin(struct soup *s)
+{
+	soup_begin(s);
+	return soup_material(s, 60, 140, 50, ECO_NONE, false);
+}
+
+/* A small sound crown, for what is bad to hide in. */
+static void some_leaves(struct soup *s, uint32_t material, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		soup_leaf(s, material, lod_v3_add((struct lod_v3){ 0, 0, 1.5 }, lod_v3_scale(soup_direction(s), soup_random(s, 0, 1))), 0.15, 0.1);
+}
+
+static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
+{
+	uint64_t dropped = 0;
+	bool good = isfinite(plant->plant.height_m) && isfinite(plant->plant.area) && plant->plant.area >= 0;
+	for (int d = 0; d < ECO_DROP_COUNT; d++)
+		dropped += plant->dropped[d];
+	for (uint32_t i = 0; i < plant->plant.anchor_count; i++)
+		for (int k = 0; k < 3; k++)
+			good = good && isfinite(plant->anchors[i].center[k]) && isfinite(plant->anchors[i].radius) && plant->anchors[i].radius >= 0;
+	for (uint32_t i = 0; i < plant->curve_count; i++) {
+		const struct eco_curve *c = &plant->curves[i];
+		good = good && c->share > 0 && c->share <= 1 && c->scale >= 0 && isfinite(c->scale) && c->reach >= 0 && c->reach <= 1 && c->fp >= 0 && isfinite(c->fp)
+			&& c->fn >= 0 && isfinite(c->fn);
+	}
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		for (int k = 0; k < 3; k++)
+			good = good && isfinite(plant->lists[i].list.grid_origin[k]) && plant->lists[i].list.grid_step[k] > 0 && isfinite(plant->lists[i].list.grid_step[k]);
+	return extreme_must(x, good, "%s: numbers that are not finite or make no sense", plant->plant.name)
+		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped, "%s: of %u triangles %u are stored and %llu dropped", plant->plant.name,
+			plant->triangles_in, plant->triangles_stored, (unsigned long long)dropped);
+}
+
+/* Packs, plans and draws it, alone in its world. */
+static bool grows(struct extreme *x, struct extreme_stand *stand, const char *name, uint64_t *covered)
+{
+	const struct lod_plant *plant = &stand->plants[0];
+	struct extreme_world world = { 0 };
+	struct eco_error error = { 0 };
+	double r = plant->anchors[0].radius > 0 ? plant->anchors[0].radius : 1;
+	const float *c = plant->anchors[0].center;
+	struct eco_request request = { .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45, 200, 200 }, .bytes = ECO_BYTES_UNBOUNDED };
+	bool good = extreme_must(x, extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 }), "no memory")
+		&& extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error);
+	*covered = 0;
+	for (int i = 0; i < 4 && good; i++) {
+		struct eco_plan plan = { 0 };
+		request.vertices = (const uint64_t[]){ 1, 3, 100, ECO_VERTICES_MAX }[i];
+		good = extreme_plan_of(x, &world.scene->pack->scene, &request, &plan);
+		eco_plan_free(&plan);
+	}
+	struct view_picture picture = { 0 };
+	good = good && extreme_good(x, extreme_draw(&world, &request, &picture, &error), &error);
+	for (size_t i = 0; good && i < (size_t)picture.width * picture.height; i++)
+		*covered += picture.cover[i] != 0;
+	view_picture_free(&picture);
+	extreme_world_close(&world);
+	if (!good && x->failed && !strstr(x->measured, name)) {
+		size_t used = strlen(x->measured);
+		snprintf(x->measured + used, sizeof x->measured - used, " (%s)", name);
+	}
+	return good;
+}
+
+/* Builds what is in the soup, and frees it. `refused`: it must be, with a reason; else something of it must be seen where `seen`. */
+static void try_soup(struct extreme *x, struct soup *soup, const char *name, bool refused, bool seen)
+{
+	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
+	struct eco_error error = { 0 };
+	uint64_t covered = 0;
+	enum eco_code code = extreme_stand_add(&stand, &soup->model, name, &error);
+	soup_free(soup);
+	if (refused)
+		extreme_must(x, code == ECO_BAD_INPUT && strlen(error.text) > 10, "%s: status %d (%s)", name, code, error.text);
+	else if (extreme_good(x, code, &error) && numbers_sound(x, &stand.plants[0]) && grows(x, &stand, name, &covered))
+		extreme_must(x, !seen || covered > 0, "%s: nothing of it is seen", name);
+	if (!x->failed && refused)
+		extreme_say(x, "%s: refused", name);
+	else if (!x->failed)
+		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name, stand.plants[0].triangles_stored, stand.plants[0].triangles_in, (unsigned long long)covered);
+	extreme_stand_free(&stand);
+}
+
+/* ---- Triangles ---- */
+
+static void zero_area(struct extreme *x)
+{
+	for (int alone = 0; alone < 2; alone++) {
+		struct soup s;
+		uint32_t m = begin(&s);
+		if (!alone)
+			some_leaves(&s, m, 60);
+		for (int i = 0; i < 40; i++) {
+			struct lod_v3 a = { soup_random(&s, -1, 1), 0, soup_random(&s, 0, 2) }, d = soup_direction(&s);
+			corner_triangle(&s, m, a, a, lod_v3_add(a, d));
+			corner_triangle(&s, m, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ i, 0, 1 }, (struct lod_v3){ i, 0, 2 });
+			corner_triangle(&s, m, a, a, a);
+		}
+		try_soup(x, &s, alone ? "nothing else" : "among leaves", alone, true);
+	}
+}
+
+static void needles(struct extreme *x)
+{
+	static const double ratio[] = { 1e3, 1e6, 1e9 };
+	for (int i = 0; i < 3; i++) {
+		struct soup s;
+		char name[40];
+		uint32_t m = begin(&s);
+		some_leaves(&s, m, 20);
+		for (int k = 0; k < 300; k++) {
+			struct lod_v3 u = soup_direction(&s), v = lod_v3_unit(lod_v3_cross(u, soup_direction(&s)));
+			struct lod_v3 at = { soup_random(&s, -0.5, 0.5), soup_random(&s, -0.5, 0.5), soup_random(&s, 0.5, 2) };
+			corner_triangle(&s, m, at, lod_v3_add(at, u), lod_v3_add(at, lod_v3_scale(v, 1 / ratio[i])));
+		}
+		snprintf(name, sizeof name, "%.0e:1", ratio[i]);
+		try_soup(x, &s, name, false, true);
+	}
+}
+
+static void coincident(struct extreme *x)
+{
+	struct soup s;
+	uint32_t m = begin(&s), other = soup_material(&s, 200, 40, 60, ECO_NONE, false);
+	some_leaves(&s, m, 50);
+	uint32_t once = s.model.triangle_count;
+	for (int copy = 0; copy < 4; copy++)
+		for (uint32_t t = 0; t < once; t++)
+			soup_triangle(&s, copy == 3 ? other : m, s.model.index[3 * t], s.model.index[3 * t + 1], s.model.index[3 * t + 2]);
+	try_soup(x, &s, "each five times; once in another colour", false, true);
+	m = begin(&s);
+	for (int i = 0; i < 300; i++)
+		corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0, 1 });
+	try_soup(x, &s, "one triangle 300 times", false, true);
+	m = begin(&s);
+	for (int i = 0; i < 300; i++)
+		corner_triangle(&s, m, (struct lod_v3){ 1e-7 * i, 0, 0 }, (struct lod_v3){ 1, 1e-7 * i, 0 }, (struct lod_v3){ 0, 0, 1 + 1e-7 * i });
+	try_soup(x, &s, "nearly the same", false, true);
+}
+
+static void non_manifold(struct extreme *x)
+{
+	struct soup s;
+	uint32_t m = begin(&s), foot = soup_vertex(&s, (struct lod_v3){ 0, 0, 0 }, 0, 0), top = soup_vertex(&s, (struct lod_v3){ 0, 0, 2 }, 0, 0);
+	for (int i = 0; i < 200; i++)
+		soup_triangle(&s, m, foot, top, soup_vertex(&s, (struct lod_v3){ cos(i), sin(i), 1 }, 0, 0));
+	try_soup(x, &s, "200 triangles at one edge", false, true);
+	m = begin(&s);
+	uint32_t middle = soup_vertex(&s, (struct lod_v3){ 0, 0, 1 }, 0, 0);
+	for (int i = 0; i < 200; i++)
+		soup_triangle(&s, m, middle, soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0),
+			soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0));
+	try_soup(x, &s, "200 triangles at one corner", false, true);
+	m = begin(&s);
+	enum { TURNS = 400 };
+	for (int i = 0; i < TURNS; i++)              /* a strip with half a twist: no side is out */
+		for (int side = -1; side <= 1; side += 2) {
+			double a = 2 * LOD_PI * i / TURNS, w = 0.3 * side;
+			soup_vertex(&s, (struct lod_v3){ (1 + w * cos(a / 2)) * cos(a), (1 + w * cos(a / 2)) * sin(a), 1 + w * sin(a / 2) }, 0, 0);
+		}
+	for (uint32_t i = 0; i < TURNS; i++) {
+		uint32_t p = 2 * i, q = i + 1 < TURNS ? p + 2 : 1, r = i + 1 < TURNS ? p + 3 : 0;
+		soup_triangle(&s, m, p, p + 1, q);
+		soup_triangle(&s, m, p + 1, r, q);
+	}
+	try_soup(x, &s, "a strip with one side", false, true);
+}
+
+static void not_finite(struct extreme *x)
+{
+	static const struct { const char *name; float value; } rows[] = { { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY }, { "denormal", 1e-42f },
+		{ "1e-30", 1e-30f }, { "3e38", 3e38f }, { "-1e30", -1e30f }, { "1e10", 1e10f } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		for (int alone = 0; alone < 2; alone++) {
+			struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
+			struct eco_error error = { 0 };
+			struct soup s;
+			uint64_t covered;
+			uint32_t m = begin(&s);
+			some_leaves(&s, m, 40);
+			for (uint32_t v = 0; v < s.model.vertex_count; v++)
+				if (alone || v % 7 == 3)
+					s.model.position[3 * v + v % 3] = rows[i].value;
+			enum eco_code code = extreme_stand_add(&stand, &s.model, rows[i].name, &error);
+			soup_free(&s);
+			/* sound or refused: both are answers */
+			if (code)
+				extreme_must(x, (code == ECO_BAD_INPUT || code == ECO_TOO_LARGE) && strlen(error.text) > 10, "%s: status %d (%s)", rows[i].name, code, error.text);
+			else if (numbers_sound(x, &stand.plants[0]))
+				grows(x, &stand, rows[i].name, &covered);
+			if (!x->failed)
+				extreme_say(x, "%s: %s", rows[i].name, code ? "refused" : "built");
+			extreme_stand_free(&stand);
+		}
+}
+
+static void few(struct extreme *x)
+{
+	struct soup s;
+	uint32_t m = begin(&s);
+	(void)m;
+	try_soup(x, &s, "empty", true, false);
+	m = begin(&s);
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.5, 1 });
+	try_soup(x, &s, "one triangle", false, true);
+	m = begin(&s);
+	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.3, 1 });
+	try_soup(x, &s, "one leaf", false, true);
+	m = begin(&s);
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e-5, 0, 0 }, (struct lod_v3){ 0, 0, 1e-5 });
+	try_soup(x, &s, "one of 10 micrometres", false, true);
+	m = begin(&s);
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e5, 0, 0 }, (struct lod_v3){ 0, 0, 1e5 });
+	try_soup(x, &s, "one of 100 km", false, true);
+}
+
+/* ---- Many ---- */
+
+static void materials(struct extreme *x)
+{
+	struct soup s;
+	uint32_t count = x->quick ? 5000 : 100000;
+	struct eco_material *all = calloc(count, sizeof *all);
+	begin(&s);
+	if (!extreme_must(x, all != NULL, "no memory"))
+		return;
+	s.model.materials = all;
+	s.model.material_count = count;
+	for (uint32_t i = 0; i < count; i++) {
+		all[i] = (struct eco_material){ .rgb = { (uint8_t)i, (uint8_t)(i >> 8), (uint8_t)(i * 37) }, .image = ECO_NONE };
+		soup_leaf(&s, i, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(soup_direction(&s), 2)), 0.05, 0.05);
+	}
+	try_soup(x, &s, "a colour a leaf", false, true);
+	free(all);
+}
+
+static void ten_million(struct extreme *x)
+{
+	struct soup s;
+	struct lod_plant plant = { 0 };
+	struct eco_error error = { 0 };
+	uint32_t m = begin(&s), leaves = 5000000;
+	for (uint32_t i = 0; i < leaves; i++)
+		soup_leaf(&s, m, lod_v3_add((struct lod_v3){ 0, 0, 20 }, lod_v3_scale(soup_direction(&s), 15 * sqrt(soup_random(&s, 0, 1)))), 0.03, 0.02);
+	struct lod_plant_options options = { .name = "ten million", .seed = 1, .order = LOD_ORDER_STOCHASTIC, .grid_bits = 16, .views = 2, .pixels = 64 };
+	enum eco_code code = lod_plant_build(&plant, &s.model, &options, &error);
+	if (!code)
+		code = lod_plant_measure(&plant, &s.model, &options, &error);
+	soup_free(&s);
+	if (extreme_good(x, code, &error) && numbers_sound(x, &plant))
+		extreme_say(x, "%u of %u triangles stored, %u cells", plant.triangles_stored, plant.triangles_in, plant.plant.anchor_count - 1);
+	if (!code)
+		lod_plant_free(&plant);
+}
+
+/* ---- Orders and amounts ---- */
+
+static void orders(struct extreme *x)
+{
+	enum { MOST = 3000 };
+	static struct lod_v3 center[MOST], normal[MOST];
+	static double survival[MOST];
+	static const struct { const char *name; uint32_t count; int shape; } rows[] = { { "one leaf", 1, 0 }, { "two in one point", 2, 0 }, { "all in one point", MOST, 0 },
+		{ "all on a line", MOST, 1 }, { "all in a plane", MOST, 2 }, { "two clusters 1e6 apart", MOST, 3 }, { "no normals", 100, 4 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		for (int method = LOD_ORDER_STOCHASTIC; method < LOD_ORDER_COUNT; method++)
+			for (int tall = 0; tall < 3; tall++) {
+				struct lod_arena arena = { 0 };
+				uint64_t state = 7;
+				for (uint32_t k = 0; k < rows[i].count; k++) {
+					double u = lod_unit(state = lod_mix(state + 1)), v = lod_unit(state = lod_mix(state + 1));
+					center[k] = rows[i].shape == 1 ? (struct lod_v3){ 0, 0, u } : rows[i].shape == 2 ? (struct lod_v3){ u, v, 1 }
+						: rows[i].shape == 3 ? (struct lod_v3){ k % 2 ? 1e6 + u : u, v, u } : (struct lod_v3){ 1, 2, 3 };
+					normal[k] = rows[i].shape == 4 ? (struct lod_v3){ 0, 0, 0 } : (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };
+				}
+				lod_order_survival_by(survival, (enum lod_order_method)method, &(struct lod_order_input){ rows[i].count, center, normal, tall == 0 ? 0 : tall == 1 ? 1 : 1e6, 3 },
+					&arena);
+				for (uint32_t k = 0; k < rows[i].count; k++)
+					extreme_must(x, isfinite(survival[k]), "%s, %s: leaf %u survives by %g", rows[i].name, lod_order_names[method], k, survival[k]);
+				lod_arena_free(&arena);
+			}
+	for (int alike = 0; alike < 2; alike++) {
+		struct soup s;
+		uint32_t m = begin(&s);
+		for (int i = 0; i < 200; i++)
+			if (alike)
+				soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.1, 0, 0 }, (struct lod_v3){ 0, 1e-7 * i, 0.1 });
+			else
+				soup_leaf(&s, m, (struct lod_v3){ 0, 0, 1 }, 0.2, 0.1);
+		try_soup(x, &s, alike ? "200 leaves alike in one point" : "200 leaves in one point", false, true);
+	}
+	extreme_say(x, "%zu arrangements by 4 orders at 3 heights: finite", sizeof rows / sizeof *rows);
+}
+
+/* Of the least that can be drawn: leaves grow, but not without end. */
+static void lambda_to_0(struct extreme *x)
+{
+	const struct extreme_stand *stand = extreme_stand_shared(x);
+	struct extreme_world world = { 0 };
+	struct eco_error error = { 0 };
+	double largest = 0;
+	uint32_t tried = 0;
+	if (!stand || !extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error))
+		return;
+	const struct eco_scene *s = &world.scene->pack->scene;
+	for (uint32_t i = 0; i < s->ladder_count; i++) {
+		static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };
+		const struct eco_ladder *l = &s->ladders[i];
+		for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
+			struct eco_curve c = lod_ladder_curve(s, l, shares[k]);
+			extreme_must(x, isfinite(c.scale) && isfinite(c.fp) && isfinite(c.fn), "ladder %u at a share of %g is not finite", i, shares[k]);
+			extreme_must(x, lod_ladder_vertices(s, l, shares[k]) <= lod_ladder_full(s, l), "ladder %u at a share of %g", i, shares[k]);
+		}
+		uint64_t v = lod_ladder_next(s, l, 0);
+		for (int step = 0; step < 20 && v != UINT64_MAX; step++, v = lod_ladder_next(s, l, v)) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint32_t count = lod_ladder_cuts(s, l, v, lod_ladder_density(s, l, v), cuts);
+			for (uint32_t c = 0; c < count; c++, tried++) {
+				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f, "ladder %u, %llu vertices: scale %g", i, (unsigned long long)v, (double)cuts[c].scale);
+				largest = fmax(largest, (double)cuts[c].scale);
+			}
+		}
+	}
+	extreme_say(x, "%u ladders, %u cuts: the largest area factor is %.0f", s->ladder_count, tried, largest);
+	extreme_world_close(&world);
+}
+
+#define SOUND "built, packed, planned, drawn, or refused with a reason; triangles in = stored + dropped; all numbers finite"
+
+static const struct extreme_case cases[] = {
+	{ "triangles of no area", SOUND, false, zero_area },
+	{ "needles of 1e3:1 to 1e9:1", SOUND, false, needles },
+	{ "coincident and duplicate triangles", SOUND, false, coincident },
+	{ "non-manifold surfaces", SOUND, false, non_manifold },
+	{ "NaN, infinite, denormal and huge corners", SOUND, false, not_finite },
+	{ "empty plants, one triangle", SOUND, false, few },
+	{ "a plant of 1e7 triangles", SOUND "; stochastic order", true, ten_million },
+	{ "1e5 materials", SOUND, false, materials },
+	{ "orders of one leaf and of all in one point", "every order is finite, whatever the arrangement; such plants are built and drawn", false, orders },
+	{ "lambda to 0", "curves and area factors are finite and bounded down to one vertex", false, lambda_to_0 },
+};
+
+const struct extreme_family extreme_geometry = { "geometry", cases, sizeof cases / sizeof *cases };
