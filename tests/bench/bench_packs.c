@@ -31,7 +31,8 @@ static enum eco_code add_scene(struct bench *bench, struct bench_table *table, c
 		bool twice = false;
 		for (uint32_t k = 0; k < m; k++)
 			twice = twice || (order && bench_methods[k].order ? !strcmp(bench_methods[k].order, order) : bench_methods[k].order == order);
-		if (!twice && (bench->full || !bench_methods[m].full_only))
+		bool quick = !bench_methods[m].full_only && (!order || bench_scene_quick(scene) == BENCH_ALL_ORDERS);
+		if (!twice && (bench->full || quick))
 			code = add_pack(bench, table, scene, order, sum_s, error);
 	}
 	return code;
@@ -47,7 +48,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		count++;
 	for (uint32_t i = 0; i < count && !code; i++) {
 		bench_progress(bench, (double)i / count, bench_scene_names[i]);
-		if (bench->full || bench_scene_quick(bench_scene_names[i]))
+		if (bench->full || bench_scene_quick(bench_scene_names[i]) != BENCH_FULL_ONLY)
 			code = add_scene(bench, table, bench_scene_names[i], &sum_s, error);
 	}
 	bench_table_close(table);

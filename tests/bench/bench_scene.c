@@ -23,15 +23,15 @@
 #define PATH 1024
 
 enum origin { GENERATED, CROWN, SCBI };
-static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants; double detail; bool quick; } scenes[] = {
-	{ "crown", CROWN, NULL, 1, 1, true },
-	{ "trees640", GENERATED, "grove", 640, 1, false },
-	{ "palms", GENERATED, "palms", 1500, 1.16, false },
-	{ "outdoor", GENERATED, "outdoor", 40000, 1, true },
-	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, false },
-	{ "trees1276", GENERATED, "grove", 1276, 1, false },
-	{ "trees5000", GENERATED, "grove", 5000, 7, true },
-	{ "scbi", SCBI, NULL, 0, 1, true } };
+static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants; double detail; enum bench_quick quick; } scenes[] = {
+	{ "crown", CROWN, NULL, 1, 1, BENCH_ALL_ORDERS },
+	{ "trees640", GENERATED, "grove", 640, 1, BENCH_ONE_ORDER },
+	{ "palms", GENERATED, "palms", 1500, 1.16, BENCH_FULL_ONLY },
+	{ "outdoor", GENERATED, "outdoor", 40000, 1, BENCH_ALL_ORDERS },
+	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, BENCH_FULL_ONLY },
+	{ "trees1276", GENERATED, "grove", 1276, 1, BENCH_ONE_ORDER },
+	{ "trees5000", GENERATED, "grove", 5000, 7, BENCH_ALL_ORDERS },
+	{ "scbi", SCBI, NULL, 0, 1, BENCH_ALL_ORDERS } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276", "trees5000", "scbi", NULL };
 
@@ -43,10 +43,10 @@ static const struct scene *find(const char *name)
 	return NULL;
 }
 
-bool bench_scene_quick(const char *name)
+enum bench_quick bench_scene_quick(const char *name)
 {
 	const struct scene *scene = find(name);
-	return scene && scene->quick;
+	return scene ? scene->quick : BENCH_FULL_ONLY;
 }
 
 /* ---- Stamps ---- */
