@@ -402,7 +402,7 @@ static void price_lots(struct lod_market *m)
 		lot->cells_worth = 0;
 		for (uint32_t i = lot->offer_first; i < lot->offer_first + lot->offer_count; i++) {
 			struct lod_offer *offer = &m->offers[i];
-			offer->position = offer->worth > 0 ? lod_steps_position(offer->steps, m->price / offer->worth) : 0;
+			offer->position = offer->worth > 0 ? lod_steps_position(offer->steps, m->price / offer->worth, offer->position) : 0;
 			if (offer->when != LOD_NEAR)
 				buy(&lot->cost[0], offer->steps, offer->worth, offer->position);
 			if (offer->when != LOD_FAR)
@@ -495,7 +495,7 @@ static void price_stalls(struct lod_market *m)
 		stall->opened = false;
 		stall->share = 0;
 		if (stall->summary) {
-			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth);
+			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth, stall->position);
 			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
 			stall->cost.fp *= stall->steps.extra;
 		} else {

@@ -21,8 +21,9 @@
 #define PRICES_PER_OCTAVE 2
 #define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
 #define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
-#define PRICES_PER_PICTURE 4
-#define PRICE_HALVINGS 10        /* between two prices: how near to the one that uses the budget */
+#define PRICES_PER_MARK 4
+#define PRICE_TRIES 8            /* between two prices, for the one that uses the budget, ... */
+#define PRICE_SLACK 0.001        /* ... but for so much of it */
 #define SMALL_OFFERS 64u
 #define SMALL_REACH 6
 #define SMALL_PASSES 3
@@ -50,9 +51,12 @@ static void begin_screen(struct lod_planning *p)
 
 struct level { double vertices, wrong; };                /* what a price comes to */
 
+struct mark { int index; struct level level; struct eco_prediction picture; };
+
 struct descent {
 	struct lod_market *market;
 	int first, last;             /* indices of prices at which anything is bought, and beyond which nothing more gains */
+	struct mark from, to;        /* prices that are looked at whatever the budget, and between which it lies */
 	int index;                   /* the last that fits the budget */
 	struct level here, next;     /* there, and at the price after it */
 };
@@ -81,23 +85,59 @@ static struct level level_at(struct lod_market *m, int index, struct level level
 	return level;
 }
 
-static struct level level_empty(struct lod_market *m) { return (struct level){ 0, m->stalls[0].worth }; }
+/* The picture at the market's price, but never a worse one than of fewer vertices. */
+static enum eco_code look_at(struct lod_market *m, struct eco_prediction *picture, struct eco_error *error)
+{
+	struct eco_prediction next;
+	enum eco_code code = lod_market_expect(m, &next, error);
+	if (!code && next.fp + next.fn < picture->fp + picture->fn)
+		*picture = next;
+	return code;
+}
 
-static void descend(struct descent *d, uint64_t budget)
+/* Down from mark to mark, until one does not fit. */
+static enum eco_code pass_marks(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
+{
+	struct lod_market *m = d->market;
+	enum eco_code code = ECO_OK;
+	d->to = (struct mark){ d->first - 1, { 0, m->stalls[0].worth }, { .fp = INFINITY } };
+	if (predicts) {
+		lod_market_price(m, price_at(0));
+		code = look_at(m, &d->to.picture, error);
+	}
+	do {
+		d->from = d->to;
+		for (int i = 0; i < PRICES_PER_MARK; i++)
+			d->to.index = index_after(d, d->to.index);
+		d->to.level = level_at(m, d->to.index, d->from.level);
+		if (predicts && !code)
+			code = look_at(m, &d->to.picture, error);
+	} while (!code && d->to.level.vertices <= (double)budget && d->to.index < PRICE_COUNT);
+	return code;
+}
+
+/* Then price by price. What a price comes to depends on the marks around it and on the view, not on the budget. */
+static enum eco_code descend(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
 {
 	find_ends(d);
-	d->index = d->first - 1;
-	d->here = level_empty(d->market);
-	for (;;) {
-		int next = index_after(d, d->index);
-		d->next = level_at(d->market, next, d->here);
-		if (d->next.vertices > (double)budget || next == PRICE_COUNT)
-			break;
-		d->index = next;
-		d->here = d->next;
-	}
-	if (d->next.vertices <= (double)budget) {
+	enum eco_code code = pass_marks(d, budget, predicts, error);
+	d->index = d->from.index;
+	d->here = d->from.level;
+	if (d->to.level.vertices <= (double)budget) {
 		d->index = PRICE_COUNT;
+		d->here = d->next = d->to.level;
+		return code;
+	}
+	for (int next = index_after(d, d->index);; next = index_after(d, next)) {
+		d->next = d->to.level;
+		if (next < d->to.index) {
+			struct level level = level_at(d->market, next, d->here);
+			d->next.vertices = fmin(d->next.vertices, level.vertices);
+			d->next.wrong = fmax(d->next.wrong, level.wrong);
+		}
+		if (d->next.vertices > (double)budget)
+			return code;
+		d->index = next;
 		d->here = d->next;
 	}
 }
@@ -109,41 +149,14 @@ static struct eco_prediction between(const struct eco_prediction *a, const struc
 	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
 }
 
-/* The market must be at the node's price. A picture is never worse than one of fewer vertices. */
-static enum eco_code look_at(struct lod_market *m, struct eco_prediction *picture, struct eco_error *error)
-{
-	struct eco_prediction next;
-	enum eco_code code = lod_market_expect(m, &next, error);
-	if (!code && next.fp + next.fn < picture->fp + picture->fn)
-		*picture = next;
-	return code;
-}
-
 /* What is expected to be wrong with the budget, and the picture for that. */
-static enum eco_code predict(const struct descent *d, uint64_t budget, struct eco_error *error)
+static void predict(const struct descent *d, uint64_t budget)
 {
-	struct lod_market *m = d->market;
 	double room = d->next.vertices - d->here.vertices, part = room > 0 ? ((double)budget - d->here.vertices) / room : 0;
 	double wrong = d->here.wrong + (part > 1 ? 1 : part) * (d->next.wrong - d->here.wrong);
-	struct level from, level = level_empty(m);
-	struct eco_prediction before, picture = { .fp = INFINITY };
-	int index = d->first - 1;
-	enum eco_code code;
-	lod_market_price(m, price_at(0));
-	code = look_at(m, &picture, error);
-	do {
-		from = level;
-		before = picture;
-		for (int i = 0; i < PRICES_PER_PICTURE && index < PRICE_COUNT; i++) {
-			index = index_after(d, index);
-			level = level_at(m, index, level);
-		}
-		code = code ? code : look_at(m, &picture, error);
-	} while (!code && level.wrong > wrong && index < PRICE_COUNT);
-	room = from.wrong - level.wrong;
-	part = room > 0 ? (from.wrong - wrong) / room : 1;
-	m->p->prediction = between(&before, &picture, part < 0 ? 0 : part > 1 ? 1 : part);
-	return code;
+	room = d->from.level.wrong - d->to.level.wrong;
+	part = room > 0 ? (d->from.level.wrong - wrong) / room : 1;
+	d->market->p->prediction = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part);
 }
 
 /* ---- Amounts for the structure of a price ---- */
@@ -265,11 +278,26 @@ static enum eco_code try_small(const struct descent *d, uint64_t budget, struct 
  * along this one they do so one after the other, as a camera moves. */
 static double exact_price(const struct descent *d, uint64_t budget)
 {
-	double high = price_at(d->index), low = price_at(index_after(d, d->index));
-	for (int i = 0; i < PRICE_HALVINGS && low > 0; i++) {
-		double middle = sqrt(low * high);
+	double high = price_at(d->index), low = price_at(index_after(d, d->index)), enough = (double)budget;
+	double unused = enough - d->here.vertices, under = unused, over = d->next.vertices - enough;
+	int side = 0;
+	for (int i = 0; i < PRICE_TRIES && low > 0 && unused > enough * PRICE_SLACK; i++) {
+		double part = under / (under + over);
+		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
+		double middle = high * lod_exp_minus(part * lod_log(high / low));
 		lod_market_price(d->market, middle);
-		*(d->market->cost.vertices <= (double)budget ? &high : &low) = middle;
+		double left = enough - d->market->cost.vertices;
+		if (left >= 0) {
+			high = middle;
+			under = unused = left;
+			over = side == 1 ? over / 2 : over;          /* the end that stays twice counts for less (Illinois) */
+			side = 1;
+		} else {
+			low = middle;
+			over = -left;
+			under = side == -1 ? under / 2 : under;
+			side = -1;
+		}
 	}
 	return high;
 }
@@ -304,9 +332,9 @@ static enum eco_code plan_level(struct lod_planning *p, bool predicts, struct ec
 	uint64_t budget = p->input->request->vertices;
 	enum eco_code code = lod_market_make(&market, p, error);
 	if (!code)
-		descend(&d, budget);
+		code = descend(&d, budget, predicts, error);
 	if (!code && predicts)
-		code = predict(&d, budget, error);
+		predict(&d, budget);
 	if (!code)
 		code = spend_budget(&d, budget, error);
 	lod_market_free(&market);

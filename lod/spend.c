@@ -97,7 +97,7 @@ static void spend_at(struct lod_spend *spend, double price)
 	spend->vertices = 0;
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		struct lod_bid *bid = &spend->bids[i];
-		double position = bid->worth > 0 ? lod_steps_position(bid->steps, price / bid->worth) : price > 0 ? 0 : bid->steps->count - 1;
+		double position = bid->worth > 0 ? lod_steps_position(bid->steps, price / bid->worth, bid->step) : price > 0 ? 0 : bid->steps->count - 1;
 		reach_step(bid, (uint32_t)position);
 		double part = position - bid->step;
 		if (bid->offer == ECO_NONE)          /* points of a summary can be had one by one */

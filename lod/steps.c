@@ -78,20 +78,19 @@ void lod_steps_complete(struct lod_steps *steps, uint64_t to)
 		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn, .price = 0 };
 }
 
-double lod_steps_position(const struct lod_steps *steps, double price)
+double lod_steps_position(const struct lod_steps *steps, double price, double near)
 {
-	/* the first step that not all plants have taken */
-	uint32_t low = 0, high = steps->count - 1;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (steps->amounts[middle + 1].price >= price * LOD_STEPS_BLUR)
-			low = middle + 1;
-		else
-			high = middle;
-	}
+	const struct lod_amount *a = steps->amounts;
+	double taken = price * LOD_STEPS_BLUR;
+	/* the last step that all plants have taken */
+	uint32_t low = (uint32_t)near;
+	while (low + 1 < steps->count && a[low + 1].price >= taken)
+		low++;
+	while (low > 0 && a[low].price < taken)
+		low--;
 	/* steps close to each other overlap: their shares add up */
 	double position = low;
-	for (uint32_t i = low + 1; i < steps->count && steps->amounts[i].price * LOD_STEPS_BLUR > price; i++)
-		position += (steps->amounts[i].price * LOD_STEPS_BLUR / price - 1) / (LOD_STEPS_BLUR * LOD_STEPS_BLUR - 1);
+	for (uint32_t i = low + 1; i < steps->count && a[i].price * LOD_STEPS_BLUR > price; i++)
+		position += (a[i].price * LOD_STEPS_BLUR / price - 1) / (LOD_STEPS_BLUR * LOD_STEPS_BLUR - 1);
 	return position;
 }

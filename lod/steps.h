@@ -5,7 +5,7 @@
  *   n = lod_steps_sample(amounts, &way, from, to)               amounts[0] is `from`; amount i has error amounts[i].fp + amounts[i].fn
  *   lod_steps_hull(&steps)                                      those that are worth it, in place
  *   lod_steps_complete(&steps, to)
- *   x = lod_steps_position(&steps, price)                       how far up at that price of a vertex: amounts[floor(x)], and the next for a
+ *   x = lod_steps_position(&steps, price, near)                 how far up at that price of a vertex: amounts[floor(x)], and the next for a
  *                                                               share of x - floor(x) of the plants */
 #ifndef LOD_STEPS_H
 #define LOD_STEPS_H
@@ -46,6 +46,7 @@ static inline double lod_steps_error(const struct lod_steps *steps, const struct
 	return amount->fn + steps->extra * amount->fp;
 }
 #define LOD_STEPS_BLUR 1.25
-double lod_steps_position(const struct lod_steps *steps, double price);
+/* It is looked for from `near` on, any such position: prices that follow each other lie close together. */
+double lod_steps_position(const struct lod_steps *steps, double price, double near);
 
 #endif
