@@ -2,15 +2,11 @@
 
 #include <string.h>
 
-/* On processors of the last fifteen years: instructions that count bits and round. Results are the same without. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define CLONED
-#define CLONES __attribute__((target_clones("sse4.2", "default")))
-#else
-#define CLONES
-#endif
+#include "lod/bits.h"
 
 #define SUBPIXEL 256
+#define ROUNDING 1e-9                    /* of the largest turn */
+#define EDGE_WHOLE 64.0                  /* what grows further may bend another way in perspective, or reach behind the eye */
 #define LIMIT (8192 * SUBPIXEL)          /* no corner lies further from the picture's middle: products below stay within 64 bits */
 
 struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element, const struct lod_mask *cutout)
@@ -20,19 +16,51 @@ struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t eleme
 		foliage->first[element + 1] - at, cutout };
 }
 
+static inline double turn(const double *a, const double *b, const double *c)
+{
+	return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
+}
+
+/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (Stars and spirals turn one way too: the fan's
+ * triangles must do so as well, and lie to one side of the first edge.) Turns that are but rounding count as none. */
+static inline int way_around(const double (*p)[2], uint32_t corners)
+{
+	double low = 0, high = 0;
+	for (uint32_t i = 1; i + 1 < corners; i++) {
+		double part = turn(p[0], p[i], p[i + 1]);
+		low = part < low ? part : low;
+		high = part > high ? part : high;
+	}
+	for (uint32_t i = 0; i < corners && corners > 3; i++) {
+		double bend = turn(p[i], p[i + 1 < corners ? i + 1 : 0], p[i + 2 < corners ? i + 2 : i + 2 - corners]);
+		double side = turn(p[0], p[1], p[i]);
+		low = bend < low ? bend : low;
+		low = side < low ? side : low;
+		high = bend > high ? bend : high;
+		high = side > high ? side : high;
+	}
+	return -low * ROUNDING > high ? -1 : high * ROUNDING > -low ? 1 : 0;
+}
+
 void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const struct lod_eye *eye)
 {
-	double sum[3] = { 0, 0, 0 };
+	double sum[3] = { 0, 0, 0 }, at[ECO_CORNERS_MAX][2], wide = 1 / eye->tan_x, tall = -1 / eye->tan_y;
+	bool solid = !fan->cutout || !fan->uv, before = true;
 	seen->fan = *fan;
 	for (uint32_t i = 0; i < fan->corners; i++) {
 		const float *p = fan->corner[i];
 		double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] }, *to = seen->corner[i];
-		to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) / eye->tan_x;
-		to[1] = -(d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) / eye->tan_y;
+		to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) * wide;
+		to[1] = (d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) * tall;
 		to[2] = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
+		before &= to[2] > 0;
+		double scale = to[2] > 0 ? 1 / to[2] : 0;
+		at[i][0] = to[0] * scale;
+		at[i][1] = to[1] * scale;
 		for (int k = 0; k < 3; k++)
 			sum[k] += to[k];
 	}
+	seen->way = solid && before ? way_around((const double (*)[2])at, fan->corners) : 0;
 	for (int k = 0; k < 3; k++)
 		seen->center[k] = sum[k] / fan->corners;
 	for (uint32_t i = 0; i < fan->corners; i++)
@@ -154,31 +182,6 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 	}
 }
 
-static int64_t turn(const struct point *a, const struct point *b, const struct point *c)
-{
-	return (int64_t)(b->x - a->x) * (c->y - b->y) - (int64_t)(b->y - a->y) * (c->x - b->x);
-}
-
-/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (Stars and spirals turn one way too: the fan's
- * triangles must do so as well, and lie to one side of the first edge.) */
-static int way_around(const struct point *p, uint32_t corners)
-{
-	int64_t low = 0, high = 0;
-	for (uint32_t i = 0; i < corners; i++) {
-		int64_t bend = turn(&p[i], &p[(i + 1) % corners], &p[(i + 2) % corners]);
-		low = bend < low ? bend : low;
-		high = bend > high ? bend : high;
-	}
-	for (uint32_t i = 1; i + 1 < corners; i++) {
-		int64_t part = turn(&p[0], &p[i], &p[i + 1]), side = turn(&p[0], &p[1], &p[i + 1]);
-		low = part < low ? part : low;
-		low = side < low ? side : low;
-		high = part > high ? part : high;
-		high = side > high ? side : high;
-	}
-	return low < 0 && high > 0 ? 0 : high > 0 ? 1 : -1;
-}
-
 /* Pixels whose centres corners may reach. */
 struct box { int32_t x0, x1, y0, y1; };
 
@@ -257,7 +260,7 @@ static void fill_box(struct lod_footprint *print, const struct box *box, const s
 	}
 }
 
-CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
 	const struct lod_fan *fan = &seen->fan;
@@ -265,13 +268,12 @@ CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen
 	project(p, seen, edge, pixels);
 	if (!find_box(&box, p, fan->corners, (int32_t)pixels))
 		return false;
-	int way = fan->cutout && fan->uv ? 0 : way_around(p, fan->corners);
-	if (!way) {
+	if (!seen->way || edge > EDGE_WHOLE) {
 		fill_box(print, &box, p, fan, (int32_t)pixels);
 		return true;
 	}
 	struct spans spans;
-	find_spans(&spans, &box, p, fan->corners, way);
+	find_spans(&spans, &box, p, fan->corners, seen->way);
 	print->y = (uint32_t)box.y0;
 	print->rows = (uint32_t)spans.rows;
 	print->word = (uint32_t)box.x0 / 64;
@@ -286,28 +288,16 @@ CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen
 
 /* ---- Counting ---- */
 
-#ifdef CLONED
-#define bits_of(x) ((uint32_t)__builtin_popcountll(x))
-#else
-/* Not the builtin: without a flag for newer processors that is a call. */
-static inline uint32_t bits_of(uint64_t x)
-{
-	x -= x >> 1 & UINT64_C(0x5555555555555555);
-	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
-	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
-}
-#endif
-
 static inline __attribute__((always_inline)) void count(uint64_t bits, const struct lod_canvas *canvas, size_t at, struct lod_gain *gain)
 {
 	const uint64_t *times = canvas->times[at], reference = canvas->reference[at];
 	uint64_t fresh = bits & ~times[0];
-	gain->right += bits_of(fresh & reference);
-	gain->wrong += bits_of(fresh & ~reference);
-	gain->second += bits_of(bits & times[0] & ~times[1] & reference);
+	gain->right += lod_bits_of(fresh & reference);
+	gain->wrong += lod_bits_of(fresh & ~reference);
+	gain->second += lod_bits_of(bits & times[0] & ~times[1] & reference);
 }
 
-CLONES void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
+LOD_CLONES void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
 {
 	const uint64_t *bits = print->bits;
 	struct lod_gain sum = *gain;
@@ -320,7 +310,7 @@ CLONES void lod_footprint_gain(const struct lod_footprint *print, const struct l
 	*gain = sum;
 }
 
-CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain)
+LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
 	const struct lod_fan *fan = &seen->fan;
@@ -328,8 +318,7 @@ CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t 
 	project(p, seen, edge, pixels);
 	if (!find_box(&box, p, fan->corners, (int32_t)pixels))
 		return;
-	int way = fan->cutout && fan->uv ? 0 : way_around(p, fan->corners);
-	if (!way) {
+	if (!seen->way || edge > EDGE_WHOLE) {
 		struct lod_footprint print;
 		fill_box(&print, &box, p, fan, (int32_t)pixels);
 		lod_footprint_gain(&print, canvas, gain);
@@ -337,7 +326,7 @@ CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t 
 	}
 	struct spans spans;
 	struct lod_gain sum = *gain;
-	find_spans(&spans, &box, p, fan->corners, way);
+	find_spans(&spans, &box, p, fan->corners, seen->way);
 	for (int32_t y = 0; y < spans.rows; y++) {
 		int32_t left = spans.left[y], right = spans.right[y];
 		if (left >= right)

@@ -25,6 +25,7 @@ struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t eleme
 struct lod_fan_seen {
 	struct lod_fan fan;
 	double center[3], corner[ECO_CORNERS_MAX][3];
+	int way;                     /* 1 or -1 where corners go around something convex, by the way they go; 0 otherwise, or with a cut-out */
 };
 void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const struct lod_eye *eye);
 

@@ -29,7 +29,7 @@
 
 #define VIEWED 1200000u                  /* elements times views */
 #define VIEWS_LEAST 24u
-#define VIEWS_MOST 64u
+#define VIEWS_MOST 32u
 #define TRIAL_VIEWS 8u                   /* trials look at so many of the views, or one less than twice as many */
 #define SECOND 16                        /* a second layer counts a so manieth of the first */
 #define WEIGHT 4096
@@ -59,7 +59,7 @@ struct ranking {
 	/* the step */
 	struct lod_crown_views views;
 	struct weights weights;
-	double edge[ECO_GROWTHS];
+	struct lod_crown_edges edges;
 	void (*piece)(void *pieces, uint32_t i);         /* what is run in parts */
 	uint32_t piece_first;
 	double share;                /* of the work, as far as it was told */
@@ -76,34 +76,38 @@ static int64_t score_of(const struct ranking *r, uint32_t element, const struct 
 	return sum > 0 ? sum * 12 / triangles : sum * triangles;
 }
 
-static int64_t look(const struct ranking *r, uint32_t element, uint32_t code)
+/* Scores of codes first .. last. Codes that come to one edge are looked at once. */
+static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last, int64_t score[ECO_GROWTHS])
 {
-	struct lod_gain gain;
-	lod_crown_gain(&r->crown, element, r->edge[code], r->views, &gain);
-	return score_of(r, element, &gain);
+	struct lod_gain gain[ECO_GROWTHS];
+	double edge[ECO_GROWTHS] = { 0 };
+	uint32_t count = 0;
+	for (uint32_t c = first; c <= last; c++)
+		if (c == first || r->edges.step[c] != r->edges.step[c - 1])
+			edge[count++] = r->edges.edge[c];
+	lod_crown_gain(&r->crown, element, edge, count, r->views, gain);
+	for (uint32_t c = first, at = 0; c <= last; c++) {
+		at += c > first && r->edges.step[c] != r->edges.step[c - 1];
+		score[c] = score_of(r, element, &gain[at]);
+	}
 }
 
 /* Climbs from the code that was best when it was looked at last. */
 static void assess(const struct ranking *r, struct candidate *c)
 {
-	uint32_t code = c->code;
-	int64_t best = look(r, c->element, code);
-	if (!r->options->plain) {
-		for (int way = -1; way <= 1; way += 2) {
-			bool moved = false;
-			for (uint32_t next = code + (uint32_t)way; next < ECO_GROWTHS; next += (uint32_t)way) {
-				int64_t score = look(r, c->element, next);
-				if (score <= best)
-					break;
-				best = score;
-				code = next;
-				moved = true;
-			}
-			if (moved)
-				break;
-		}
+	int64_t score[ECO_GROWTHS];
+	uint32_t code = c->code, first = code > 0 && !r->options->plain ? code - 1 : code;
+	uint32_t last = code + 1 < ECO_GROWTHS && !r->options->plain ? code + 1 : code;
+	look(r, c->element, first, last, score);
+	for (uint32_t next = first; next <= last; next++)
+		if (score[next] > score[code])
+			code = next;
+	for (uint32_t way = code - c->code; way && code > 0 && code + 1 < ECO_GROWTHS; code += way) {
+		look(r, c->element, code + way, code + way, score);
+		if (score[code + way] <= score[code])
+			break;
 	}
-	c->score = best;
+	c->score = score[code];
 	c->code = (uint8_t)code;
 }
 
@@ -208,7 +212,7 @@ static void pick(struct ranking *r, uint32_t end)
 		r->growth[element] = r->heap[0].code;
 		r->taken[element] = true;
 		r->order[r->picked++] = element;
-		lod_crown_add(&r->crown, element, r->edge[r->growth[element]], r->views);
+		lod_crown_add(&r->crown, element, r->edges.edge[r->growth[element]], r->views);
 		r->heap[0] = r->heap[--r->heap_count];
 		if (r->heap_count)
 			sift_down(r->heap, r->heap_count, 0);
@@ -217,17 +221,11 @@ static void pick(struct ranking *r, uint32_t end)
 
 /* ---- Steps ---- */
 
-static void set_scale(struct ranking *r, double scale)
-{
-	for (uint32_t c = 0; c < ECO_GROWTHS; c++)
-		r->edge[c] = sqrt(eco_growth(c, (float)scale));
-}
-
 static void redraw(struct ranking *r)
 {
 	lod_crown_clear(&r->crown, r->views);
 	for (uint32_t k = 0; k < r->picked && ((k + 1) % PARTS_DRAWN || goes_on(r)); k++)
-		lod_crown_add(&r->crown, r->order[k], r->edge[r->growth[r->order[k]]], r->views);
+		lod_crown_add(&r->crown, r->order[k], r->edges.edge[r->growth[r->order[k]]], r->views);
 }
 
 static double quality(const struct lod_crown_sum *s, double *p, double *recall)
@@ -252,7 +250,7 @@ static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
 	struct trial t;
 	uint32_t picked = r->picked;
 	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS : 1 };
-	set_scale(r, scale);
+	lod_crown_set_scale(&r->edges, scale);
 	redraw(r);
 	gather(r, end, picked);
 	make_heap(r);
@@ -316,7 +314,7 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 		lod_crown_set_level(&r->crown, end);
 		scale = choose_scale(r, end, scale);
 		r->views = (struct lod_crown_views){ 0, 1 };
-		set_scale(r, scale);
+		lod_crown_set_scale(&r->edges, scale);
 		redraw(r);
 		gather(r, end, r->picked);
 		make_heap(r);

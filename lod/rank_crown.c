@@ -9,6 +9,8 @@
 #define PIXELS_MOST 512u
 #define PIXELS_FEWEST 48u
 #define PER_ELEMENT 200.0           /* pixels of a picture: an element is a few pixels wide then */
+#define STEP 1.03                        /* of edges. Finer brings nothing */
+#define HALF_STEP 1.015
 #define WIDE 2.0                         /* pixels: so wide a leaf of the usual size is while it is judged */
 
 static int by_area(const void *a, const void *b)
@@ -96,6 +98,18 @@ void lod_crown_set_level(struct lod_crown *crown, uint32_t count)
 	crown->level = &crown->levels[k];
 }
 
+void lod_crown_set_scale(struct lod_crown_edges *edges, double scale)
+{
+	for (uint32_t c = 0; c < ECO_GROWTHS; c++) {
+		double wanted = sqrt(eco_growth(c, (float)scale)), edge = 1;
+		uint32_t step = 0;
+		for (; step + 1 < LOD_CROWN_EDGES && edge * HALF_STEP < wanted; step++)
+			edge *= STEP;
+		edges->step[c] = (uint16_t)step;
+		edges->edge[c] = edge;
+	}
+}
+
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 {
 	const struct lod_sights *sights = &crown->level->sights;
@@ -105,14 +119,16 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 				crown->level->canvas[v].times[i][k] = sights->wood[v][i];
 }
 
-void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain)
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
+	struct lod_gain *gain)
 {
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
-	*gain = (struct lod_gain){ 0 };
+	memset(gain, 0, count * sizeof *gain);
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
-		lod_fan_gain(&seen, edge, crown->level->sights.pixels, &crown->level->canvas[v], gain);
+		for (uint32_t i = 0; i < count; i++)
+			lod_fan_gain(&seen, edge[i], crown->level->sights.pixels, &crown->level->canvas[v], &gain[i]);
 	}
 }
 

@@ -2,11 +2,12 @@
  *
  *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
  *   lod_crown_clear(&crown);                                             the wood alone
- *   lod_crown_gain(&crown, element, edge, views, &gain);                 what the element would add, so large
+ *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);                what the element would add, so large
  *   lod_crown_add(&crown, element, edge, views); */
 #ifndef LOD_RANK_CROWN_H
 #define LOD_RANK_CROWN_H
 
+#include "ecofiles/list.h"
 #include "lod/footprint.h"
 
 /* The same views in several sizes: large elements are judged in small pictures, where they are a tenth of the work and as many pixels as
@@ -35,11 +36,18 @@ enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *
 /* The level that suits `count` elements drawn so large that they fill the crown. */
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
 
+/* Edges of elements drawn at a scale, by their codes: on a grid so fine that a leaf a few pixels wide shows no difference. Codes often come to
+ * the same edge then, and need but one look. */
+#define LOD_CROWN_EDGES 512u
+struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; };        /* the same step: the same edge; below LOD_CROWN_EDGES */
+void lod_crown_set_scale(struct lod_crown_edges *edges, double scale);
+
 /* Some of the views: every `stride`th, from `first` on. */
 struct lod_crown_views { uint32_t first, stride; };
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
-/* The element with edges multiplied by `edge`: sums over the views. Different elements may be asked about at once. */
-void lod_crown_gain(const struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views, struct lod_gain *gain);
+/* The element with edges multiplied by edge[0..count): sums over the views for each. Different elements may be asked about at once. */
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
+	struct lod_gain *gain);
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
 
 /* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */

@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "ecofiles/list.h"
+#include "lod/bits.h"
 #include "lod/sort.h"
 
 #define KEYS 14u
@@ -28,6 +29,9 @@
 #define TOGETHER 64u                     /* elements that choose at once, each as if the others stayed */
 #define PIECE 8u
 #define SECOND 0.06                      /* what a second layer counts, of the first */
+#define PRINTS 64u
+#define ROOM (4 * LOD_FOOTPRINT_PIXELS * (LOD_FOOTPRINT_PIXELS / 64))   /* words */
+#define APPLY_PIECES 8u
 #define STIFF 20.0                       /* how a price answers to a share of triangles too many */
 #define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
 
@@ -36,10 +40,13 @@ static const double key_share[KEYS] = { 0.004, 0.012, 0.03, 0.06, 0.1, 0.15, 0.2
 struct key {
 	uint32_t elements;           /* at first */
 	uint64_t budget, used;       /* triangles */
-	double scale, edge[ECO_GROWTHS];
+	double scale;
+	struct lod_crown_edges edges;
 	double right, wrong, second, price, base_price;
 	const struct lod_crown_level *level;
 	uint64_t (**planes)[PLANES];         /* per view and word */
+	uint64_t *trial;             /* a view's words */
+	bool drawn;
 };
 
 struct refine {
@@ -70,15 +77,53 @@ static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t
 			piece(r, i);
 }
 
-/* ---- Counted pictures ---- */
+/* ---- An element in a view ---- */
 
-/* Not the builtin: without a flag for newer processors that is a call. */
-static inline uint32_t bits_of(uint64_t x)
+/* What it covers there at each edge: pixels of one level, drawn when they are asked for first. */
+struct print { uint32_t y, rows, word, words; const uint64_t *bits; };
+struct prints {
+	struct lod_fan_seen seen;
+	uint32_t pixels, count, used;
+	uint8_t slot[LOD_CROWN_EDGES];       /* of an edge: 1 + its place below, or 0 */
+	struct print items[PRINTS];
+	struct lod_footprint drawn;
+	uint64_t room[ROOM];
+};
+
+static void forget_prints(struct prints *prints, uint32_t pixels)
 {
-	x -= x >> 1 & UINT64_C(0x5555555555555555);
-	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
-	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
+	prints->pixels = pixels;
+	prints->count = prints->used = 0;
+	memset(prints->slot, 0, sizeof prints->slot);
 }
+
+/* Those of one key, three codes at most, may be held at a time. */
+static void make_room(struct prints *prints)
+{
+	uint32_t largest = prints->pixels * ((prints->pixels + 63) / 64);
+	if (prints->count + 3 > PRINTS || prints->used + 3 * largest > ROOM)
+		forget_prints(prints, prints->pixels);
+}
+
+static const struct print *find_print(struct prints *prints, const struct lod_crown_edges *edges, uint32_t code)
+{
+	uint8_t *slot = &prints->slot[edges->step[code]];
+	if (*slot)
+		return &prints->items[*slot - 1];
+	struct lod_footprint *drawn = &prints->drawn;
+	struct print *print = &prints->items[prints->count++];
+	*slot = (uint8_t)prints->count;
+	*print = (struct print){ .bits = prints->room + prints->used };
+	if (lod_fan_cover(drawn, &prints->seen, edges->edge[code], prints->pixels)) {
+		print->y = drawn->y, print->rows = drawn->rows;
+		print->word = drawn->word, print->words = drawn->words;
+		memcpy(prints->room + prints->used, drawn->bits, (size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
+		prints->used += drawn->rows * drawn->words;
+	}
+	return print;
+}
+
+/* ---- Counted pictures ---- */
 
 static void count_bits(uint64_t planes[PLANES], uint64_t bits, bool up)
 {
@@ -90,58 +135,77 @@ static void count_bits(uint64_t planes[PLANES], uint64_t bits, bool up)
 	}
 }
 
-static void draw(const struct refine *r, struct key *key, uint32_t element, uint32_t code, uint32_t stride, bool up)
+static void draw(const struct key *key, uint32_t view, const struct print *print, bool up)
 {
-	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, element, r->crown->cutout[element]);
-	struct lod_fan_seen seen;
-	struct lod_footprint print;
-	const struct lod_sights *sights = &key->level->sights;
-	for (uint32_t v = 0; v < sights->count; v += stride) {
-		lod_fan_see(&seen, &fan, &sights->eyes[v]);
-		if (!lod_fan_cover(&print, &seen, key->edge[code], sights->pixels))
-			continue;
-		const uint64_t *bits = print.bits;
-		for (uint32_t y = 0; y < print.rows; y++)
-			for (uint32_t w = 0; w < print.words; w++, bits++)
-				if (*bits)
-					count_bits(key->planes[v][(size_t)(print.y + y) * (sights->words / sights->pixels) + print.word + w], *bits, up);
+	const struct lod_canvas *canvas = &key->level->canvas[view];
+	const uint64_t *bits = print->bits;
+	for (uint32_t y = 0; y < print->rows; y++) {
+		uint64_t (*planes)[PLANES] = key->planes[view] + (size_t)(print->y + y) * canvas->row_words + print->word;
+		for (uint32_t w = 0; w < print->words; w++, bits++)
+			if (*bits)
+				count_bits(planes[w], *bits, up);
 	}
 }
 
-static void redraw(const struct refine *r, struct key *key, uint32_t k, uint32_t stride)
+static void redraw(const struct refine *r, struct key *key, uint32_t k)
 {
 	const struct lod_sights *sights = &key->level->sights;
-	for (uint32_t v = 0; v < sights->count; v += stride)
+	struct prints prints;
+	for (uint32_t v = 0; v < sights->count; v++) {
 		for (uint32_t w = 0; w < sights->words; w++)
 			for (uint32_t p = 0; p < PLANES; p++)
 				key->planes[v][w][p] = sights->wood[v][w];
+		for (uint32_t e = 0; e < r->count; e++) {
+			if (r->first[e] > k)
+				continue;
+			struct lod_fan fan = lod_foliage_fan(r->crown->foliage, e, r->crown->cutout[e]);
+			lod_fan_see(&prints.seen, &fan, &sights->eyes[v]);
+			forget_prints(&prints, sights->pixels);
+			draw(key, v, find_print(&prints, &key->edges, r->code[e]), true);
+		}
+	}
 	key->used = 0;
 	for (uint32_t e = 0; e < r->count; e++)
-		if (r->first[e] <= k) {
-			draw(r, key, e, r->code[e], stride, true);
+		if (r->first[e] <= k)
 			key->used += triangles_of(r, e);
-		}
 }
 
-/* Q; sets what pixels are worth. */
+/* Pixels covered and of the reference, covered and not, of the reference in all. */
+struct tally { uint64_t right, wrong, wanted; };
+
+LOD_CLONES static void count_words(struct tally *tally, const uint64_t *covered, const uint64_t *reference, uint32_t words)
+{
+	for (uint32_t w = 0; w < words; w++) {
+		tally->right += lod_bits_of(covered[w] & reference[w]);
+		tally->wrong += lod_bits_of(covered[w] & ~reference[w]);
+	}
+}
+
+/* 1 - Q; sets what pixels are worth. */
+static double loss_of(const struct tally *tally, struct key *key)
+{
+	double covered = fmax(1, (double)(tally->right + tally->wrong)), all = fmax(1, (double)tally->wanted);
+	double lost_p = (double)tally->wrong / covered, lost_r = 1 - (double)tally->right / all;
+	double lost = fmax(1e-6, sqrt(lost_p * lost_p + lost_r * lost_r));
+	key->right = lost_p / lost * (double)tally->wrong / covered / covered + lost_r / lost / all;
+	key->wrong = lost_p / lost * (double)tally->right / covered / covered;
+	key->second = key->right * SECOND;
+	return lost;
+}
+
 static double measure(struct key *key, uint32_t stride)
 {
 	const struct lod_sights *sights = &key->level->sights;
-	uint64_t right = 0, wrong = 0, wanted = 0;
+	struct tally tally = { 0 };
 	for (uint32_t v = 0; v < sights->count; v += stride) {
 		for (uint32_t w = 0; w < sights->words; w++) {
-			const uint64_t *p = key->planes[v][w], covered = p[0] | p[1] | p[2] | p[3];
-			right += bits_of(covered & sights->reference[v][w]);
-			wrong += bits_of(covered & ~sights->reference[v][w]);
+			const uint64_t *p = key->planes[v][w];
+			key->trial[w] = p[0] | p[1] | p[2] | p[3];
 		}
-		wanted += sights->reference_pixels[v];
+		count_words(&tally, key->trial, sights->reference[v], sights->words);
+		tally.wanted += sights->reference_pixels[v];
 	}
-	double covered = fmax(1, (double)(right + wrong)), all = fmax(1, (double)wanted);
-	double lost_p = (double)wrong / covered, lost_r = 1 - (double)right / all, lost = fmax(1e-6, sqrt(lost_p * lost_p + lost_r * lost_r));
-	key->right = lost_p / lost * (double)wrong / covered / covered + lost_r / lost / all;
-	key->wrong = lost_p / lost * (double)right / covered / covered;
-	key->second = key->right * SECOND;
-	return 1 - lost;
+	return loss_of(&tally, key);
 }
 
 /* ---- Scales ---- */
@@ -149,16 +213,42 @@ static double measure(struct key *key, uint32_t stride)
 static void set_scale(struct key *key, double scale)
 {
 	key->scale = scale;
-	for (uint32_t c = 0; c < ECO_GROWTHS; c++)
-		key->edge[c] = sqrt(eco_growth(c, (float)scale));
+	lod_crown_set_scale(&key->edges, scale);
 }
 
+static uint32_t trial_stride(const struct key *key)
+{
+	return key->level->sights.count > 2 * TRIAL_STRIDE ? TRIAL_STRIDE : 1;
+}
+
+/* Covered or not is all that a trial asks: counted pictures stay as they are. */
 static double try_scale(const struct refine *r, uint32_t k, struct key *key, double scale)
 {
-	uint32_t stride = key->level->sights.count > 2 * TRIAL_STRIDE ? TRIAL_STRIDE : 1;
-	set_scale(key, scale);
-	redraw(r, key, k, stride);
-	return measure(key, stride);
+	const struct lod_sights *sights = &key->level->sights;
+	struct lod_crown_edges edges;
+	struct lod_fan_seen seen;
+	struct lod_footprint print;
+	struct tally tally = { 0 };
+	uint32_t row_words = sights->words / sights->pixels;
+	lod_crown_set_scale(&edges, scale);
+	for (uint32_t v = 0; v < sights->count; v += trial_stride(key)) {
+		memcpy(key->trial, sights->wood[v], sights->words * sizeof *key->trial);
+		for (uint32_t e = 0; e < r->count; e++) {
+			if (r->first[e] > k)
+				continue;
+			struct lod_fan fan = lod_foliage_fan(r->crown->foliage, e, r->crown->cutout[e]);
+			lod_fan_see(&seen, &fan, &sights->eyes[v]);
+			if (!lod_fan_cover(&print, &seen, edges.edge[r->code[e]], sights->pixels))
+				continue;
+			const uint64_t *bits = print.bits;
+			for (uint32_t y = 0; y < print.rows; y++)
+				for (uint32_t w = 0; w < print.words; w++)
+					key->trial[(size_t)(print.y + y) * row_words + print.word + w] |= *bits++;
+		}
+		count_words(&tally, key->trial, sights->reference[v], sights->words);
+		tally.wanted += sights->reference_pixels[v];
+	}
+	return loss_of(&tally, key);
 }
 
 /* Climbs from the scale of before. */
@@ -166,22 +256,25 @@ static void fit_scale(void *pieces, uint32_t k)
 {
 	struct refine *r = pieces;
 	struct key *key = &r->keys[k += r->key_at];
-	double best_scale = key->scale, best = try_scale(r, k, key, best_scale);
+	double best_scale = key->scale, least = key->drawn ? measure(key, trial_stride(key)) : try_scale(r, k, key, best_scale);
 	for (int way = 1; way >= -1; way -= 2) {
 		bool moved = false;
 		for (uint32_t i = 0; i < 8; i++) {
-			double scale = 1 + (best_scale - 1) * (way > 0 ? r->stretch : 1 / r->stretch), q = try_scale(r, k, key, scale);
-			if (!(q > best))
+			double scale = 1 + (best_scale - 1) * (way > 0 ? r->stretch : 1 / r->stretch), loss = try_scale(r, k, key, scale);
+			if (!(loss < least))
 				break;
-			best = q;
+			least = loss;
 			best_scale = scale;
 			moved = true;
 		}
 		if (moved)
 			break;
 	}
-	set_scale(key, best_scale);
-	redraw(r, key, k, 1);
+	if (best_scale != key->scale || !key->drawn) {
+		set_scale(key, best_scale);
+		redraw(r, key, k);
+		key->drawn = true;
+	}
 	measure(key, 1);
 }
 
@@ -189,15 +282,15 @@ static void fit_scale(void *pieces, uint32_t k)
 
 struct worth { double of[KEYS][ECO_GROWTHS]; };
 
-static uint64_t bits_at(const struct lod_footprint *print, uint32_t y, uint32_t word)
+static inline uint64_t bits_at(const struct print *print, uint32_t y, uint32_t word)
 {
-	if (!print || y < print->y || y >= print->y + print->rows || word < print->word || word >= print->word + print->words)
+	if (!print || y - print->y >= print->rows || word - print->word >= print->words)
 		return 0;
 	return print->bits[(size_t)(y - print->y) * print->words + word - print->word];
 }
 
 /* `own`: what the element covers now and is to be thought away; or NULL. */
-static double gain(const struct key *key, uint32_t view, const struct lod_footprint *print, const struct lod_footprint *own)
+LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct print *print, const struct print *own)
 {
 	const struct lod_canvas *canvas = &key->level->canvas[view];
 	const uint64_t *bits = print->bits;
@@ -210,38 +303,48 @@ static double gain(const struct key *key, uint32_t view, const struct lod_footpr
 			const uint64_t *p = key->planes[view][at + w], reference = canvas->reference[at + w], many = p[2] | p[3];
 			uint64_t mine = bits_at(own, print->y + y, print->word + w), one = p[0] & ~p[1] & ~many, two = p[1] & ~p[0] & ~many;
 			uint64_t free = *bits & ((~(p[0] | p[1] | many)) | (one & mine)), once = *bits & ((one & ~mine) | (two & mine)) & reference;
-			if (free) {
-				right += bits_of(free & reference);
-				wrong += bits_of(free & ~reference);
-			}
-			if (once)
-				second += bits_of(once);
+			right += lod_bits_of(free & reference);
+			wrong += lod_bits_of(free & ~reference);
+			second += lod_bits_of(once);
 		}
 	}
 	return right * key->right - wrong * key->wrong + second * key->second;
 }
 
-static void look(const struct refine *r, uint32_t element, uint32_t low_key, uint32_t low_code, uint32_t high_code, struct worth *worth)
+/* Which keys and codes are looked at. From `settled` on every choice draws the element: there only codes make a difference. */
+struct look { uint32_t element, low_key, end_key, settled, low_code, high_code; };
+
+static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view, struct prints *prints, double worth[ECO_GROWTHS])
 {
-	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, element, r->crown->cutout[element]);
-	struct lod_fan_seen seen;
-	struct lod_footprint own, print;
-	uint32_t code = r->code[element];
+	const struct key *key = &r->keys[k];
+	if (k >= l->settled && key->edges.step[l->low_code] == key->edges.step[l->high_code])
+		return;
+	make_room(prints);
+	const struct print *own = r->first[l->element] <= k ? find_print(prints, &key->edges, r->code[l->element]) : NULL;
+	double brings = 0;
+	for (uint32_t c = l->low_code; c <= l->high_code; c++) {
+		if (c == l->low_code || key->edges.step[c] != key->edges.step[c - 1])
+			brings = gain(key, view, find_print(prints, &key->edges, c), own);
+		worth[c] += brings;
+	}
+}
+
+static void look(const struct refine *r, const struct look *l, struct worth *worth)
+{
+	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, l->element, r->crown->cutout[l->element]);
+	struct prints prints;
 	memset(worth, 0, sizeof *worth);
 	for (uint32_t v = 0; v < r->crown->views; v++) {
-		lod_fan_see(&seen, &fan, &r->crown->levels[0].sights.eyes[v]);
-		for (uint32_t k = low_key; k < r->key_count; k++) {
-			const struct key *key = &r->keys[k];
-			bool drawn = r->first[element] <= k && lod_fan_cover(&own, &seen, key->edge[code], key->level->sights.pixels);
-			for (uint32_t c = low_code; c <= high_code; c++)
-				if (drawn && c == code)
-					worth->of[k][c] += gain(key, v, &own, &own);
-				else if (lod_fan_cover(&print, &seen, key->edge[c], key->level->sights.pixels))
-					worth->of[k][c] += gain(key, v, &print, drawn ? &own : NULL);
+		lod_fan_see(&prints.seen, &fan, &r->crown->levels[0].sights.eyes[v]);
+		for (uint32_t k = l->low_key; k < l->end_key; k++) {
+			if (k == l->low_key || r->keys[k].level != r->keys[k - 1].level)
+				forget_prints(&prints, r->keys[k].level->sights.pixels);
+			look_in_key(r, l, k, v, &prints, worth->of[k]);
 		}
 	}
 }
 
+/* Where nothing is better it stays as it is. */
 static void choose(struct refine *r, uint32_t element)
 {
 	struct worth worth;
@@ -249,13 +352,13 @@ static void choose(struct refine *r, uint32_t element)
 	uint32_t low_key = first > 0 ? first - 1 : 0, high_key = first < r->key_count ? first + 1 : first;
 	uint32_t low_code = code > 0 ? code - 1 : 0, high_code = code + 1 < ECO_GROWTHS ? code + 1 : code;
 	double triangles = triangles_of(r, element), best = -INFINITY;
-	look(r, element, low_key, low_code, high_code, &worth);
+	look(r, &(struct look){ element, low_key, r->key_count, high_key, low_code, high_code }, &worth);
 	for (uint32_t c = low_code; c <= high_code; c++) {
 		double sum = 0;
 		for (uint32_t k = r->key_count + 1; k-- > low_key;) {
 			if (k < r->key_count)
 				sum += worth.of[k][c] - r->keys[k].price * triangles;
-			if (k <= high_key && sum > best) {
+			if (k <= high_key && (sum > best || (sum == best && c == code && k == first))) {
 				best = sum;
 				best_first = k;
 				best_code = c;
@@ -275,21 +378,51 @@ static void choose_piece(void *pieces, uint32_t i)
 		choose(r, r->turn[t]);
 }
 
-static void apply(struct refine *r, uint32_t element)
+static void apply_in_view(const struct refine *r, uint32_t element, uint32_t view, struct prints *prints)
 {
-	uint32_t first = r->next_first[element], code = r->next_code[element];
-	for (uint32_t k = 0; k < r->key_count; k++) {
-		struct key *key = &r->keys[k];
-		bool was = r->first[element] <= k, is = first <= k, other = code != r->code[element];
+	uint32_t first = r->next_first[element], code = r->next_code[element], from = first < r->first[element] ? first : r->first[element];
+	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, element, r->crown->cutout[element]);
+	lod_fan_see(&prints->seen, &fan, &r->crown->levels[0].sights.eyes[view]);
+	for (uint32_t k = from; k < r->key_count; k++) {
+		const struct key *key = &r->keys[k];
+		bool was = r->first[element] <= k, is = first <= k, other = key->edges.step[code] != key->edges.step[r->code[element]];
+		if (k == from || key->level != key[-1].level)
+			forget_prints(prints, key->level->sights.pixels);
+		make_room(prints);
 		if (was && (!is || other))
-			draw(r, key, element, r->code[element], 1, false);
+			draw(key, view, find_print(prints, &key->edges, r->code[element]), false);
 		if (is && (!was || other))
-			draw(r, key, element, code, 1, true);
-		key->used += (uint64_t)triangles_of(r, element) * is;
-		key->used -= (uint64_t)triangles_of(r, element) * was;
+			draw(key, view, find_print(prints, &key->edges, code), true);
 	}
-	r->first[element] = (uint8_t)first;
-	r->code[element] = (uint8_t)code;
+}
+
+static bool moves(const struct refine *r, uint32_t element)
+{
+	return r->next_first[element] != r->first[element] || r->next_code[element] != r->code[element];
+}
+
+static void apply_piece(void *pieces, uint32_t i)
+{
+	const struct refine *r = pieces;
+	struct prints prints;
+	for (uint32_t view = i; view < r->crown->views; view += APPLY_PIECES)
+		for (uint32_t t = r->at; t < r->end; t++)
+			if (moves(r, r->turn[t]))
+				apply_in_view(r, r->turn[t], view, &prints);
+}
+
+static void apply(struct refine *r)
+{
+	run(r, APPLY_PIECES, apply_piece);
+	for (uint32_t t = r->at; t < r->end; t++) {
+		uint32_t element = r->turn[t];
+		for (uint32_t k = 0; k < r->key_count; k++) {
+			r->keys[k].used += (uint64_t)triangles_of(r, element) * (r->next_first[element] <= k);
+			r->keys[k].used -= (uint64_t)triangles_of(r, element) * (r->first[element] <= k);
+		}
+		r->first[element] = r->next_first[element];
+		r->code[element] = r->next_code[element];
+	}
 }
 
 /* ---- Sweeps ---- */
@@ -305,7 +438,7 @@ static void set_price(void *pieces, uint32_t k)
 	for (uint32_t i = begin; i < end; i += (end - begin) / 200 + 1, samples++) {
 		struct worth worth;
 		uint32_t element = r->in->order[i], code = r->code[element];
-		look(r, element, k, code, code, &worth);
+		look(r, &(struct look){ element, k, k + 1, KEYS, code, code }, &worth);
 		sum += worth.of[k][code] / triangles_of(r, element);
 	}
 	key->price = key->base_price = sum / samples;
@@ -347,8 +480,7 @@ static bool sweep(struct refine *r, uint32_t number, uint32_t sweeps)
 	for (r->at = 0; r->at < r->count; r->at = r->end) {
 		r->end = r->at + together < r->count ? r->at + together : r->count;
 		run(r, (r->end - r->at + PIECE - 1) / PIECE, choose_piece);
-		for (uint32_t t = r->at; t < r->end; t++)
-			apply(r, r->turn[t]);
+		apply(r);
 		follow_budgets(r);
 		if (!goes_on(r, (number + (double)r->at / r->count) / sweeps))
 			return false;
@@ -381,6 +513,7 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 		key->planes = lod_arena_take(arena, r->crown->views, sizeof *key->planes);
 		for (uint32_t v = 0; v < r->crown->views; v++)
 			key->planes[v] = lod_arena_take(arena, key->level->sights.words, sizeof *key->planes[v]);
+		key->trial = lod_arena_take(arena, key->level->sights.words, sizeof *key->trial);
 		double cook = (double)r->count / i;
 		set_scale(key, sqrt(cook * (1 + cook) / 2));
 		r->key_count++;
