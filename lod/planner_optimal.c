@@ -199,7 +199,7 @@ static enum eco_code try_prices(const struct descent *d, uint64_t budget, int re
 		double wrong = INFINITY;
 		code = try_structure(d, price_at(tried = i), budget, &spend, &wrong, error);
 		if (!code && reach > 1 && wrong < INFINITY) {
-			code = lod_spend_finish(&spend, budget, error);
+			code = lod_spend_finish(&spend, budget, false, error);
 			wrong = spend.wrong + closed_wrong(d->market);
 		}
 		if (!code && wrong < found->wrong)
@@ -315,7 +315,7 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 	if (!code)
 		code = try_structure(d, small || d->index == PRICE_COUNT ? price_at(found.index) : exact_price(d, budget), budget, &spend, &wrong, error);
 	if (!code)
-		code = lod_spend_finish(&spend, budget, error);
+		code = lod_spend_finish(&spend, budget, small, error);
 	m->p->cheapest = spend.cheapest;
 	m->p->wrong = spend.wrong + closed_wrong(m);
 	lod_spend_free(&spend);

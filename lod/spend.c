@@ -11,6 +11,7 @@
 #define HALVINGS 14              /* of the interval of prices: what is left is spent step by step */
 #define FALL 1.4                 /* of the price, while a price is looked for that does not fit */
 #define FALLS_MAX 400
+#define EXCHANGES 4              /* times that all bids are looked at */
 
 /* ---- Bids ---- */
 
@@ -343,7 +344,8 @@ static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 	return spent;
 }
 
-static bool buy_rest(struct lod_spend *spend, uint64_t budget)
+/* All but bid `except` (ECO_NONE: all) go on with what the budget leaves. */
+static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 {
 	struct choice *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
 	uint32_t count = 0;
@@ -355,7 +357,7 @@ static bool buy_rest(struct lod_spend *spend, uint64_t budget)
 		bid->ahead = bid->ahead ? share_floor(spend, bid, bid->ahead) : 0;
 		add_vertices(spend, bid->count, bid->low);
 		add_vertices(spend, bid->ahead, bid->high - bid->low);
-		if (next_price(bid) > 0)
+		if (i != except && next_price(bid) > 0)
 			heap[count++] = (struct choice){ next_price(bid), i };
 	}
 	for (uint32_t i = count; i-- > 0;)
@@ -485,11 +487,61 @@ static void sum_exactly(struct lod_spend *spend)
 	}
 }
 
-enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, struct eco_error *error)
+/* ---- Exchanges ---- */
+
+/* One step back, or all of them. False where nothing is drawn. */
+static bool give_back(struct lod_bid *bid, bool all)
 {
-	if (!file_hashes(spend) || !buy_rest(spend, budget))
+	uint32_t step = all ? 0 : bid->step;
+	if (bid->low == bid->steps->amounts[0].vertices && bid->ahead == 0)
+		return false;
+	if (!all && bid->ahead == 0 && bid->low == amount_of(bid)->vertices)
+		step--;
+	reach_step(bid, step);
+	return true;
+}
+
+/* What a bid gives back is spent on others, and what they leave on all: kept if less is wrong then. */
+static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, bool all, struct lod_bid *spare, bool *better)
+{
+	double before = spend->wrong;
+	uint64_t vertices = spend->vertices;
+	memcpy(spare, spend->bids, spend->bid_count * sizeof *spare);
+	if (!give_back(&spend->bids[i], all))
+		return true;
+	if (!buy_rest(spend, budget, i) || !buy_rest(spend, budget, ECO_NONE))
+		return false;
+	sum_exactly(spend);
+	if (spend->wrong < before) {
+		*better = true;
+		return true;
+	}
+	memcpy(spend->bids, spare, spend->bid_count * sizeof *spare);
+	spend->wrong = before;
+	spend->vertices = vertices;
+	return true;
+}
+
+static bool exchange_all(struct lod_spend *spend, uint64_t budget)
+{
+	struct lod_bid *spare = malloc(((size_t)spend->bid_count + 1) * sizeof *spare);
+	bool good = spare, better = true;
+	for (int pass = 0; good && better && pass < EXCHANGES; pass++) {
+		better = false;
+		for (uint32_t i = 0; good && i < 2 * spend->bid_count; i++)
+			good = exchange(spend, budget, i / 2, i % 2, spare, &better);
+	}
+	free(spare);
+	return good;
+}
+
+enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, bool exchanges, struct eco_error *error)
+{
+	bool good = file_hashes(spend) && buy_rest(spend, budget, ECO_NONE);
+	if (good)
+		sum_exactly(spend);
+	if (!good || (exchanges && !exchange_all(spend, budget)))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", spend->bid_count);
 	spend->cheapest = cheapest_step(spend);
-	sum_exactly(spend);
 	return add_entries(spend, error);
 }

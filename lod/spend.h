@@ -4,7 +4,7 @@
  *   lod_market_settle(&market);                       tiles, gates and counts
  *   lod_spend_make(&spend, &market, &error);          what can be bought there
  *   lod_spend_search(&spend, price, budget)           amounts that fit; spend.wrong is what they leave wrong
- *   lod_spend_finish(&spend, budget, &error)          the rest of the budget; then entries of the plan
+ *   lod_spend_finish(&spend, budget, exchanges, &error)       the rest of the budget; then entries of the plan
  *   lod_spend_free(&spend) */
 #ifndef LOD_SPEND_H
 #define LOD_SPEND_H
@@ -38,7 +38,7 @@ enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *market,
 void lod_spend_free(struct lod_spend *spend);
 /* The lowest price whose amounts fit, looked for from `price` > 0 on. Where not even the least fits, vertices stays above the budget. */
 void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget);
-/* After a search that fits. */
-enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, struct eco_error *error);
+/* After a search that fits. `exchanges`: then what each bid gives back is tried on the others (for few bids: it takes their square). */
+enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, bool exchanges, struct eco_error *error);
 
 #endif

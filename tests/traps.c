@@ -58,7 +58,7 @@ TRAPPED(lod_plan, (struct eco_plan *plan, const struct lod_planner_input *input,
 TRAPPED(lod_plan_ground, (struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double px, struct eco_error *error), plan, scene,
 	view, px, error)
 TRAPPED(lod_market_make, (struct lod_market *market, struct lod_planning *p, struct eco_error *error), market, p, error)
-TRAPPED(lod_spend_finish, (struct lod_spend *spend, uint64_t budget, struct eco_error *error), spend, budget, error)
+TRAPPED(lod_spend_finish, (struct lod_spend *spend, uint64_t budget, bool exchanges, struct eco_error *error), spend, budget, exchanges, error)
 TRAPPED(lod_plant_build, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options, struct eco_error *error), plant,
 	model, options, error)
 TRAPPED(lod_plant_measure, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options, struct eco_error *error), plant,
