@@ -2,12 +2,22 @@
  * wrong pixels along edges: one measurement predicts the bits, a second confirms them. */
 #include "lod/grid.h"
 
+#include <math.h>
+
 #include "lod/ladder.h"
 #include "lod/probe.h"
 
 #define VIEWS 8u
 #define HIGH_PX 512.0
 #define SIDE_MAX 2048.0
+
+double lod_grid_nearest_m(const struct eco_list *list, double pixel_rad)
+{
+	double square = 0;
+	for (int i = 0; i < 3; i++)
+		square += 0.25 * list->grid_step[i] * list->grid_step[i];
+	return 2 * sqrt(square) / pixel_rad;
+}
 
 /* Pictures in which the plant's height, seen from the side, is HIGH_PX. */
 static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe)

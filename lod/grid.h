@@ -17,4 +17,10 @@ enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_mode
 enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error);
 
+/* What rounding to a list's grid comes to. Full detail is within half a pixel of the model down to this distance from the eye, for a picture whose
+ * pixels are `pixel_rad` high (lod_eye); nearer it is off by as much more as the eye is nearer, and no more: all lists of a plant are on one
+ * grid, so what touches goes on touching, however near. */
+double lod_grid_nearest_m(const struct eco_list *list, double pixel_rad);
+#define LOD_GRID_PIXEL_RAD 7.671e-4      /* 1080 pixels over 45 degrees: what is stated where no picture is */
+
 #endif

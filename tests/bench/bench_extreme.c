@@ -8,9 +8,9 @@
 
 #include "tests/bench/bench.h"
 
-extern const struct extreme_family extreme_place, extreme_camera, extreme_stiff, extreme_geometry, extreme_time;
+extern const struct extreme_family extreme_place, extreme_camera, extreme_stiff, extreme_geometry, extreme_quantization, extreme_time;
 
-const struct extreme_family *const extreme_families[] = { &extreme_place, &extreme_camera, &extreme_stiff, &extreme_geometry,
+const struct extreme_family *const extreme_families[] = { &extreme_place, &extreme_camera, &extreme_stiff, &extreme_geometry, &extreme_quantization,
 	&extreme_time, NULL };
 
 /* ---- Cases ---- */

@@ -1,0 +1,189 @@
+/* Quantization: corners are integers. For each list it is stated from which distance on rounding them moves nothing by more than half a pixel
+ * (lod/grid.h); here every corner of the source is looked up among those that are stored, and how far it moved is projected. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/grid.h"
+#include "tests/bench/bench_extreme_scene.h"
+#include "tests/plant_models.h"
+
+/* ---- Stored corners ---- */
+
+struct point { int32_t p[3]; };
+
+static int compare(const void *a, const void *b) { return memcmp(a, b, sizeof(struct point)); }
+
+/* All corners of the plant's triangles, sorted. Their lists are on one grid: `grid` is one of them. */
+static struct point *corners_of(const struct lod_plant *plant, const struct eco_list **grid, size_t *count, bool *one_grid)
+{
+	size_t all = 0;
+	*grid = NULL;
+	*one_grid = true;
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		all += plant->lists[i].list.kind == ECO_LIST_TRIANGLES ? plant->lists[i].elements.corner_count : 0;
+	struct point *points = malloc((all + 1) * sizeof *points);
+	*count = 0;
+	for (uint32_t i = 0; i < plant->list_count && points; i++) {
+		const struct lod_list_draft *d = &plant->lists[i];
+		if (d->list.kind != ECO_LIST_TRIANGLES)
+			continue;
+		*grid = *grid ? *grid : &d->list;
+		*one_grid = *one_grid && !memcmp((*grid)->grid_step, d->list.grid_step, sizeof d->list.grid_step)
+			&& !memcmp((*grid)->grid_origin, d->list.grid_origin, sizeof d->list.grid_origin);
+		memcpy(points + *count, d->elements.position, d->elements.corner_count * sizeof *points);
+		*count += d->elements.corner_count;
+	}
+	if (points)
+		qsort(points, *count, sizeof *points, compare);
+	return points;
+}
+
+/* How far the source's corners are from where they are stored, at most; those that are nowhere near are counted. */
+static double farthest(const struct eco_model *model, const struct eco_list *grid, const struct point *points, size_t count, uint32_t *lost)
+{
+	double most = 0;
+	*lost = 0;
+	for (uint32_t v = 0; v < model->vertex_count; v++) {
+		double best = INFINITY;
+		for (int near = 0; near < 27; near++) {         /* a corner that was welded to another is beside its own step at most */
+			struct point q;
+			double square = 0;
+			for (int k = 0, digit = near; k < 3; k++, digit /= 3) {
+				double at = ((double)model->position[3 * v + (uint32_t)k] - grid->grid_origin[k]) / grid->grid_step[k];
+				q.p[k] = (int32_t)floor(at + 0.5) + digit % 3 - 1;
+				square += (at - q.p[k]) * (at - q.p[k]) * grid->grid_step[k] * grid->grid_step[k];
+			}
+			if (square < best && bsearch(&q, points, count, sizeof q, compare))
+				best = square;
+		}
+		if (best < INFINITY)
+			most = fmax(most, best);
+		else
+			++*lost;
+	}
+	return sqrt(most);
+}
+
+/* ---- Plants ---- */
+
+static void measure(struct extreme *x, struct soup *soup, const char *name, uint32_t bits, uint32_t lost_most)
+{
+	struct lod_plant plant = { 0 };
+	struct eco_error error = { 0 };
+	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_STOCHASTIC, .grid_bits = bits, .views = 2, .pixels = 64 };
+	enum eco_code code = lod_plant_build(&plant, &soup->model, &options, &error);
+	if (!code)
+		code = lod_plant_measure(&plant, &soup->model, &options, &error);
+	if (!extreme_good(x, code, &error)) {
+		soup_free(soup);
+		return;
+	}
+	const struct eco_list *grid;
+	size_t count;
+	bool one_grid;
+	uint32_t lost = 0;
+	struct point *points = corners_of(&plant, &grid, &count, &one_grid);
+	if (extreme_must(x, points && grid, "%s: no triangles", name)) {
+		double moved = farthest(&soup->model, grid, points, count, &lost), nearest = lod_grid_nearest_m(grid, LOD_GRID_PIXEL_RAD);
+		/* welding moves a corner by another 1e-6 of the plant */
+		double px = moved / (nearest * LOD_GRID_PIXEL_RAD), slack = 1e-6 * (double)plant.anchors[0].radius * 4 / (nearest * LOD_GRID_PIXEL_RAD);
+		extreme_must(x, px <= 0.5 + slack, "%s: %.3f px at %.3g m", name, px, nearest);
+		extreme_must(x, lost <= lost_most, "%s: %u of %u corners are nowhere", name, lost, soup->model.vertex_count);
+		extreme_must(x, one_grid, "%s: lists of one plant are on grids that differ", name);
+		extreme_must(x, nearest <= 2.5 * (double)plant.anchors[0].radius, "%s: half a pixel only from %.3g m on", name, nearest);
+		extreme_say(x, "%s of %.3g m: steps of %.2g m, %.3f px at %.2g m", name, (double)plant.plant.height_m, grid->grid_step[0], px, nearest);
+	}
+	free(points);
+	soup_free(soup);
+	lod_plant_free(&plant);
+}
+
+static void scale_soup(struct soup *s, double factor, double shift)
+{
+	for (uint32_t i = 0; i < 3 * s->model.vertex_count; i++)
+		s->model.position[i] = (float)(factor * (double)s->model.position[i] + (i % 3 == 0 ? shift : 0));
+}
+
+static void usual(struct extreme *x)
+{
+	static const struct { const char *name; double factor; uint32_t leaves; } rows[] = { { "moss", 1e-3, 200 }, { "herb", 0.03, 200 }, { "tree", 1, 1500 },
+		{ "giant", 18, 3000 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct soup s;
+		soup_tree(&s, rows[i].leaves, 0, false);
+		scale_soup(&s, rows[i].factor, 0);
+		measure(x, &s, rows[i].name, 0, 0);
+	}
+}
+
+/* Leaves stay as large as they are, the plant grows: the grid has to be finer, as much as the picture needs. */
+static void large(struct extreme *x)
+{
+	struct soup s;
+	soup_begin(&s);
+	uint32_t leaf = soup_material(&s, 60, 150, 40, ECO_NONE, false), bark = soup_material(&s, 110, 80, 50, ECO_NONE, false);
+	soup_tube(&s, bark, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 95 }, 1.5, 0.1, 12, 60);
+	for (uint32_t i = 0; i < (x->quick ? 3000u : 40000u); i++)
+		soup_leaf(&s, leaf, lod_v3_add((struct lod_v3){ 0, 0, 75 }, lod_v3_scale(soup_direction(&s), 25 * sqrt(soup_random(&s, 0, 1)))), 0.06, 0.04);
+	measure(x, &s, "a giant with small leaves", 0, 0);
+}
+
+static void every_grid(struct extreme *x)
+{
+	for (uint32_t bits = LOD_GRID_BITS_MIN; bits <= LOD_GRID_BITS_MAX; bits += x->quick ? 3 : 1) {
+		struct soup s;
+		char name[24];
+		soup_tree(&s, 400, 20, false);
+		snprintf(name, sizeof name, "%u bits", bits);
+		measure(x, &s, name, bits, 0);
+	}
+}
+
+static void off_centre(struct extreme *x)
+{
+	struct soup s;
+	soup_tree(&s, 400, 0, false);
+	scale_soup(&s, 1, 1000);
+	measure(x, &s, "1 km from its own origin", 0, s.model.vertex_count / 50);
+}
+
+/* Nearer than stated the error grows as the picture does, and nothing tears: what is drawn is full detail on the same grid. */
+static void nearer(struct extreme *x)
+{
+	const struct extreme_stand *stand = extreme_stand_shared(x);
+	struct extreme_world world = { 0 };
+	struct eco_error error = { 0 };
+	if (!stand || !extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error))
+		return;
+	double stated = lod_grid_nearest_m(&stand->plants[0].lists[0].list, LOD_GRID_PIXEL_RAD);
+	const struct extreme_place *tree = &stand->places[0];
+	for (int k = 0; k < 4; k++) {
+		double away = stated * ldexp(1, -2 * k);
+		struct eco_request request = { .view = { { tree->at[0] - away - 0.2, tree->at[1], 1 }, { tree->at[0], tree->at[1], 1 }, { 0, 0, 1 }, 45, 320, 240 },
+			.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+		struct view_picture picture = { 0 };
+		uint64_t covered = 0;
+		if (!extreme_good(x, extreme_draw(&world, &request, &picture, &error), &error))
+			break;
+		for (size_t i = 0; i < 320 * 240; i++)
+			covered += picture.cover[i] != 0;
+		view_picture_free(&picture);
+		extreme_must(x, covered > 320 * 240 / 100, "%.3g m away nothing is seen of the trunk", away);
+		extreme_say(x, "%.2g m: up to %.1f px, %.0f %% covered", away, 0.5 * stated / away, 100 * (double)covered / (320 * 240));
+	}
+	extreme_world_close(&world);
+}
+
+#define HALF "every corner of the source is stored, within half a pixel (1080 rows over 45 degrees) from the stated distance on, which is at most the plant's size"
+
+static const struct extreme_case cases[] = {
+	{ "plants of 6 mm to 108 m", HALF, false, usual },
+	{ "a large plant with small leaves", HALF "; all its cells on one grid, so that seams stay closed", false, large },
+	{ "grids of 12 to 18 bits", HALF, false, every_grid },
+	{ "a model far from its own origin", HALF "; floats hold no more there: corners that meet in the source may", false, off_centre },
+	{ "nearer than stated", "error grows as 1 / distance; drawn in full, without holes", false, nearer },
+};
+
+const struct extreme_family extreme_quantization = { "quantization", cases, sizeof cases / sizeof *cases };
