@@ -324,5 +324,5 @@ uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32
 {
 	const int32_t *extra = list->elements.extra + (size_t)index * list->elements.extra_count
 		+ eco_list_extra_at(&list->list, ECO_ATTR_PLANT);
-	return eco_owner_summary((uint32_t)extra[1] + path, (uint32_t)extra[0]);
+	return eco_owner_summary((uint32_t)extra[1] + eco_owner_leaf(list->list.owner) + path, (uint32_t)extra[0]);
 }

@@ -43,7 +43,7 @@ enum eco_attr {
 	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
 	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
 	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
-	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then the 16-bit leaf key of eco_owner_leaf (two values) */
+	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then 16 bits of the leaf's key less that of the list's tile (two values) */
 	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
 	ECO_ATTR_GROWTH = 32,    /* triangles: how far this element follows the scale of its cut, a code for eco_growth */
 	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */

@@ -27,7 +27,7 @@ struct main_command {
 };
 
 extern const struct main_command main_command_make, main_command_info, main_command_verify, main_command_generate, main_command_model,
-	main_command_map, main_command_sheet, main_command_camera;
+	main_command_map, main_command_sheet, main_command_camera, main_command_link;
 
 /* Reads what a command was given: `options`, and --quiet for all. What is no option goes to `inputs`, at most `most` of them and at
  * least one, `what` in messages ("the scene file"). *count may be NULL if most is 1. Options may stand anywhere; after -- there are none.

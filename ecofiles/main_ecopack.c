@@ -6,13 +6,14 @@
 #include "ecofiles/generate.h"
 #include "ecofiles/main_command.h"
 #include "ecofiles/main_inspect.h"
+#include "ecofiles/main_link.h"
 #include "ecofiles/main_make.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_times.h"
 #include "ecofiles/main_version.h"
 #include "ecofiles/phrase.h"
 
-static const struct main_command *const commands[] = { &main_command_make, &main_command_info, &main_command_verify,
+static const struct main_command *const commands[] = { &main_command_make, &main_command_link, &main_command_info, &main_command_verify,
 	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
 
 /* ---- make ---- */
@@ -86,6 +87,35 @@ const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [
 	"      --cache DIR     finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given\n"
 	"      --no-cache      every plant is built\n"
 	"      --cache-mb N    the plants used least recently leave the cache beyond this size; 2048 if not given\n", run_make };
+
+/* ---- link ---- */
+
+static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
+{
+	static const char *inputs[LINK_PARTS_MAX + 1];
+	struct link_options link = { .parts = inputs };
+	uint64_t jobs = 0;
+	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &link.pack, 0, 0, 0, NULL }, { "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { 0 } };
+	enum eco_code code = main_arguments(argc, argv, "link", options, "the packs", inputs, LINK_PARTS_MAX + 1, &link.count, error);
+	if (!code && !link.pack) {       /* the first is what is to be written */
+		link.pack = inputs[0];
+		link.parts++;
+		link.count--;
+	}
+	if (!code && (link.count < 1 || link.count > LINK_PARTS_MAX))
+		code = eco_fail(error, ECO_BAD_USAGE, "ecopack link: OUT.eco, then 1 to %u packs to be linked", LINK_PARTS_MAX);
+	link.jobs = (uint32_t)jobs;
+	if (!code)
+		code = link_packs(&link, error);
+	if (!code && !main_is_quiet)
+		code = inspect_info(link.pack, false, stdout, error);
+	return code;
+}
+
+const struct main_command main_command_link = { "link", "OUT.eco A.eco B.eco ...", "packs that were built apart become one, each where its origin is",
+	"  -o, --output PATH   instead of OUT.eco\n"
+	"      --jobs N        threads; as many as there are processors if not given\n"
+	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has some.\n", run_link };
 
 /* ---- info, verify ---- */
 

@@ -59,9 +59,29 @@ uint32_t make_threads(const struct make *m)
 
 /* ---- The whole ---- */
 
+/* Height of the smallest plant in each tile; INFINITY where there are none. */
+static double smallest_m(const struct eco_scene *s)
+{
+	double *least = malloc((s->tile_count + 1u) * sizeof *least), all;
+	if (!least)
+		return 0;
+	for (uint32_t id = s->tile_count; id-- > 0;) {
+		const struct eco_tile *t = &s->tiles[id];
+		least[id] = INFINITY;
+		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++)
+			for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count; i++)
+				least[id] = fmin(least[id], eco_place_read(s, s->groups[g].place_first + i).scale / 65536.0 * s->plants[s->groups[g].plant].height_m);
+		for (uint32_t c = t->child_first; c < t->child_first + t->child_count; c++)
+			least[id] = fmin(least[id], (double)s->children[c].scale * least[s->children[c].tile]);
+	}
+	all = least[s->root];
+	free(least);
+	return all;
+}
+
 /* About 2^-17 of the scene's diameter, so that depth has resolution to spare, and never so far that it cuts into a plant looked at
  * closely. */
-static double near_m(const struct make *m)
+double make_near_m(const struct make *m)
 {
 	const struct eco_tile *root = &m->scene.tiles[0];
 	double square = 0;
@@ -71,7 +91,7 @@ static double near_m(const struct make *m)
 			extent = fmax(extent, i ? m->ground.step_y_m * (m->ground.rows - 1) : m->ground.step_x_m * (m->ground.columns - 1));
 		square += extent * extent;
 	}
-	double near = fmin(ldexp(sqrt(square), -17), m->ecos[0].smallest_m / 64);
+	double near = fmin(ldexp(sqrt(square), -17), smallest_m(&m->scene) / 64);
 	return lod_power_below(fmax(near, 1e-6));
 }
 
@@ -102,7 +122,7 @@ static enum eco_code build(struct make *m)
 	if (code)
 		return code;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
-	m->scene.near_m = near_m(m);
+	m->scene.near_m = make_near_m(m);
 	char *meta = NULL;
 	main_times_stage(MAIN_STAGE_WRITING);
 	code = make_meta(m, &meta, m->error);

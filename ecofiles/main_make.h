@@ -5,7 +5,7 @@
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          main_make_plants.c
  *               or, where the same was built before, what is kept of it                           main_make_cache.c
  *   places      instances and inventories, put on the ground, scaled to their heights             main_make_places.c
- *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c
+ *   tiles       lod_tiles_build; instance lists, tables, point summaries                          main_make_tiles.c, main_make_summaries.c
  *   commit      tables, META, rename                                                              main_make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
@@ -55,7 +55,6 @@ struct make_eco {                /* an eco file with its places, tiled */
 	struct make_nested *nested;  /* as many as the source has children */
 	struct lod_tiles tiles;      /* items are places, then nested eco files */
 	uint32_t tile_first;
-	double smallest_m;           /* height of the smallest plant in it, nested ones too; INFINITY if there are none */
 	uint64_t instances;          /* nested ones too */
 	uint64_t rows;
 	struct eco_skipped skipped[ECO_SKIP_COUNT];
@@ -87,6 +86,8 @@ struct make {
 /* Room for one more record; NULL without memory (and m->error says so). */
 void *make_append(struct make *m, struct make_array *array, size_t size);
 
+bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
+
 /* Adds to the pack and to m->lists. */
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
 	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
@@ -115,7 +116,27 @@ enum eco_code make_places_check(struct make *m);     /* opens every inventory an
 enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
 void make_places_drop(struct make *m);               /* of m->ecos all that only tiles are made of */
 void make_places_free(struct make *m);
+uint32_t make_nested_weight(uint64_t instances);     /* of a nested eco file where tiles are split (lod/tile.h) */
 enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
+void make_refer(struct make *m);                     /* m->scene to the tables as they are now */
+void make_add_up(struct make *m, uint32_t tiles_end);    /* areas and numbers of plants of tiles [0, tiles_end), from those of later ones */
+double make_near_m(const struct make *m);            /* of the finished scene */
+
+/* Summaries, a range of tiles at a time, those of nested eco files before what nests them. */
+struct lod_pool;
+struct lod_summary_root;
+struct make_summing {
+	struct make *m;
+	struct lod_pool *pools;      /* per plant; NULL where all points come from roots */
+	struct lod_summary_root **roots;         /* per tile: what was kept of it, or NULL */
+	uint32_t first;
+	uint64_t done;
+};
+enum eco_code make_summing_begin(struct make_summing *summing, struct make *m);
+enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
+enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);        /* for those that nest it */
+void make_summing_end(struct make_summing *summing);
+enum eco_code make_summaries(struct make *m);        /* of all tiles */
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);
 
 #endif

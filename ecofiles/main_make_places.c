@@ -11,6 +11,8 @@
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
 #define PLACES_MAX 500000000u
+#define NESTED_PLANTS 16u        /* a nested eco file of so many plants counts as one plant where tiles are split, ... */
+#define NESTED_MOST 32u          /* ... and at most as so many: opening a tile opens all that it places */
 
 static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
 {
@@ -173,6 +175,12 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 	return code;
 }
 
+uint32_t make_nested_weight(uint64_t instances)
+{
+	uint64_t weight = instances / NESTED_PLANTS;
+	return weight < 1 ? 1 : weight > NESTED_MOST ? NESTED_MOST : (uint32_t)weight;
+}
+
 static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -185,9 +193,8 @@ static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_til
 		struct make_nested *nested = &eco->nested[i];
 		*nested = (struct make_nested){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) }, .child = i };
 		items[i] = (struct lod_tile_item){ .reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2],
-			.above = child->scale * root->high[2], .plant = ECO_NONE };
+			.above = child->scale * root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(inner->instances) };
 		memcpy(items[i].at, nested->at, sizeof items[i].at);
-		eco->smallest_m = fmin(eco->smallest_m, child->scale * inner->smallest_m);
 		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
 			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
 	}
@@ -203,7 +210,6 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	struct lod_tile_item *items = count < ECO_NONE ? malloc((count + 1) * sizeof *items) : NULL;
 	enum eco_code code = ECO_OK;
 	eco->nested = calloc(s->child_count + 1u, sizeof *eco->nested);
-	eco->smallest_m = INFINITY;
 	eco->instances = eco->place_count;
 	if (!items || !eco->nested)
 		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
@@ -213,7 +219,6 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
 			.plant = p->plant };
 		memcpy(items[i].at, p->at, sizeof items[i].at);
-		eco->smallest_m = fmin(eco->smallest_m, p->scale * plant->built.plant.height_m);
 	}
 	if (!code)
 		code = find_nested(m, source, items + eco->place_count);

@@ -1,4 +1,5 @@
-/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of ids; then summaries. */
+/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of ids; then summaries
+ * (main_make_summaries.c). */
 #include "ecofiles/main_make.h"
 
 #include <math.h>
@@ -11,9 +12,6 @@
 #include "ecofiles/main_times.h"
 #include "ecofiles/turn.h"
 #include "lod/summary.h"
-
-#define POOL_POINTS 2048u
-#define SUMMARY_CHUNK 256u       /* a far tile asks for few points: its first chunk must be small */
 
 /* ---- Instance lists ---- */
 
@@ -55,21 +53,19 @@ static void write_place(struct eco_writer *w, const int32_t position[3], const i
 	eco_write_u32(w, (uint32_t)extra[1]);
 }
 
-static bool append_bytes(struct make *m, const struct eco_writer *w)
+bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size)
 {
 	struct make_array *places = &m->places;
-	if (w->failed)
-		return false;
-	if (places->count + w->size > places->capacity) {
-		uint64_t wanted = 2 * (places->count + w->size);
+	if (places->count + size > places->capacity) {
+		uint64_t wanted = 2 * (places->count + size);
 		void *bigger = realloc(places->items, wanted);
 		if (!bigger)
 			return false;
 		places->items = bigger;
 		places->capacity = wanted;
 	}
-	memcpy((uint8_t *)places->items + places->count, w->bytes, w->size);
-	places->count += w->size;
+	memcpy((uint8_t *)places->items + places->count, bytes, size);
+	places->count += size;
 	return true;
 }
 
@@ -110,7 +106,7 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 	struct stand_list *made = result;
 	struct eco_group *group = make_append(m, &m->groups, sizeof *group);
 	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
-	if (!group || !append_bytes(m, &made->twin))
+	if (!group || made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants", (unsigned long long)place_first);
 	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
 	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
@@ -214,7 +210,7 @@ static enum eco_code add_tiles(struct make *m)
 		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand, .drop = drop_stand, .ctx = m }, m->error);
 }
 
-static void refer(struct make *m)
+void make_refer(struct make *m)
 {
 	struct eco_scene *s = &m->scene;
 	s->anchors = m->anchors.items;
@@ -237,12 +233,11 @@ static void refer(struct make *m)
 	s->place_count = m->places.count / ECO_PLACE_BYTES;
 }
 
-/* From the leaves up: children have greater ids. */
-static void add_up(struct make *m)
+void make_add_up(struct make *m, uint32_t tiles_end)
 {
 	const struct eco_scene *s = &m->scene;
 	struct eco_tile *tiles = m->tiles.items;
-	for (uint32_t id = s->tile_count; id-- > 0;) {
+	for (uint32_t id = tiles_end; id-- > 0;) {    /* children have greater ids */
 		struct eco_tile *t = &tiles[id];
 		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 			const struct eco_group *group = &s->groups[g];
@@ -261,67 +256,6 @@ static void add_up(struct make *m)
 	}
 }
 
-/* ---- Summaries ---- */
-
-struct summing { struct make *m; struct lod_pool *pools; };
-struct summary_list { struct eco_list list; struct eco_encoded encoded; bool any; };
-
-static enum eco_code encode_summary(void *ctx, uint64_t tile, void *result, struct eco_error *error)
-{
-	const struct summing *summing = ctx;
-	const struct eco_scene *scene = &summing->m->scene;
-	struct summary_list *made = result;
-	struct lod_summary summary;
-	struct eco_elements elements;
-	uint32_t ends[64];
-	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene, .pools = summing->pools,
-		.tile = (uint32_t)tile, .count = lod_summary_count(&scene->tiles[tile]), .seed = 1 }, error);
-	made->any = !code && summary.count > 0;
-	if (made->any)
-		code = lod_summary_list(&summary, scene, (uint32_t)tile, scene->palette_count, &made->list, &elements, error);
-	free(summary.points);
-	if (code || !made->any)
-		return code;
-	code = eco_pack_encode(&made->encoded, &made->list, &elements, ends, eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64),
-		error);
-	eco_elements_free(&elements);
-	return code;
-}
-
-static enum eco_code add_summary(void *ctx, uint64_t tile, void *result, struct eco_error *error)
-{
-	struct make *m = ((struct summing *)ctx)->m;
-	struct summary_list *made = result;
-	struct eco_tile *tiles = m->tiles.items;
-	enum eco_code code = ECO_OK;
-	if (tile % 64 == 0 && !main_progress("summing up tiles", NULL, (double)tile / (double)m->tiles.count))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	if (made->any) {
-		code = make_add_encoded(m, &made->list, &made->encoded, &tiles[tile].summary);
-		m->scene.needs |= ECO_NEED_SUMMARIES;
-		refer(m);                /* the lists may lie elsewhere now */
-	}
-	return code;
-}
-
-static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list *)result)->encoded); }
-
-static enum eco_code add_summaries(struct make *m)
-{
-	struct summing summing = { m, calloc(m->plant_count + 1u, sizeof *summing.pools) };
-	enum eco_code code = summing.pools ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
-	for (uint32_t i = 0; i < m->plant_count && !code; i++)
-		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS, m->error);
-	if (!code)
-		code = main_jobs_run(&(struct main_jobs){ .count = m->tiles.count, .threads = make_threads(m),
-			.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary, .drop = drop_summary, .ctx = &summing },
-			m->error);
-	for (uint32_t i = 0; summing.pools && i < m->plant_count; i++)
-		lod_pool_free(&summing.pools[i]);
-	free(summing.pools);
-	return code;
-}
-
 enum eco_code make_tiles(struct make *m)
 {
 	main_times_stage(MAIN_STAGE_TILES);
@@ -329,10 +263,10 @@ enum eco_code make_tiles(struct make *m)
 	if (code)
 		return code;
 	make_places_drop(m);             /* everything is in the scene's own tables now */
-	refer(m);
-	add_up(m);
+	make_refer(m);
+	make_add_up(m, m->scene.tile_count);
 	main_times_stage(MAIN_STAGE_SUMMARIES);
-	code = m->palette.count ? add_summaries(m) : ECO_OK;
-	refer(m);
+	code = m->palette.count ? make_summaries(m) : ECO_OK;
+	make_refer(m);
 	return code;
 }

@@ -237,6 +237,14 @@ void eco_encoded_free(struct eco_encoded *encoded);
 /* A list of one BYTES chunk. */
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
 	uint32_t *list_id, struct eco_error *error);
+/* A list of another pack, whose payloads are checked and taken as they are. Of `list` the references to other lists, tiles, plants and
+ * colours are those of the pack to be. */
+enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
+	uint32_t from_list, uint32_t *list_id, struct eco_error *error);
+/* All elements of a list of points that was added, decoded from what was written. */
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
+/* The same of a pack that is open. */
+enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
 /* The list as stored so far (valid until the next add). */
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id);
 

@@ -404,6 +404,118 @@ enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct ec
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
 }
 
+enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
+	uint32_t from_list, uint32_t *list_id, struct eco_error *error)
+{
+	const struct eco_list *old = &from->scene.lists[from_list];
+	uint32_t chunk_first = writer->chunk_count;
+
+	*list_id = ECO_NONE;
+	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count; i++) {
+		const struct eco_chunk *chunk = &from->scene.chunks[i];
+		const uint8_t *bytes;
+		size_t size;
+		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
+
+		if (code == ECO_OK)
+			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count, error);
+		if (code != ECO_OK)
+			return code;
+	}
+	return add_list(writer, list, chunk_first, list_id, error);
+}
+
+static enum eco_code read_spool(const struct eco_pack_writer *w, const struct eco_chunk *chunk, uint8_t *bytes, struct eco_error *error)
+{
+	for (size_t done = 0; done < chunk->size_bytes;) {
+		ssize_t got = pread(w->spool, bytes + done, chunk->size_bytes - done, (off_t)(chunk->offset + done));
+
+		if (got < 0 && errno == EINTR)
+			continue;
+		if (got <= 0)
+			return io_failed(w->temporary, "read back payloads", error);
+		done += (size_t)got;
+	}
+	return ECO_OK;
+}
+
+/* Appends points to points. */
+static bool join(struct eco_elements *all, const struct eco_elements *part)
+{
+	size_t before = all->element_count, count = before + part->element_count, extra = part->extra_count;
+	uint8_t *corners = realloc(all->corners, count);
+	int32_t *position, *values;
+
+	all->corners = corners != NULL ? corners : all->corners;
+	position = realloc(all->position, 3 * count * sizeof *position);
+	all->position = position != NULL ? position : all->position;
+	values = realloc(all->extra, (extra * count + 1) * sizeof *values);
+	all->extra = values != NULL ? values : all->extra;
+	if (corners == NULL || position == NULL || values == NULL)
+		return false;
+	memcpy(corners + before, part->corners, part->element_count);
+	memcpy(position + 3 * before, part->position, 3 * (size_t)part->element_count * sizeof *position);
+	if (extra > 0)
+		memcpy(values + extra * before, part->extra, extra * part->element_count * sizeof *values);
+	all->element_count = all->corner_count = all->primitive_count = (uint32_t)count;
+	return true;
+}
+
+/* Decodes chunk number `ordinal` of a list of points and appends its points. */
+static enum eco_code join_chunk(struct eco_elements *points, const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
+	const uint8_t *bytes, struct eco_error *error)
+{
+	struct eco_elements part = { .element_count = 0 };
+	enum eco_code code = eco_chunk_decode(list, chunk, ordinal, bytes, chunk->size_bytes, &part, error);
+
+	if (code == ECO_OK && !join(points, &part))
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory for %u points", list->primitive_count);
+	eco_elements_free(&part);
+	return code;
+}
+
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error)
+{
+	const struct eco_list *list = &writer->lists[list_id];
+	enum eco_code code = ECO_OK;
+
+	assert(list_id < writer->list_count && list->kind == ECO_LIST_POINTS && list->coder == ECO_CODER_KD);
+	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
+	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
+		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
+		uint8_t *bytes = malloc(chunk->size_bytes);
+
+		code = bytes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path) : read_spool(writer, chunk, bytes, error);
+		if (code == ECO_OK)
+			code = join_chunk(points, list, chunk, i, bytes, error);
+		free(bytes);
+	}
+	if (code != ECO_OK)
+		eco_elements_free(points);
+	return code;
+}
+
+enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error)
+{
+	const struct eco_list *list = &pack->scene.lists[list_id];
+	enum eco_code code = ECO_OK;
+
+	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
+	if (list->kind != ECO_LIST_POINTS || list->coder != ECO_CODER_KD)
+		return eco_fail(error, ECO_BAD_INPUT, "list %u is not one of points", list_id);
+	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
+		const uint8_t *bytes;
+		size_t size;
+
+		code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
+		if (code == ECO_OK)
+			code = join_chunk(points, list, &pack->scene.chunks[list->chunk_first + i], i, bytes, error);
+	}
+	if (code != ECO_OK)
+		eco_elements_free(points);
+	return code;
+}
+
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id)
 {
 	assert(list_id < writer->list_count);

@@ -220,9 +220,9 @@ uint32_t eco_owner_leaf(uint32_t tile)
 }
 
 /* Not a product: children 3 and 5 above a tile must not look like children 4 and 4. (MurmurHash3's finalizer.) */
-uint32_t eco_owner_child(uint32_t child)
+uint32_t eco_owner_child(uint32_t number)
 {
-	uint32_t h = child + 0x68E31DA4u;
+	uint32_t h = number + 0x68E31DA4u;
 	h = (h ^ h >> 16) * 0x85EBCA6Bu;
 	h = (h ^ h >> 13) * 0xC2B2AE35u;
 	return h ^ h >> 16;
@@ -232,7 +232,9 @@ uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t c
 {
 	const struct eco_tile *t = &scene->tiles[tile];
 	bool alone = tile == scene->root && t->child_count == 1 && t->group_count == 0;
-	return scene->children[child].placed && !alone ? eco_owner_child(child) : 0;
+	if (!scene->children[child].placed || alone)
+		return 0;
+	return eco_owner_child((scene->children[child].tile - tile) * 0x85EBCA6Bu + (child - t->child_first));
 }
 
 static uint64_t owner_common(uint32_t key, uint32_t plant)

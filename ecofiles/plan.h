@@ -86,11 +86,14 @@ uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
 /* Owners, for owner_q: 64 bits, 0 is "nothing" (layout in plan.c). A plant is named by the key of its leaf tile, its species and
  * its index in the instance list; a summary point by leaf tile key (16 bits) and species, which matches any such plant. A key is a
  * sum of hashes, of the leaf tile and of every eco_child with `placed` above it, so that it can be built from the leaf up (when
- * summaries are merged) and from the root down (eco_placement.path is the sum over the children). */
+ * summaries are merged) and from the root down (eco_placement.path is the sum over the children). What summaries store counts from their
+ * own tile: eco_owner_leaf is linear, and steps depend on differences of tile ids alone. So a summary stays true where tiles before it
+ * come or go, as when packs are linked. */
 uint32_t eco_owner_leaf(uint32_t tile);
-uint32_t eco_owner_child(uint32_t child);
+uint32_t eco_owner_child(uint32_t number);
 /* What `child` of `tile` adds to a key: its hash where it is placed; but nothing where it is all that the root has, so that moving a whole
- * scene renames no plant (and so changes no share and no blur, lod/view.h). */
+ * scene renames no plant (and so changes no share and no blur, lod/view.h). The hash is of which child of its tile it is and of how far on
+ * in the table the tile lies that it places. */
 uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t child);
 uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index);
 uint64_t eco_owner_summary(uint32_t key, uint32_t plant);                /* only the low 16 bits of the key count */

@@ -252,6 +252,14 @@ static bool push(struct drawing *d, const struct visit *visit)
 	return true;
 }
 
+/* What a tile holds, not where it stands in the table, decides which points it takes: other tiles may come and go. */
+static uint64_t name_of(const struct eco_tile *tile)
+{
+	uint64_t bits;
+	memcpy(&bits, &tile->area, sizeof bits);
+	return eco_mix(bits, tile->instance_count);
+}
+
 /* Areas of the tile's own plants, summed: d->reach[i] ends the i-th place's share. Returns their number, ECO_NONE without memory. */
 static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 {
@@ -294,7 +302,7 @@ static uint32_t find_place(const double *reach, uint32_t count, double target)
 static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile, uint32_t places, uint32_t count)
 {
 	const struct eco_scene *scene = d->input->scene;
-	uint64_t seed = eco_mix(d->input->seed, visit->tile);
+	uint64_t seed = eco_mix(d->input->seed, name_of(tile));
 	double start = unit_of(seed), total = d->reach[places - 1];
 	for (uint32_t k = 0; k < count; k++) {
 		double turn = start + k * GOLDEN;
@@ -310,7 +318,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 		lod_place_instance(&stands, &visit->placement, &scene->lists[group->list], &stored);
 		lod_place_point(&stands, pool->position[pick], point->at);
 		point->plant = group->plant;
-		point->key = (uint16_t)(eco_owner_leaf(visit->tile) + visit->placement.path);
+		point->key = (uint16_t)(eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
 		point->color = pool->color[pick];
 	}
 }
@@ -325,6 +333,27 @@ static struct eco_placement placed_child(const struct eco_placement *outer, cons
 	lod_place_instance(&place, outer, &metres, &here);
 	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] }, .turn = (uint16_t)(outer->turn + c->turn),
 		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_step(scene, tile, child) };
+}
+
+/* The first `count` points of a nested eco file's summary, or all. */
+static void take_points(struct drawing *d, const struct visit *visit, const struct lod_summary_root *root)
+{
+	const struct eco_list *list = &root->list, whole = { .grid_origin = { 0 } };
+	const struct eco_place here = { .scale = 65536 };
+	uint32_t count = visit->count < root->elements.element_count ? visit->count : root->elements.element_count;
+	struct lod_place stands;
+	lod_place_instance(&stands, &visit->placement, &whole, &here);
+	for (uint32_t k = 0; k < count; k++) {
+		const int32_t *at = root->elements.position + 3 * (size_t)k, *extra = root->elements.extra + (size_t)root->elements.extra_count * k;
+		struct lod_summary_point *point = &d->out->points[d->out->count++];
+		float inside[3];
+		for (int i = 0; i < 3; i++)
+			inside[i] = (float)(list->grid_origin[i] + list->grid_step[i] * at[i]);
+		lod_place_point(&stands, inside, point->at);
+		point->color = (uint16_t)((uint32_t)extra[0] + list->palette_first);
+		point->plant = (uint32_t)extra[1];
+		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
+	}
 }
 
 static uint32_t given_until(double sum, double total, uint32_t count, double start)
@@ -350,7 +379,7 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	if (!(total > 0))
 		return true;
 	/* the sums are added in one order, so the last is exactly `total`; a start inside a step treats no child better than another */
-	double start = tile->child_count ? unit_of(eco_mix(d->input->seed + 1, visit->tile)) : 0;
+	double start = tile->child_count ? unit_of(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
 	given = given_until(own, total, visit->count, start);
 	if (given)
 		draw_points(d, visit, tile, places, given);
@@ -365,7 +394,9 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 		given = until;
 		if (child->placed)
 			next.placement = placed_child(&visit->placement, scene, visit->tile, tile->child_first + i);
-		if (!push(d, &next))
+		if (child->placed && d->input->roots && d->input->roots[child->tile])
+			take_points(d, &next, d->input->roots[child->tile]);
+		else if (!push(d, &next))
 			return false;
 	}
 	return true;
@@ -388,7 +419,7 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 		*summary = (struct lod_summary){ 0 };
 		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
 	}
-	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, input->tile));
+	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
 	return ECO_OK;
 }
 

@@ -7,7 +7,10 @@
  *
  * Every leaf tile owns an endless seeded sequence of points. Its summary is the beginning of it; a parent's summary is made of longer
  * or shorter beginnings, as many of each child as its share of the area: so parents merge their children's points, and no tile
- * is over-represented because its children had few. The same tile reached through two placements gives the same points. */
+ * is over-represented because its children had few. The same tile reached through two placements gives the same points.
+ *
+ * Of an eco file that is nested, whatever is in it, a parent takes the beginning of the summary as it is stored: so a summary costs as
+ * much where a million hectares lie below it as where one does, and packs that were built apart can be summed up without their plants. */
 #ifndef LOD_SUMMARY_H
 #define LOD_SUMMARY_H
 
@@ -27,18 +30,22 @@ enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant
 	struct eco_error *error);
 void lod_pool_free(struct lod_pool *pool);
 
-struct lod_summary_point { double at[3]; uint32_t plant; uint16_t key, color; };       /* in the tile's coordinates */
+struct lod_summary_point { double at[3]; uint32_t plant; uint16_t key, color; };       /* in the tile's coordinates; key: see ecofiles/plan.h */
 struct lod_summary { struct lod_summary_point *points; uint32_t count; };
+
+/* The summary of a nested eco file, decoded. */
+struct lod_summary_root { struct eco_list list; struct eco_elements elements; };
 
 struct lod_summary_input {
 	const struct eco_scene *scene;       /* plants, tiles with area, groups, children, places and the groups' lists */
 	const struct lod_pool *pools;        /* per plant */
 	uint32_t tile, count;                /* points wanted */
 	uint64_t seed;
+	const struct lod_summary_root *const *roots;         /* per tile, NULL for those that are to be gone into; may be NULL itself */
 };
 /* About four points a plant, within bounds. */
 uint32_t lod_summary_count(const struct eco_tile *tile);
-/* Exactly `count` points in random order, or none where the tile's area is 0. Owned by the caller (free points). */
+/* Exactly `count` points in random order, fewer where nested summaries have fewer, or none where the tile's area is 0. Owned by the caller (free points). */
 enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error);
 
 /* The summary as a list with a grid fine enough for 1/4096 of the tile; counts and chunks are left to the writer. `palette_count`: of the

@@ -124,12 +124,22 @@ static void hold_items(struct build *b, struct lod_tile_node *node)
 
 /* ---- The tree ---- */
 
+static bool few(const struct build *b, uint32_t first, uint32_t count)
+{
+	uint64_t sum = 0;
+	if (count <= 1)
+		return true;
+	for (uint32_t i = first; i < first + count && sum <= b->most; i++)
+		sum += b->items[b->tiles->order[i]].weight > 1 ? b->items[b->tiles->order[i]].weight : 1;
+	return sum <= b->most;
+}
+
 static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct square square, int depth)
 {
 	uint32_t ends[4];
 	/* squares with all items in one quarter are passed through */
 	for (;; depth++) {
-		if (count <= b->most || depth >= DEPTH_MAX) {
+		if (few(b, first, count) || depth >= DEPTH_MAX) {
 			uint32_t leaf = add_node(b, first, count);
 			if (!b->failed)
 				sort_leaf(b, first, count, &square);

@@ -17,6 +17,7 @@ struct lod_tile_item {
 	double reach, below, above;  /* body: within `reach` of the vertical through `at`, z from at - below to at + above */
 	uint32_t plant;              /* ECO_NONE: something else, such as a nested eco file */
 	uint32_t index;              /* the caller's; left alone */
+	uint32_t weight;             /* counts as so many things; 0: as one */
 };
 
 struct lod_tile_node {
@@ -31,7 +32,7 @@ struct lod_tiles {               /* owns its arrays */
 	uint32_t *order;             /* indices into items */
 };
 
-/* `most` >= 1. Leaves hold at most so many items, but for items at one place. Deterministic; positions must be finite. Without
+/* `most` >= 1. Leaves hold at most so many items, each by its weight, but for single items and items at one place. Deterministic; positions must be finite. Without
  * items there is one empty leaf at the origin. */
 enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
 	struct eco_error *error);
