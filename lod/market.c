@@ -565,7 +565,7 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 		cost = (struct lod_cost){ 0 };
 		buy(&cost, &stall->steps, 1, stall->position);
 	}
-	return worth > 0 ? lod_odds_of(sight->opacity, cost.fp / worth, cost.fn / worth) : lod_odds_of(sight->opacity, 0, 0);
+	return worth > 0 ? lod_odds_of(sight->shown, cost.fp / worth, cost.fn / worth) : lod_odds_of(sight->shown, 0, 0);
 }
 
 /* Which tile's choice each tile is drawn by: its own where all above it are open. */

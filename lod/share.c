@@ -109,6 +109,14 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	return sight;
 }
 
+/* Leaves of one crown stand along its twigs: a picture shows so much less of them than if they stood at random (forests: 0.5 to 0.7). */
+#define TWIGS 0.6
+
+static double shown_of(double opacity)
+{
+	return opacity < 1 ? 1 - lod_exp_minus(-TWIGS * lod_log(1 - opacity)) : 1;
+}
+
 /* ---- Boxes of cells ---- */
 
 struct span { int first, end; float low, high; };
@@ -247,6 +255,7 @@ static void look(const struct lod_screen *screen, struct lod_sight *sight, const
 
 static void finish(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
 {
+	sight->shown = shown_of((double)sight->opacity);
 	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
 	double bare = hide ? alone(screen, sight, light->clear) : seen;
 	double least = SEEN_LEAST / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y);
@@ -282,13 +291,9 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 
 /* ---- The expected picture ---- */
 
-/* Leaves of one crown stand along its twigs: a picture shows so much less of them than if they stood at random (forests: 0.5 to 0.7). */
-#define TWIGS 0.6
-
-struct lod_odds lod_odds_of(double opacity, double fp, double fn)
+struct lod_odds lod_odds_of(double shown, double fp, double fn)
 {
-	opacity = opacity < 1 ? 1 - lod_exp_minus(-TWIGS * lod_log(1 - opacity)) : 1;
-	double reference = 1 - opacity, drawn = 1 - opacity * (1 - fn + fp), either = 1 - opacity * (1 + fp);
+	double reference = 1 - shown, drawn = 1 - shown * (1 - fn + fp), either = 1 - shown * (1 + fp);
 	/* what is not covered in either is not covered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;

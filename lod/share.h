@@ -32,6 +32,7 @@ struct lod_sight {
 	float depth;                 /* metres in front of the eye */
 	float opacity;               /* of its crown, at full detail */
 	float pixels;                /* covered at full detail, seen or not */
+	double shown;                /* opacity in a picture, where its leaves stand along twigs: set by lod_screen_shares */
 	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
 	float share;                 /* of it that is in the picture and shows: set by lod_screen_shares; above 0 */
 	float bare;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
@@ -66,10 +67,10 @@ double lod_body_opacity(const struct lod_body *body);
 /* Without `hide` only what lies beside the picture counts as not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
-/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for an opacity and
+/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for what is shown of it and
  * errors over covered pixels. While no sight's fn nor fp + fn rises, no more pixels are expected to be wrong. */
 struct lod_odds { float reference, drawn, either; };
-struct lod_odds lod_odds_of(double opacity, double fp, double fn);
+struct lod_odds lod_odds_of(double shown, double fp, double fn);
 
 typedef struct lod_odds (*lod_odds_fn)(void *ctx, const struct lod_sight *sight);
 enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odds, void *ctx, struct eco_prediction *prediction,
