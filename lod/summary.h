@@ -1,7 +1,7 @@
-/* Point summaries of tiles (Deussen 2002, 6.2): points drawn at random from the points of a tile's plants, in proportion to their
- * area, so that a few thousand of them stand for a hillside.
+/* Point summaries of tiles (Deussen 2002, 6.2): points drawn at random from the points of a tile's plants, in proportion to the plants'
+ * areas, so that a few thousand of them stand for a hillside.
  *
- *   lod_pool_make(&pool, &plant, palette_first, count, &error);     once per plant: points of equal weight all over it
+ *   lod_pool_make(&pool, &plant, palette_first, count, &error);     once per plant (lod/pool.h)
  *   lod_summary_make(&summary, &input, &error);                     once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
@@ -14,21 +14,10 @@
 #ifndef LOD_SUMMARY_H
 #define LOD_SUMMARY_H
 
-#include "lod/plant.h"
+#include "lod/pool.h"
 
 #define LOD_SUMMARY_LEAST 64u
 #define LOD_SUMMARY_MOST 4096u
-
-struct lod_pool {                /* owns its arrays */
-	uint32_t count;              /* >= 1 */
-	float (*position)[3];        /* plant space */
-	uint16_t *color;             /* index into the scene's palette */
-};
-/* `palette_first` is where the plant's palette begins in the scene's. Organs in proportion to their areas, inside an organ by the
- * points' unit areas or the triangles' areas. */
-enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
-	struct eco_error *error);
-void lod_pool_free(struct lod_pool *pool);
 
 struct lod_summary_point { double at[3]; uint32_t plant; uint16_t key, color; };       /* in the tile's coordinates; key: see ecofiles/plan.h */
 struct lod_summary { struct lod_summary_point *points; uint32_t count; };

@@ -8,16 +8,16 @@
 #include "lod/light.h"
 #include "lod/raster.h"
 
-#define VIEWS 8u
-#define PIXELS 160u              /* of a side: about as many hits in all as a large crown has leaves */
-#define AWAY 16.0                /* radii */
+#define VIEWS LOD_TONE_VIEWS
+#define PIXELS LOD_TONE_PIXELS   /* of a side: about as many hits in all as a large crown has leaves */
+#define AWAY LOD_TONE_AWAY
 #define BATCH 4096u
 #define FIRST_BLOCK 8u           /* each of so many stands for the whole plant, and the more there are, the more for its own part of it */
 #define LEAST_RATIO 0.25         /* what a block's colours are changed by at most, as a factor of light, and 1 over it */
 
 /* ---- What is seen ---- */
 
-static void place_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius)
+void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius)
 {
 	double flat = sqrt(from[0] * from[0] + from[1] * from[1]), half = 1 / sqrt(AWAY * AWAY - 1);
 	double right[3] = { flat > 1e-9 ? -from[1] / flat : 1, flat > 1e-9 ? from[0] / flat : 0, 0 };
@@ -88,7 +88,7 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 	lod_directions_spread(directions, VIEWS, 1);
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct lod_eye eye;
-		place_eye(&eye, directions[v], center, radius);
+		lod_tone_eye(&eye, directions[v], center, radius);
 		lod_raster_clear(&raster);
 		lod_raster_camera(&raster, &eye, (AWAY - 4) * radius);
 		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });

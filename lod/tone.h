@@ -11,6 +11,7 @@
 #define LOD_TONE_H
 
 #include "lod/element.h"
+#include "lod/view.h"
 
 struct lod_tone_input {
 	const struct lod_mesh *mesh;
@@ -23,6 +24,12 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 
 /* rgb[0..count) in an order; area: of each, at least 0. Where all have at most LOD_TONE_COLORS colours, the results are among them (which is
  * which is changed by as little as the means ask for), so that a plant's palette stays as it is. */
+/* A view of LOD_TONE_PIXELS squared of a sphere from afar; `from`: a unit vector towards the eye, as lod_directions_spread makes them. */
+#define LOD_TONE_VIEWS 8u
+#define LOD_TONE_PIXELS 160u
+#define LOD_TONE_AWAY 16.0       /* radii */
+void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius);
+
 #define LOD_TONE_COLORS 32u
 void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count);
 
