@@ -31,7 +31,9 @@
 #define CELLS_PX 1.0             /* ... and cells; further where the budget is larger than what there is */
 #define FINER_OCTAVES 3
 #define FINER_TIMES 3
+#define SMALL_STEPS 4
 #define COARSEST -12
+#define PLACES_MOST 100000u      /* plants that one level looks at */
 
 static double price_at(int index)
 {
@@ -341,9 +343,15 @@ static enum eco_code plan_level(struct lod_planning *p, bool predicts, struct ec
 	return code;
 }
 
+/* Coarser ones go in small steps at first, as it is known only afterwards what a level costs. */
+static int octaves(int level)
+{
+	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level : SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
+}
+
 static enum eco_code open_level(struct lod_planning *p, int level, struct eco_error *error)
 {
-	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, -FINER_OCTAVES * level);
+	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, octaves(level));
 	/* sights of tiles are made anew at each level; those of plants stay, and are the first */
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < p->screen.count; i++)
@@ -367,14 +375,21 @@ static bool complete(const struct lod_planning *p)
 	return true;
 }
 
-/* The finest level from `level` on towards coarser ones that is not too large to look at. */
+/* The finest level from `level` on towards coarser ones that is not too large to look at. From a walker's eyes to the horizon there may be
+ * millions of plants, nearly all hidden or smaller than a pixel: their tiles are told apart only as far as time allows. */
 static enum eco_code open_possible(struct lod_planning *p, int *level, int coarsest, struct eco_error *error)
 {
 	for (;; --*level) {
 		struct eco_error local = { 0 };
+		bool bound = *level > coarsest && (p->scene->needs & ECO_NEED_SUMMARIES);
+		p->visible.places_max = bound ? PLACES_MOST : 0;
 		enum eco_code code = open_level(p, *level, &local);
 		if (code != ECO_TOO_LARGE || *level <= coarsest)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
+		p->screen.count = 0;
+		code = lod_visible_restart(&p->visible, error);
+		if (code)
+			return code;
 	}
 }
 

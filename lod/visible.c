@@ -262,6 +262,10 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 	const struct eco_plant *plant = &scene->plants[g->plant];
 	bool first_time = *done == NOTHING_DONE;
 	visible->places += list->primitive_count;
+	visible->looked += first_time ? list->primitive_count : 0;
+	if (visible->places_max && visible->looked > visible->places_max)
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu plants; ask for fewer vertices",
+			(unsigned long long)visible->places_max);
 	uint8_t from = first_time ? 0 : *done;
 	for (uint32_t i = 0; i < list->primitive_count; i++) {
 		struct eco_place stored = eco_place_read(scene, g->place_first + i);
@@ -469,12 +473,28 @@ enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_sce
 	return code;
 }
 
-void lod_visible_free(struct lod_visible *visible)
+static void free_nodes(struct lod_visible *visible)
 {
 	for (uint32_t i = 0; i < visible->node_count; i++) {
 		free(visible->nodes[i].tallies);
 		free(visible->nodes[i].gate_done);
 	}
+	visible->node_count = 0;
+}
+
+enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error *error)
+{
+	free_nodes(visible);
+	visible->placement_count = 1;
+	visible->slot_count = 0;
+	visible->plants = visible->looked = 0;
+	memset(visible->slot_table, 0, visible->slot_table_size * sizeof *visible->slot_table);
+	return add_node(visible, visible->scene->root, 0, error);
+}
+
+void lod_visible_free(struct lod_visible *visible)
+{
+	free_nodes(visible);
 	free(visible->nodes);
 	free(visible->placements);
 	free(visible->slots);

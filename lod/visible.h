@@ -55,6 +55,7 @@ struct lod_visible {
 	uint64_t nodes_max, placements_max;
 	uint64_t plants;                     /* visible, at the last count */
 	uint64_t places;                     /* plants looked at, ever */
+	uint64_t looked, places_max;         /* plants looked at since the start; 0: no bound */
 	struct lod_screen *screen;           /* may be NULL; every plant that is seen is added to it, once: with its node and slot */
 	const struct lod_body *bodies;       /* with screen: per plant, at scale 1 */
 };
@@ -62,6 +63,8 @@ struct lod_visible {
 enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_scene *scene, const struct eco_view *view,
 	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error);
 void lod_visible_free(struct lod_visible *visible);
+/* Forgets all but the root: after a walk that was too large, so that a coarser one has all the room there is. */
+enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error *error);
 
 /* Splat points that a tile's summary needs at sample distance d' (Deussen 2002, eq. 1), not bounded by what it has. */
 double lod_summary_points(const struct lod_node *node, double sample_distance);
