@@ -228,11 +228,11 @@ static enum eco_code draw_pictures(struct bench *bench, const char *scene, const
 
 static enum eco_code show_pictures(struct bench *bench, const char *scene, struct eco_error *error)
 {
-	static const uint64_t many[] = { 1000000, 5000000, 26000000 }, one[] = { 1000000 };
+	static const uint64_t many[] = { 1000000, 5000000, 26000000 }, one[] = { 1000000 }, tree[] = { 10000 };
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	char pack[512], unit[96];
 	bool all = strcmp(scene, "trees5000") == 0, scbi = strcmp(scene, "scbi") == 0;
-	const uint64_t *budgets = all ? many : one;
+	const uint64_t *budgets = all ? many : strcmp(scene, "crown") == 0 ? tree : one;
 	uint32_t count = all ? 3 : 1, views = bench_shot_views(bench, scene, requests);
 	enum eco_code code = bench_scene(bench, scene, NULL, pack, error);
 	for (uint32_t v = 0; v < views && !code; v += !scbi ? views : 1) {

@@ -207,10 +207,48 @@ static void print_figure(FILE *out, const json_t *value)
 		fprintf(out, "%.4g", v);
 }
 
+static void print_key(FILE *out, const json_t *key, const json_t *reached, const char *section)
+{
+	fputs("<tr><td>", out);
+	escape_all(out, json_string_value(json_object_get(key, "key")));
+	fputs("<td class=\"n\">", out);
+	print_figure(out, json_object_get(key, "value"));
+	fputs("<td>", out);
+	escape_all(out, json_string_value(json_object_get(key, "bar")));
+	fputs(json_is_true(reached) ? "<td class=\"good\">met" : json_is_false(reached) ? "<td class=\"bad\">not met" : "<td>", out);
+	fputs("<td><a href=\"#", out);
+	escape_all(out, section);
+	fputs("\">", out);
+	escape_all(out, section);
+	fputs("</a>", out);
+}
+
+/* Those that should be something, or those that only say something. */
+static void print_keys_of(FILE *out, json_t *records, bool barred)
+{
+	size_t i, k, met = 0, all = 0;
+	json_t *record, *key;
+	fprintf(out, "<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>%s<th><th>section", barred ? "bar" : "what it is");
+	json_array_foreach(records, i, record)
+		json_array_foreach(json_object_get(record, "keys"), k, key) {
+			const char *bar = json_string_value(json_object_get(key, "bar"));
+			json_t *reached = bar_reached(bar ? bar : "", json_object_get(key, "value"));
+			if (json_is_boolean(reached) == barred) {
+				print_key(out, key, reached, json_string_value(json_object_get(record, "name")));
+				met += json_is_true(reached);
+				all++;
+			}
+			json_decref(reached);
+		}
+	fputs("</table></div>\n", out);
+	if (barred)
+		fprintf(out, "<p>%zu of %zu bars are met.</p>\n", met, all);
+}
+
 static void print_keys(FILE *out, json_t *records)
 {
-	size_t i, k, count = 0;
-	json_t *record, *key;
+	size_t i, count = 0;
+	json_t *record;
 	fputs("<h2 id=\"bars\">Figures and bars</h2>\n", out);
 	json_array_foreach(records, i, record)
 		count += json_array_size(json_object_get(record, "keys"));
@@ -218,26 +256,10 @@ static void print_keys(FILE *out, json_t *records)
 		fputs("<p>None yet: they come when a section is complete.</p>\n", out);
 		return;
 	}
-	fputs("<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>should be<th><th>section", out);
-	json_array_foreach(records, i, record)
-		json_array_foreach(json_object_get(record, "keys"), k, key) {
-			const char *bar = json_string_value(json_object_get(key, "bar"));
-			json_t *reached = bar_reached(bar ? bar : "", json_object_get(key, "value"));
-			fputs("<tr><td>", out);
-			escape_all(out, json_string_value(json_object_get(key, "key")));
-			fputs("<td class=\"n\">", out);
-			print_figure(out, json_object_get(key, "value"));
-			fputs("<td>", out);
-			escape_all(out, bar);
-			fputs(json_is_true(reached) ? "<td class=\"good\">reached" : json_is_false(reached) ? "<td class=\"bad\">not reached" : "<td>", out);
-			fputs("<td><a href=\"#", out);
-			escape_all(out, json_string_value(json_object_get(record, "name")));
-			fputs("\">", out);
-			escape_all(out, json_string_value(json_object_get(record, "name")));
-			fputs("</a>", out);
-			json_decref(reached);
-		}
-	fputs("</table></div>\n", out);
+	print_keys_of(out, records, true);
+	fputs("<details><summary>Figures without a bar</summary>", out);
+	print_keys_of(out, records, false);
+	fputs("</details>\n", out);
 }
 
 /* Whether what the section is made of has changed since. */

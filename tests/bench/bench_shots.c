@@ -20,6 +20,8 @@ static const struct { const char *scene; uint64_t vertices[2]; } printed[] = { {
 static const uint64_t quick_budgets[] = { 30000, 100000, 300000, 1000000, 3000000 };
 static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 2000000, 5000000, 10000000 };
 
+#define ONE_TREE 30u              /* a scene of one needs so many times less */
+
 bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code, struct eco_error *error)
 {
 	*code = bench_scene(bench, scene, NULL, pack, error);
@@ -41,6 +43,8 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
 {
 	uint32_t count = bench->full ? sizeof full_budgets / sizeof *full_budgets : sizeof quick_budgets / sizeof *quick_budgets, kept = 0;
 	memcpy(budgets, bench->full ? full_budgets : quick_budgets, count * sizeof *budgets);
+	for (uint32_t i = 0; i < count && strcmp(scene, "crown") == 0; i++)
+		budgets[i] /= ONE_TREE;
 	for (size_t i = 0; i < sizeof printed / sizeof *printed; i++)
 		for (int k = 0; k < 2 && strcmp(printed[i].scene, scene) == 0 && printed[i].vertices[k]; k++)
 			budgets[count++] = printed[i].vertices[k];
