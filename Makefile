@@ -6,6 +6,7 @@
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   test                 everything that tests, counted; layers and headers alone check the includes
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
+#   determinism          same pack and same plans by gcc -O0 and -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   deps, clean          installs what is missing; removes all output
@@ -73,7 +74,7 @@ LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread
 
-.PHONY: all deps demo test bench forest survey soak layers headers clean fuzz
+.PHONY: all deps demo test determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -122,6 +123,16 @@ $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS)
 	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \
 		$(LIBS_DRACO) $(LIBS_CORE)
 
+# lod/ without any optimisation, in programs that must give the same: tests/test_determinism.sh.
+O0 := $(patsubst %.c,$(B)/o0/%.o,$(call sources,lod))
+$(B)/o0/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) -O0 -MMD -MP -c -o $@ $<
+$(B)/o0/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(O0) $(LIB_ECO) $(LIB_DRACO)
+	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+$(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
+	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+
 # A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
 $(B)/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.o $(FUZZ_MAIN) $(TEST_LIBS)
@@ -136,7 +147,7 @@ $(B)/obj/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(CXX) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
 
--include $(shell find $(B)/obj -name '*.d' 2>/dev/null)
+-include $(shell find $(B)/obj $(B)/o0 -name '*.d' 2>/dev/null)
 
 # ---- Demonstrations: everything lands in $(B)/demo and $(B)/forest ----
 
@@ -177,9 +188,14 @@ deps:
 # -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
 test: deps
 	@mkdir -p $(B)
-	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(BENCHES) $(FUZZERS) || built=$$?; \
+	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(BENCHES) $(FUZZERS) $(B)/o0/ecopack $(B)/o0/plans || built=$$?; \
 		echo $$built >$(B)/built
 	@tests/run.sh $(B) $$(cat $(B)/built) $(TESTS) $(FUZZERS)
+
+determinism:
+	@tests/packages.sh $(PACKAGES) clang valgrind
+	@$(MAKE) --no-print-directory all $(B)/bench/plans
+	@tests/determinism.sh $(B)
 
 layers: $(LIB_ECO) $(LIB_DRACO) $(LIB_LOD) $(LIB_SERVER) $(LIB_VIEW) $(B)/obj/ecofiles/image_module.o
 	@tests/layers.sh $(B)

@@ -158,13 +158,15 @@ static struct lod_tables_ladder *make_ladder(const struct eco_scene *scene, uint
 	if (made) {
 		struct lod_forms_leg *leg = (struct lod_forms_leg *)(made + 1);
 		struct lod_amount *next = (struct lod_amount *)((char *)leg + legs);
-		memcpy(leg, kept, legs);
+		if (legs)
+			memcpy(leg, kept, legs);
 		made->way = way;
 		made->way.forms.legs = leg;
 		memcpy(made->steps, hulls->steps, sizeof made->steps);
 		for (uint32_t i = 0; i < 2 * LOD_EXTRAS; i++) {
 			struct lod_steps *steps = &made->steps[i / LOD_EXTRAS][i % LOD_EXTRAS];
-			memcpy(next, steps->amounts, steps->count * sizeof *next);
+			if (steps->count)
+				memcpy(next, steps->amounts, steps->count * sizeof *next);
 			steps->amounts = next;
 			next += steps->count;
 		}
