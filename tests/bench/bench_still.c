@@ -5,7 +5,6 @@
 
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
-#include "lod/sort.h"
 #include "tests/bench/bench_fetch.h"
 
 struct bench_still {
@@ -51,11 +50,11 @@ const char *bench_still_renderer(const struct bench_still *still) { return still
 
 /* ---- Plants ---- */
 
-static uint64_t cut_hash(const struct eco_cut *cut)
+void bench_plants_free(struct bench_plants *plants)
 {
-	uint32_t bits;
-	memcpy(&bits, &cut->scale, sizeof bits);
-	return lod_mix(((uint64_t)cut->list << 32 | cut->first) + lod_mix((uint64_t)cut->end << 32 | bits));
+	free(plants->items);
+	free(plants->cuts);
+	*plants = (struct bench_plants){ 0 };
 }
 
 static int by_owner(const void *a, const void *b)
@@ -68,9 +67,11 @@ static enum eco_code list_plants(const struct bench_still *still, const struct v
 	struct bench_plants *plants, struct eco_error *error)
 {
 	const struct eco_plan *plan = view_store_plan(still->store);
-	free(plants->items);
-	*plants = (struct bench_plants){ .items = malloc((selection->instance_count + 1u) * sizeof *plants->items) };
-	if (!plants->items)
+	uint32_t cuts = 0;
+	bench_plants_free(plants);
+	*plants = (struct bench_plants){ .items = malloc((selection->instance_count + 1u) * sizeof *plants->items),
+		.cuts = malloc((selection->cut_first[selection->instance_count] + 1u) * sizeof *plants->cuts) };
+	if (!plants->items || !plants->cuts)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u plants", selection->instance_count);
 	for (uint32_t i = 0; i < selection->instance_count; i++) {
 		const struct view_instance *instance = &selection->instances[i];
@@ -79,12 +80,14 @@ static enum eco_code list_plants(const struct bench_still *still, const struct v
 		struct bench_plant *p = &plants->items[plants->count++];
 		double center[3];
 		lod_place_point(&instance->place, view_store_plant(still->store, instance->plant)->anchors[0].center, center);
-		*p = (struct bench_plant){ .owner = instance->owner, .plant = instance->plant,
+		*p = (struct bench_plant){ .owner = instance->owner, .plant = instance->plant, .cut_first = cuts,
 			.band = lod_eye_band(eye, center, instance->place.scale, instance->hash) };
 		for (uint32_t c = selection->cut_first[i]; c < selection->cut_first[i + 1]; c++) {
 			const struct eco_cut *cut = &plan->cuts[selection->cuts[c]];
-			p->cuts += cut_hash(cut);
-			p->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&view_store_list(still->store, cut->list)->list);
+			uint64_t vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&view_store_list(still->store, cut->list)->list);
+			plants->cuts[cuts++] = (struct bench_cut){ cut->list, cut->first, cut->end, cut->scale, vertices };
+			p->cut_count++;
+			p->vertices += vertices;
 		}
 	}
 	qsort(plants->items, plants->count, sizeof *plants->items, by_owner);

@@ -25,10 +25,12 @@ struct bench_plant {
 	uint64_t owner;              /* names it in all pictures of a pack */
 	uint32_t plant;
 	uint8_t band;                /* of the whole plant */
-	uint64_t cuts;               /* a hash of lists, ranges and scales; 0: nothing */
+	uint32_t cut_first, cut_count;       /* in bench_plants.cuts */
 	uint64_t vertices;
 };
-struct bench_plants { struct bench_plant *items; uint32_t count; };  /* sorted by owner; owns its array */
+struct bench_cut { uint32_t list, first, end; float scale; uint64_t vertices; };
+struct bench_plants { struct bench_plant *items; uint32_t count; struct bench_cut *cuts; };  /* sorted by owner; owns its arrays */
+void bench_plants_free(struct bench_plants *plants);
 
 /* The request's view has the size that was given to open. Both results are replaced (zero them first); plants may be NULL. */
 enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request, struct view_picture *picture,
