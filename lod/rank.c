@@ -27,10 +27,9 @@
 #include "lod/rank_refine.h"
 #include "lod/sort.h"
 
-#define VIEWED 1200000u                  /* elements times views */
-#define VIEWS_LEAST 24u
-#define VIEWS_MOST 32u
-#define TRIAL_VIEWS 8u                   /* trials look at so many of the views, or one less than twice as many */
+#define VIEWS 24u
+#define LARGE 100000u                    /* elements: more are seen from half as many views, to end in time */
+#define TRIAL_VIEWS 5u                   /* trials look at so many of the views, or one less than twice as many */
 #define SECOND 16                        /* a second layer counts a so manieth of the first */
 #define WEIGHT 4096
 #define SCALES 5u                        /* tried at every step */
@@ -195,12 +194,29 @@ static void make_heap(struct ranking *r)
 		sift_down(r->heap, r->heap_count, i);
 }
 
+/* Whether as it is, whatever its other codes, it is no more the best: then these need no look yet. */
+static bool fades(const struct ranking *r, struct candidate *top)
+{
+	int64_t score[ECO_GROWTHS], next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
+	if (r->heap_count > 2 && r->heap[2].score > next)
+		next = r->heap[2].score;
+	look(r, top->element, top->code, top->code, score);
+	if (score[top->code] >= next || score[top->code] >= top->score)
+		return false;
+	top->score = score[top->code];
+	return true;
+}
+
 /* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
 static void pick(struct ranking *r, uint32_t end)
 {
 	for (uint32_t looks = 1; r->picked < end && r->heap_count && (looks % ASK || goes_on(r)); looks++) {
 		struct candidate *top = &r->heap[0];
 		int64_t known = top->score;
+		if (fades(r, top)) {
+			sift_down(r->heap, r->heap_count, 0);
+			continue;
+		}
 		assess(r, top);
 		if (top->score < known) {
 			struct candidate now = *top;
@@ -283,14 +299,14 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 	return best_scale;
 }
 
-/* Ends of steps: by the root of two, finer where little is left out. */
+/* Ends of steps: by nearly two, finer where little is left out. */
 static uint32_t next_end(uint32_t count, uint32_t picked)
 {
-	double share = (double)picked / count, next = share * 1.41421356;
+	double share = (double)picked / count, next = share * 1.8;
 	if (picked < 4)
 		return picked + 1 < count ? picked + 1 : count;
 	if (share > 0.49)
-		next = share + 0.1;
+		next = share + 0.17;
 	uint32_t end = (uint32_t)(next * count + 0.5);
 	return next > 0.95 || end > count ? count : end > picked ? end : picked + 1;
 }
@@ -328,8 +344,7 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 /* Sizes: larger plants are seen from fewer directions, as more of them lies in each. */
 static struct lod_crown_options crown_options(const struct lod_foliage *foliage, const struct lod_rank_options *options)
 {
-	uint32_t views = VIEWED / foliage->count;
-	views = views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
+	uint32_t views = foliage->count > LARGE ? VIEWS / 2 : VIEWS;
 	return (struct lod_crown_options){ options->views ? options->views : views, options->pixels, options->directions, options->seed };
 }
 

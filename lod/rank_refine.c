@@ -32,6 +32,7 @@
 #define PRINTS 64u
 #define ROOM (4 * LOD_FOOTPRINT_PIXELS * (LOD_FOOTPRINT_PIXELS / 64))   /* words */
 #define APPLY_PIECES 8u
+#define RESTS 2
 #define STIFF 20.0                       /* how a price answers to a share of triangles too many */
 #define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
 
@@ -56,6 +57,7 @@ struct refine {
 	struct key keys[KEYS];
 	uint8_t *first, *code;       /* per element: the first key that draws it (key_count: none), how far it grows */
 	uint8_t *next_first, *next_code;
+	uint8_t *stays;              /* per element: how often it stayed in a row when it was looked at */
 	double *early;               /* per element: what it would bring one key earlier, per triangle */
 	uint32_t *turn;              /* who is looked at when */
 	uint32_t at, end, key_at;    /* who chooses now; which key is the first at work */
@@ -370,12 +372,24 @@ static void choose(struct refine *r, uint32_t element)
 	r->early[element] = worth.of[best_first > low_key ? best_first - 1 : low_key][best_code] / triangles;
 }
 
+/* Who stayed twice is left alone once. */
+static void look_again(struct refine *r, uint32_t element)
+{
+	if (r->stays[element] < RESTS) {
+		choose(r, element);
+		return;
+	}
+	r->next_first[element] = r->first[element];
+	r->next_code[element] = r->code[element];
+	r->stays[element] = 0;
+}
+
 static void choose_piece(void *pieces, uint32_t i)
 {
 	struct refine *r = pieces;
 	uint32_t begin = r->at + i * PIECE, end = begin + PIECE < r->end ? begin + PIECE : r->end;
 	for (uint32_t t = begin; t < end; t++)
-		choose(r, r->turn[t]);
+		look_again(r, r->turn[t]);
 }
 
 static void apply_in_view(const struct refine *r, uint32_t element, uint32_t view, struct prints *prints)
@@ -420,6 +434,7 @@ static void apply(struct refine *r)
 			r->keys[k].used += (uint64_t)triangles_of(r, element) * (r->next_first[element] <= k);
 			r->keys[k].used -= (uint64_t)triangles_of(r, element) * (r->first[element] <= k);
 		}
+		r->stays[element] = moves(r, element) ? 0 : (uint8_t)(r->stays[element] + 1);
 		r->first[element] = r->next_first[element];
 		r->code[element] = r->next_code[element];
 	}
@@ -565,6 +580,7 @@ bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena 
 	r.next_first = lod_arena_take(arena, r.count, sizeof *r.next_first);
 	r.next_code = lod_arena_take(arena, r.count, sizeof *r.next_code);
 	r.early = lod_arena_take(arena, r.count, sizeof *r.early);
+	r.stays = lod_arena_take(arena, r.count, sizeof *r.stays);
 	r.turn = lod_arena_take(arena, r.count, sizeof *r.turn);
 	memcpy(r.code, refining->growth, r.count);
 	for (uint32_t e = 0; e < r.count; e++)
