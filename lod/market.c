@@ -54,7 +54,7 @@ static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
 		m->offer_capacity = wanted;
 	}
 	m->offers[m->offer_count++] = *offer;
-	m->p->candidates += offer->steps->count;
+	m->p->candidates += offer->steps->count - 1;
 	return true;
 }
 
@@ -334,7 +334,8 @@ static bool price_summary(struct lod_market *m, uint32_t n)
 		struct eco_curve curve = lod_summary_curve(&look, part * (double)points);
 		amounts[stall->steps.count++] = (struct lod_amount){ .vertices = points, .fp = curve.fp, .fn = curve.fn };
 	}
-	p->candidates += stall->steps.count;
+	p->candidates += stall->steps.count - 1;
+	p->gains += stall->steps.count - 1;
 	lod_steps_hull(&stall->steps);
 	m->block_used += stall->steps.count;
 	return true;
@@ -495,6 +496,7 @@ static void price_stalls(struct lod_market *m)
 		stall->opened = false;
 		stall->share = 0;
 		if (stall->summary) {
+			m->p->looks++;
 			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth, stall->position);
 			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
 			stall->cost.fp *= stall->steps.extra;
@@ -535,6 +537,7 @@ void lod_market_prices(const struct lod_market *m, double *high, double *low)
 void lod_market_price(struct lod_market *m, double price)
 {
 	m->price = price;
+	m->p->looks += m->offer_count;
 	price_lots(m);
 	price_gates(m);
 	price_stalls(m);

@@ -96,6 +96,7 @@ static void reach_step(struct lod_bid *bid, uint32_t step)
 static void spend_at(struct lod_spend *spend, double price)
 {
 	spend->vertices = 0;
+	spend->market->p->looks += spend->bid_count;
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		struct lod_bid *bid = &spend->bids[i];
 		double position = bid->worth > 0 ? lod_steps_position(bid->steps, price / bid->worth, bid->step) : price > 0 ? 0 : bid->steps->count - 1;
@@ -352,6 +353,7 @@ static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 	if (!heap)
 		return false;
 	spend->vertices = 0;
+	spend->market->p->gains += spend->bid_count;
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		struct lod_bid *bid = &spend->bids[i];
 		bid->ahead = bid->ahead ? share_floor(spend, bid, bid->ahead) : 0;
@@ -368,6 +370,7 @@ static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 		uint32_t step = bid->step;
 		uint64_t spent = buy(spend, bid, left);
 		left -= spent;
+		spend->market->p->gains += bid->step != step;
 		if (bid->step != step && next_price(bid) > 0)
 			heap[0].price = next_price(bid);
 		else if (spent == 0 || bid->step != step)

@@ -36,7 +36,7 @@ enum eco_code bench_plan_time(struct bench_plan_time *time, const struct eco_sce
 		double from = now_ms();
 		code = lod_plan(&plan, &input, error);
 		sum += ms[count++] = now_ms() - from;
-		*time = (struct bench_plan_time){ 0, stats.candidates, stats.places, plan.vertices, plan.cut_count, count,
+		*time = (struct bench_plan_time){ 0, stats.candidates, stats.gains, stats.looks, stats.places, plan.vertices, plan.cut_count, count,
 			plan.prediction.fp + plan.prediction.fn };
 		eco_plan_free(&plan);
 	}
