@@ -332,10 +332,30 @@ static uint64_t steps_within(const struct lod_forms *forms, const struct lod_for
 	return low;
 }
 
-struct lod_forms_state lod_forms_floor(const struct lod_forms *forms, uint64_t vertices)
+static struct lod_forms_state floor_once(const struct lod_forms *forms, uint64_t vertices)
 {
 	struct lod_forms_leg leg = leg_at(forms, vertices);
 	return along(&leg, steps_within(forms, &leg, vertices));
+}
+
+/* Where elements differ in their triangles a step may cost less than nothing, and bisection finds one of several places: on to one that is
+ * found again from what it costs. */
+struct lod_forms_state lod_forms_floor(const struct lod_forms *forms, uint64_t vertices)
+{
+	struct lod_forms_state s = floor_once(forms, vertices);
+	while (!forms->each) {
+		uint64_t cost = lod_forms_vertices(forms, &s);
+		s = floor_once(forms, cost);
+		if (lod_forms_vertices(forms, &s) == cost)
+			break;
+	}
+	return s;
+}
+
+static bool is_floor(const struct lod_forms *forms, uint64_t vertices)
+{
+	struct lod_forms_state s = floor_once(forms, vertices);
+	return forms->each || lod_forms_vertices(forms, &s) == vertices;
 }
 
 uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices)
@@ -343,8 +363,13 @@ uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices)
 	struct lod_forms_leg leg = leg_at(forms, vertices);
 	if (leg.vertices[1] <= vertices)
 		return UINT64_MAX;
-	struct lod_forms_state s = along(&leg, steps_within(forms, &leg, vertices) + 1);
-	return lod_forms_vertices(forms, &s);
+	for (uint64_t k = steps_within(forms, &leg, vertices) + 1; k <= leg_steps(&leg); k++) {
+		struct lod_forms_state s = along(&leg, k);
+		uint64_t cost = lod_forms_vertices(forms, &s);
+		if (cost > vertices && is_floor(forms, cost))
+			return cost;
+	}
+	return is_floor(forms, leg.vertices[1]) ? leg.vertices[1] : lod_forms_next(forms, leg.vertices[1]);
 }
 
 double lod_forms_share(const struct lod_forms *forms, uint64_t vertices)
@@ -361,6 +386,8 @@ uint64_t lod_forms_of_share(const struct lod_forms *forms, double share)
 	double t = share < leg.share[1] ? (share - leg.share[0]) / (leg.share[1] - leg.share[0]) : 1;
 	uint64_t vertices = leg.vertices[0] + (t > 0 ? (uint64_t)(t * (double)(leg.vertices[1] - leg.vertices[0]) + 1e-6) : 0);
 	struct lod_forms_state s = along(&leg, steps_within(forms, &leg, vertices));
+	vertices = lod_forms_vertices(forms, &s);
+	s = lod_forms_floor(forms, vertices);
 	return lod_forms_vertices(forms, &s);
 }
 

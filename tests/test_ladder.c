@@ -184,6 +184,40 @@ static void four_forms_follow_each_other(void **state)
 	}
 }
 
+/* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every amount that is named can be
+ * drawn, all the same. */
+static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void **state)
+{
+	(void)state;
+	const uint32_t k = 300;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_make(&scene, seed, 0);
+		uint32_t triangles = random_fans(&scene, k, 0);
+		struct eco_list *fans = &scene.lists[triangles];
+		fans->primitive_count = 0;
+		for (uint32_t c = 0; c < fans->chunk_count; c++) {
+			struct eco_chunk *chunk = &scene.chunks[fans->chunk_first + c];
+			chunk->primitive_count = chunk->element_count + (uint32_t)(random_real(&scene, 0, 3) * chunk->element_count);
+			fans->primitive_count += chunk->primitive_count;
+		}
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .lines = ECO_NONE, .total = k, .curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
+		for (uint32_t i = 0; i < 5; i++)
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+		uint64_t full = lod_ladder_full(&scene.scene, &ladder), next = 0, steps = 0;
+		for (uint64_t asked = 1; asked <= full + 3; asked++) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint64_t v = lod_ladder_floor(&scene.scene, &ladder, asked);
+			assert_true(v <= asked && lod_ladder_floor(&scene.scene, &ladder, v) == v);
+			if (v > 0)
+				assert_int_equal(drawn(cuts, lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts)), v);
+		}
+		while ((next = lod_ladder_next(&scene.scene, &ladder, next)) != UINT64_MAX && steps++ <= full)
+			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, next), next);
+		assert_true(steps <= full);
+	}
+}
+
 /* `k` elements of `each` triangles, and points of them. */
 static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 {
@@ -300,6 +334,7 @@ int main(void)
 		cmocka_unit_test(forms_give_way_from_the_front),
 		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
 		cmocka_unit_test(four_forms_follow_each_other),
+		cmocka_unit_test(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms),
 		cmocka_unit_test(scales_follow_the_curve_where_the_reach_stays),
 		cmocka_unit_test(cells_begin_in_the_form_of_their_plant),
 		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),

@@ -6,7 +6,7 @@
 
 #include "tests/bench/bench_savings.h"
 
-#define READ_QUICK 8u            /* plants of the data folder, in the quick bench: those with the fewest leaves */
+#define READ_QUICK 12u           /* plants of the data folder, in the quick bench: those with the fewest leaves */
 #define MADE_QUICK 2u            /* generated ones */
 
 struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS]; uint32_t count; };
