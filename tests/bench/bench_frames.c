@@ -9,8 +9,15 @@
 #include "tests/bench/bench_shots.h"
 #include "tests/bench/bench_still.h"
 
-static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "outdoor", true }, { "trees5000", true }, { "scbi", true },
-	{ "trees640", false }, { "palms", false }, { "sunflowers", false }, { "trees1276", false } };
+static const struct { const char *name, *title; bool quick; } scenes[] = {
+	{ "crown", "One tree, crown of 6,143 leaves", true },
+	{ "outdoor", "Outdoor scene, 120 M triangles", true },
+	{ "trees5000", "5,000 trees, 1.3 G vertices", true },
+	{ "scbi", "SCBI, a forest inventory", true },
+	{ "trees640", "640 trees, 10 M triangles", false },
+	{ "palms", "1,500 palms, 12 M triangles", false },
+	{ "sunflowers", "13,000 sunflowers and a maple, 70 M triangles", false },
+	{ "trees1276", "1,276 trees, 63 M vertices", false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 #define NARROW 10e3              /* bits a millisecond */
 #define WIDE 100e3
@@ -357,7 +364,7 @@ static enum eco_code run_scene(struct bench *bench, size_t index, const struct t
 	if (!code && found)
 		code = study_scene(bench, s, tables->frames, error);
 	if (!code && found) {
-		bench_head(bench, scene);
+		bench_head(bench, scenes[index].title);
 		write_occlusion(tables->occlusion, s);
 		code = plot_over(bench, s, TOTAL_100, "time", "plan + transfer at 100 Mbit/s + decode + draw, ms", error);
 		write_means(bench, s);
@@ -378,14 +385,15 @@ static enum eco_code run_scene(struct bench *bench, size_t index, const struct t
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,"
-		"predicted Q,plan ms,transfer at 10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 ms,total at 100 ms,vertices,bytes", false),
-		.occlusion = bench_table_open(bench, "frames_occlusion", "scene,vertices,Q with occlusion,Q without,wrong with,wrong without,ratio,"
-			"skill with,skill without", true) };
 	enum eco_code code = ECO_OK;
 	bench_say(bench, "Every picture %u x %u, all chunks sent anew. Budgets of the literature are among the rows: Deussen 2002, table 1 (points + 2 lines "
 		"+ 3 triangles): 640 trees 2.10 M, palms 1.76 M, outdoor 2.48 M, sunflowers 2.19 M; Neubert 2011: 5,000 trees 26 M.", BENCH_SHOT_WIDTH,
 		BENCH_SHOT_HEIGHT);
+	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,"
+		"predicted Q,plan ms,transfer at 10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 ms,total at 100 ms,vertices,bytes", false) };
+	bench_head(bench, "Occlusion on and off, at equal vertices");
+	tables.occlusion = bench_table_open(bench, "frames_occlusion", "scene,vertices,Q with occlusion,Q without,wrong with,wrong without,ratio,skill "
+		"with,skill without", true);
 	for (size_t i = 0; i < SCENES && !code; i++)
 		if (scenes[i].quick || bench->full)
 			code = run_scene(bench, i, &tables, error);
