@@ -50,7 +50,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	if (!code)
 		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
 	if (input->stats)
-		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.wrong };
+		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.converged, p.wrong };
 	lod_planning_end(&p);
 	if (code)
 		eco_plan_free(plan);

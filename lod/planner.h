@@ -22,6 +22,7 @@ struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t places;             /* plants looked at one by one */
 	uint64_t cheapest;           /* optimiser: vertices of the cheapest step that is left and would gain; UINT64_MAX: every curve has ended */
 	uint32_t level;              /* optimiser: how far the scene was opened: further where all that was open had ended */
+	bool converged;              /* the search for what uses the budget ended by itself, and not at a bound of tries; the plan is sound either way */
 	double wrong;                /* optimiser, at that level: the objective, of this plan exactly: seen wrong pixels, each plant for itself. plan->prediction is of
 	                              * the whole picture, where plants stand before plants */
 };

@@ -310,6 +310,7 @@ enum eco_code lod_planning_deussen(struct lod_planning *p, double *sample_distan
 		code = best_structure(p, solved, &structure, error);
 	if (!code)
 		code = plan_structure(p, structure, error);
+	p->converged = true;         /* by halving whole numbers of steps: there is one that fits, or none */
 	*sample_distance = code ? 0 : distance_at(structure);
 	return code;
 }

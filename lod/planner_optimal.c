@@ -316,6 +316,11 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 		code = try_small(d, budget, &found, error);
 	if (!code)
 		code = try_structure(d, small || d->index == PRICE_COUNT ? price_at(found.index) : exact_price(d, budget), budget, &spend, &wrong, error);
+	if (!code && !(wrong < INFINITY)) {  /* amounts are whole: what a price comes to in the mean may not fit; nothing does */
+		lod_spend_free(&spend);
+		code = try_structure(d, price_at(d->first - 1), budget, &spend, &wrong, error);
+	}
+	m->p->converged = spend.converged;
 	if (!code)
 		code = lod_spend_finish(&spend, budget, small, error);
 	m->p->cheapest = spend.cheapest;

@@ -33,6 +33,7 @@ struct lod_planning {
 	bool ended;                  /* every curve has ended: nothing could be added */
 	uint64_t cheapest;           /* vertices of the cheapest step that would still gain; UINT64_MAX: none would */
 	uint32_t level;
+	bool converged;              /* as lod_planner_stats */
 	double wrong;                /* what the optimiser's entries leave of its objective */
 	uint64_t candidates, gains, looks;   /* as struct lod_planner_stats says */
 	struct eco_prediction prediction;        /* of the optimiser; the other rule's is made from its entries */

@@ -10,7 +10,9 @@
 
 #define HALVINGS 14              /* of the interval of prices: what is left is spent step by step */
 #define FALL 1.4                 /* of the price, while a price is looked for that does not fit */
-#define FALLS_MAX 400
+#define FALLS_FEW 24
+#define NO_PRICE 1e-30           /* of a price: below all at which something gains */
+#define FALLS_MAX 400            /* 1e58: more than any two prices can be apart */
 #define EXCHANGES 4              /* times that all bids are looked at */
 
 /* ---- Bids ---- */
@@ -130,14 +132,21 @@ void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget)
 {
 	double high = price, low;
 	spend_at(spend, 0);
+	spend->converged = true;
 	if (spend->vertices > budget) {
-		for (int i = 0; spend_at(spend, high), spend->vertices > budget && i < FALLS_MAX; i++)
+		int falls = 0;
+		for (; spend_at(spend, high), spend->vertices > budget && falls < FALLS_MAX; falls++)
 			high *= FALL;
 		low = high / FALL;
-		for (int i = 0; spend_at(spend, low), spend->vertices <= budget && i < FALLS_MAX; i++) {
+		for (; spend_at(spend, low), spend->vertices <= budget && falls < FALLS_MAX; falls++) {
 			high = low;
 			low /= FALL;
+			if (falls == FALLS_FEW && (spend_at(spend, high * NO_PRICE), spend->vertices <= budget)) {
+				low = high *= NO_PRICE;              /* what is left gains nothing at all */
+				break;
+			}
 		}
+		spend->converged = falls < FALLS_MAX;
 		for (int i = 0; i < HALVINGS; i++) {
 			double middle = 0.5 * (low + high);
 			spend_at(spend, middle);

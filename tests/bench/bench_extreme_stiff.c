@@ -185,7 +185,8 @@ static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct ec
 	struct eco_error error = { 0 };
 	request.vertices = vertices;
 	struct lod_planner_input input = { .scene = scene, .request = &request, .rule = rule, .stats = &sum->stats };
-	bool good = extreme_good(x, lod_plan(&plan, &input, &error), &error) && extreme_plan_sound(x, &plan, &request);
+	bool good = extreme_good(x, lod_plan(&plan, &input, &error), &error) && extreme_plan_sound(x, &plan, &request)
+		&& extreme_must(x, sum->stats.converged, "budget %llu: the search did not converge", (unsigned long long)vertices);
 	sum->vertices = plan.vertices;
 	sum->wrong = plan.prediction.fp + plan.prediction.fn;
 	eco_plan_free(&plan);
@@ -408,7 +409,7 @@ static void odd_curves(struct extreme *x)
 	}
 }
 
-#define HOLD "within the budget; what is left over is less than any step; more budget never predicts more error"
+#define HOLD "the search converges; within the budget; what is left over is less than any step; more budget never predicts more error"
 
 static const struct extreme_case cases[] = {
 	{ "budgets 0, 1, 2, 3 ...", "every vertex is used where points cost one; more never predicts more error", false, tiny },
