@@ -22,7 +22,7 @@
 #include "lod/view.h"
 
 #define LOD_SCREEN_COLUMNS 96u
-#define LOD_OWNER_WORTH 0.35
+#define LOD_OWNER_WORTH 0.25
 
 struct lod_sight {
 	float x, y;                  /* centre, in cells from the top left */
