@@ -133,6 +133,7 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 		.uv = (list->attributes & ECO_ATTR_UV) != 0,
 		.wide = stream->wide,
 		.uv_shift = stream->uv_shift,
+		.shift = stream->shift,
 		.split = coder == ECO_CODER_ROWS,
 		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0,
 		.predictors = stream->predictors,
@@ -161,10 +162,12 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 		s->predictors = eco_read_u16(&r);
 		s->elements = eco_read_u32(&r);
 		s->size = eco_read_u32(&r);
-		if (r.failed || (flags & 14) || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
+		if (r.failed || s->corners <= last_corners
+		    || (s->corners > ECO_CORNERS_MAX && (s->corners != ECO_STREAM_PLACINGS || payload->coder != ECO_CODER_SHAPES || flags)) || s->elements == 0
 		    || s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
 			return eco_fail(error, ECO_DAMAGED, "chunk: record of stream %u is impossible", i);
 		s->wide = flags & 1;
+		s->shift = flags >> 1 & 7;
 		s->uv_shift = flags >> 4;
 		last_corners = s->corners;
 	}
@@ -188,7 +191,7 @@ enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **byt
 		const struct eco_stream *s = &payload->streams[i];
 
 		eco_write_u8(&w, s->corners);
-		eco_write_u8(&w, (uint8_t)(s->wide | s->uv_shift << 4));
+		eco_write_u8(&w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
 		eco_write_u16(&w, s->predictors);
 		eco_write_u32(&w, s->elements);
 		eco_write_u32(&w, (uint32_t)s->size);

@@ -3,12 +3,12 @@
  * Payload (all little-endian). BYTES: the file itself. Everything else:
  *   0   u8   1 (version)
  *   1   u8   coder (enum eco_coder)
- *   2   u8   stream count s, 1..4
+ *   2   u8   stream count s, 1..5
  *   3   u8   0
  *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners ascending
  *   .   s Draco bitstreams, in that order, nothing after them
  *
- * What a stream holds (flags: bit 0 `wide`, bits 4 to 7 `uv_shift`):
+ * What a stream holds (flags: bit 0 `wide`, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`):
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
  *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
@@ -16,7 +16,16 @@
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
  *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
  *             row before); flags and predictors 0.
- * A chunk of a MESH list may say coder ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would
+ *   SHAPES    streams as of ELEMENTS for elements that are like no others, then one with corners = 7, elements = all of the chunk:
+ *               u8 place_shift, size_shift, turn_bits, shapes - 1
+ *               shapes     u8 corners; z position, 3 a corner; where the list has UV z u, v of corner 0, then differences to the corner before
+ *               v placed   1..elements; if fewer than elements, a bit for each, from the low end of each byte: set, it is a row of the streams
+ *                          of corners (whose rows follow each other in stored order)
+ *               v columns  bit i: column i is in the Draco stream at the end (values or differences); the others follow, each of their
+ *                          components packed: z low, u8 width (0..30), value - low in that many bits, filled up to a whole byte
+ *               columns    kind (4 * shape + entry left out), centre (3), turn (3), size, extra values: one row for each placed element
+ *             (v: varint, z: zigzag varint; what the values mean is in shape.h). Stored order is as of ELEMENTS.
+ * A chunk of an ELEMENTS list of triangles may say coder SHAPES. A chunk of a MESH list may say coder ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would
  * lose or alter a triangle, or is larger.
  *
  * Decoding is a bomb by nature. Before Draco sees a byte: sizes and counts must match what the caller expects (from the hashed

@@ -25,6 +25,21 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	return ECO_OK;
 }
 
+/* Of a SHAPES payload: the stream of placings speaks of every element. Corners and primitives are counted once it is decoded. */
+static enum eco_code check_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
+	struct eco_error *error)
+{
+	const struct eco_stream *placings = &payload->streams[payload->stream_count - 1];
+
+	if (placings->corners != ECO_STREAM_PLACINGS || placings->elements != chunk->element_count)
+		return eco_fail(error, ECO_DAMAGED, "chunk: placings of shapes are missing, or not of %u elements", chunk->element_count);
+	for (uint32_t i = 0; i + 1 < payload->stream_count; i++)
+		if (payload->streams[i].corners < 3 || (payload->streams[i].uv_shift != 0 && !(list->attributes & ECO_ATTR_UV)))
+			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i,
+				payload->streams[i].corners);
+	return ECO_OK;
+}
+
 /* That the payload is of the list's kind and declares the chunk's counts; *corner_count of all elements. */
 static enum eco_code check_payload(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
 	uint32_t *corner_count, struct eco_error *error)
@@ -33,6 +48,8 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 	bool mesh = list->coder == ECO_CODER_MESH && !plain_mesh;
 	uint64_t elements = 0, corners = 0, primitives = 0;
 
+	if (payload->coder == ECO_CODER_SHAPES && list->coder == ECO_CODER_ELEMENTS && list->kind == ECO_LIST_TRIANGLES)
+		return check_shapes(list, chunk, payload, error);
 	if (payload->coder != list->coder && !plain_mesh)
 		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder, list->coder);
 	if (list->coder == ECO_CODER_FORM && payload->stream_count != 1)
@@ -43,6 +60,7 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
 
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
+		    || (s->shift != 0 && (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
 		    || (s->uv_shift != 0 && (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
 			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i, s->corners);
 		if (side)
@@ -80,38 +98,29 @@ static enum eco_code allocate(const struct eco_list *list, const struct eco_chun
 	return ECO_OK;
 }
 
-/* Where each stored row goes: its element in draw order, and that one's first corner. */
-struct place { uint32_t element, corner; };
-
-static struct place *find_places(const struct eco_payload *payload, bool permuted, uint32_t ordinal, uint32_t row_count)
+/* Where each stored row goes: its element in draw order, and that one's first corner. `places` come with the rows' corners in `corner`. */
+static bool find_places(struct eco_place_in *places, bool permuted, uint32_t ordinal, uint32_t row_count)
 {
-	struct place *places = malloc(row_count * sizeof *places);
 	uint32_t *order = malloc(row_count * sizeof *order);
-	uint32_t row = 0, corner = 0;
+	uint32_t corner = 0;
 
-	if (places == NULL || order == NULL) {
-		free(places);
-		free(order);
-		return NULL;
-	}
-	for (uint32_t i = 0; i < payload->stream_count; i++)
-		for (uint32_t k = 0; k < payload->streams[i].elements; k++)
-			places[row++].corner = payload->streams[i].corners;
+	if (order == NULL)
+		return false;
 	if (permuted)
 		eco_chunk_permutation(ordinal, row_count, order);
 	for (uint32_t i = 0; i < row_count; i++) {
-		struct place *place = &places[permuted ? order[i] : i];
+		struct eco_place_in *place = &places[permuted ? order[i] : i];
 		uint32_t corners = place->corner;
 
-		*place = (struct place){ i, corner };
+		*place = (struct eco_place_in){ i, corner };
 		corner += corners;
 	}
 	free(order);
-	return places;
+	return true;
 }
 
 static enum eco_code decode_stream(const struct eco_list *list, const struct eco_payload *payload, const struct eco_stream *stream,
-	const struct place *places, struct eco_elements *elements, struct eco_error *error)
+	const struct eco_place_in *places, struct eco_elements *elements, struct eco_error *error)
 {
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
@@ -139,19 +148,84 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 	struct eco_elements *elements, struct eco_error *error)
 {
 	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_FORM || list->coder == ECO_CODER_KD;
-	uint32_t row_count = 0;
-	struct place *places, *next;
+	uint32_t row_count = elements->element_count, row = 0;
+	struct eco_place_in *places = malloc(row_count * sizeof *places), *next = places;
 	enum eco_code code = ECO_OK;
 
-	for (uint32_t i = 0; i < payload->stream_count; i++)
-		row_count += payload->streams[i].elements;
-	next = places = find_places(payload, permuted, ordinal, row_count);
-	if (places == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", row_count);
+	for (uint32_t i = 0; places && i < payload->stream_count; i++)
+		for (uint32_t k = 0; k < payload->streams[i].elements; k++)
+			places[row++].corner = payload->streams[i].corners;
+	if (places == NULL || !find_places(places, permuted, ordinal, row_count))
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", row_count);
 	for (uint32_t i = 0; code == ECO_OK && i < payload->stream_count; i++) {
 		code = decode_stream(list, payload, &payload->streams[i], next, elements, error);
 		next += payload->streams[i].elements;
 	}
+	free(places);
+	return code;
+}
+
+/* ---- Shapes ---- */
+
+/* The declared counts against what the placings say, and the corners of each element into `places`. */
+static enum eco_code count_shapes(const struct eco_chunk *chunk, const struct eco_shape_rows *rows,
+	struct eco_place_in *places, uint32_t *corner_count, struct eco_error *error)
+{
+	const uint8_t *corners = eco_shape_rows_corners(rows);
+	uint64_t primitives = 0, total = 0;
+
+	for (uint32_t i = 0; i < chunk->element_count; i++) {
+		places[i].corner = corners[i];
+		total += corners[i];
+		primitives += eco_corners_primitives(corners[i]);
+	}
+	if (primitives != chunk->primitive_count)
+		return eco_fail(error, ECO_DAMAGED, "chunk: %llu primitives instead of %u", (unsigned long long)primitives, chunk->primitive_count);
+	*corner_count = (uint32_t)total;
+	return ECO_OK;
+}
+
+/* Streams of corners hold, in stored order, the elements of as many corners that have no shape. */
+static enum eco_code give_soup(const struct eco_list *list, const struct eco_payload *payload, const struct eco_shape_rows *rows,
+	const struct eco_place_in *places, struct eco_elements *elements, struct eco_error *error)
+{
+	const uint8_t *corners = eco_shape_rows_corners(rows);
+	struct eco_place_in *own = malloc(elements->element_count * sizeof *own);
+	enum eco_code code = own ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u elements", elements->element_count);
+
+	for (uint32_t i = 0; code == ECO_OK && i + 1 < payload->stream_count; i++) {
+		uint32_t count = 0;
+
+		for (uint32_t k = 0; k < elements->element_count; k++)
+			if (corners[k] == payload->streams[i].corners && eco_shape_rows_soup(rows, k))
+				own[count++] = places[k];
+		code = decode_stream(list, payload, &payload->streams[i], own, elements, error);
+	}
+	free(own);
+	return code;
+}
+
+static enum eco_code decode_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
+	uint32_t ordinal, struct eco_elements *elements, struct eco_error *error)
+{
+	struct eco_place_in *places = malloc(chunk->element_count * sizeof *places);
+	struct eco_shape_rows *rows = NULL;
+	uint32_t corner_count = 0;
+	enum eco_code code = eco_shapes_decode(list, payload, &rows, error);
+
+	if (code == ECO_OK && places == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
+	if (code == ECO_OK)
+		code = count_shapes(chunk, rows, places, &corner_count, error);
+	if (code == ECO_OK)
+		code = allocate(list, chunk, corner_count, elements, error);
+	if (code == ECO_OK && !find_places(places, true, ordinal, chunk->element_count))
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
+	if (code == ECO_OK)
+		code = eco_shape_rows_give(rows, places, elements, error);
+	if (code == ECO_OK)
+		code = give_soup(list, payload, rows, places, elements, error);
+	eco_shape_rows_free(rows);
 	free(places);
 	return code;
 }
@@ -163,6 +237,8 @@ static enum eco_code check_streams(const struct eco_payload *payload, struct eco
 
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		const struct eco_stream *s = &payload->streams[i];
+		if (s->corners == ECO_STREAM_PLACINGS)       /* checks itself, bit by bit */
+			continue;
 		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3 ? eco_draco_mesh_start(s->bytes, s->size, s->elements)
 			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
 
@@ -187,10 +263,11 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 		code = check_payload(list, chunk, &payload, &corner_count, error);
 	if (code == ECO_OK)
 		code = check_streams(&payload, error);
-	if (code == ECO_OK)
+	if (code == ECO_OK && payload.coder != ECO_CODER_SHAPES)
 		code = allocate(list, chunk, corner_count, elements, error);
 	if (code == ECO_OK)
-		code = payload.coder == ECO_CODER_MESH ? eco_mesh_decode(list, &payload, elements, error)
+		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal, elements, error)
+			: payload.coder == ECO_CODER_MESH ? eco_mesh_decode(list, &payload, elements, error)
 			: decode_streams(list, &payload, ordinal, elements, error);
 	if (code != ECO_OK)
 		eco_elements_free(elements);

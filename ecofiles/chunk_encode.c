@@ -3,6 +3,7 @@
 #include "ecofiles/chunk.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,6 +47,17 @@ static bool values_fit(const int32_t *values, size_t count)
 	return true;
 }
 
+/* What comes back on the finer grid must be within bounds, too. */
+static bool exact_fits(const struct eco_elements *e, size_t corner_at, uint32_t corners)
+{
+	const int32_t most = ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT;
+
+	for (size_t i = 3 * corner_at; i < 3 * (corner_at + corners); i++)
+		if (e->position[i] > most || e->position[i] < -most)
+			return false;
+	return values_fit(e->exact + 3 * corner_at, 3 * (size_t)corners);
+}
+
 static enum eco_code check_input(const struct eco_chunk_input *input, struct eco_error *error)
 {
 	const struct eco_list *list = input->list;
@@ -86,7 +98,7 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 		if (!eco_list_allows_corners(input->list, corners))
 			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which kind %u cannot have", input->ordinal,
 				input->first + i, corners, input->list->kind);
-		if (!values_fit(position, 3 * (size_t)corners) || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
+		if (!values_fit(position, 3 * (size_t)corners) || (e->exact != NULL && !exact_fits(e, corner_at, corners)) || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
 		    || (e->extra != NULL && !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
 			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; choose a coarser grid",
 				input->ordinal, input->first + i, ECO_ROWS_VALUE_MAX);
@@ -109,7 +121,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 	enum eco_code code;
 	uint8_t *bytes;
 
-	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count };
+	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count, .shift = e->exact ? ECO_EXACT_SHIFT : 0 };
 	shape = eco_payload_shape(source->list, payload->coder, stream);
 	code = eco_rows_make(&rows, &shape, error);
 	if (code != ECO_OK)
@@ -167,6 +179,49 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 	return ECO_OK;
 }
 
+/* ELEMENTS of which some are placed shapes, where that is smaller than `*bytes`. */
+static enum eco_code try_shapes(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
+{
+	uint32_t count = input->end - input->first, left = 0;
+	struct eco_payload payload = { .coder = ECO_CODER_SHAPES }, placings = { .coder = ECO_CODER_SHAPES };
+	struct eco_placed_element *elements = malloc(count * sizeof *elements);
+	struct stored *rest = malloc(count * sizeof *rest);
+	bool *soup = malloc(count * sizeof *soup), fits = false;
+	uint8_t *smaller = NULL;
+	size_t smaller_size = 0;
+	enum eco_code code = elements && rest && soup ? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal, count);
+
+	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
+		elements[i] = (struct eco_placed_element){ stored[i].element, stored[i].corner_at };
+	if (code == ECO_OK)
+		code = eco_shapes_encode(input, elements, fmax(0, 8.0 * (double)*size - ECO_STREAM_BITS) / count, &placings, soup, &fits, error);
+	for (uint32_t i = 0; fits && i < count; i++)
+		if (soup[i])
+			rest[left++] = stored[i];
+	if (code == ECO_OK && fits && left > 0)
+		code = add_streams(&payload, input, rest, left, error);
+	if (code == ECO_OK && fits) {
+		payload.streams[payload.stream_count++] = placings.streams[0];
+		placings.stream_count = 0;
+		code = eco_payload_write(&payload, &smaller, &smaller_size, error);
+	}
+	if (code == ECO_OK && fits && smaller_size < *size) {
+		free(*bytes);
+		*bytes = smaller;
+		*size = smaller_size;
+		smaller = NULL;
+	}
+	free(smaller);
+	free(elements);
+	free(rest);
+	free(soup);
+	eco_payload_free_streams(&payload);
+	eco_payload_free_streams(&placings);
+	return code;
+}
+
 /* MESH: edgebreaker or plain triangles, whichever keeps everything and is smaller. */
 static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
@@ -217,6 +272,8 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 		code = add_streams(&payload, input, stored, count, error);
 		if (code == ECO_OK)
 			code = eco_payload_write(&payload, bytes, size_bytes, error);
+		if (code == ECO_OK && payload.coder == ECO_CODER_ELEMENTS && input->list->kind == ECO_LIST_TRIANGLES && input->elements->exact)
+			code = try_shapes(input, stored, bytes, size_bytes, error);
 	}
 	if (code == ECO_OK && order != NULL)
 		code = report_order(input, stored, order, error);

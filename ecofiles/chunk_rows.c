@@ -146,6 +146,12 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 			good &= in_bounds(v);
 		}
 	}
+	for (unsigned i = 0; s->shift > 0 && i < 3u * s->corners; i++) {
+		int64_t v = (int64_t)element->position[i] * (1 << s->shift);
+
+		good &= v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
+		element->position[i] = good ? (int32_t)v : 0;
+	}
 	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++) {
 			int32_t v = (int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);

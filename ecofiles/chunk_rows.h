@@ -41,6 +41,7 @@ struct eco_rows_shape {
 	bool uv;
 	bool wide;
 	uint8_t uv_shift;            /* 0..15; ground: of heights */
+	uint8_t shift;               /* 0..7: what eco_rows_get gives is 2^shift times what was put; not with `split` */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end */

@@ -30,6 +30,7 @@ void eco_elements_free(struct eco_elements *elements)
 		return;
 	free(elements->corners);
 	free(elements->position);
+	free(elements->exact);
 	free(elements->uv);
 	free(elements->extra);
 	memset(elements, 0, sizeof *elements);

@@ -35,8 +35,9 @@ enum eco_list_kind {
  * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
  * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
- * BYTES     the payload is a file (PNG). */
-enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES };
+ * BYTES     the payload is a file (PNG).
+ * SHAPES    of chunks, not of lists: a chunk of an ELEMENTS list of triangles in which elements of one shape are placed (shape.h). */
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES, ECO_CODER_SHAPES };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
 enum eco_attr {
@@ -76,6 +77,8 @@ struct eco_chunk {
 	uint32_t primitive_count, element_count;
 };
 
+#define ECO_EXACT_SHIFT 3u
+
 /* Elements in draw order: what a maker of lists hands to the encoder and what the decoder gives back. Owns its arrays. */
 struct eco_elements {
 	uint32_t element_count, corner_count, primitive_count;
@@ -84,6 +87,9 @@ struct eco_elements {
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */
 	int32_t *extra;              /* extra_count per element, or NULL */
+	int32_t *exact;              /* fans: 3 per corner, where it was before position was rounded, on a grid that is 2^ECO_EXACT_SHIFT times
+	                              * finer; or NULL. For encoders: such elements come back on the finer grid, either where position says
+	                              * or as near to `exact` as rounding would put them. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);

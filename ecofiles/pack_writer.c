@@ -347,7 +347,11 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 			elements->element_count);
 	code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
 		: add_plain_chunks(writer, list, elements, ends, end_count, error);
-	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
+	if (code == ECO_OK)
+		code = add_list(writer, list, chunk_first, list_id, error);
+	for (int axis = 0; axis < 3 && code == ECO_OK && elements->exact != NULL; axis++)
+		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
+	return code;
 }
 
 enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,

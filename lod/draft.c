@@ -34,7 +34,7 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 }
 
 /* What a list will hold. */
-struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, image; };
+struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, image; bool fine; };
 
 static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
 {
@@ -52,6 +52,8 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	e->extra_count = eco_list_extra_count(&list->list);
 	e->corners = lod_arena_own(draft->arena, shape->elements, sizeof *e->corners);
 	e->position = lod_arena_own(draft->arena, 3 * (size_t)shape->corners, sizeof *e->position);
+	if (shape->fine)
+		e->exact = lod_arena_own(draft->arena, 3 * (size_t)shape->corners, sizeof *e->exact);
 	if (shape->attributes & ECO_ATTR_UV)
 		e->uv = lod_arena_own(draft->arena, 2 * (size_t)shape->corners, sizeof *e->uv);
 	if (e->extra_count)
@@ -93,6 +95,17 @@ static uint32_t finish_in_chunks(struct lod_draft *draft, struct lod_list_draft 
 
 /* ---- Leaves ---- */
 
+/* A corner on the grid, and where it was before: shapes that repeat are placed more finely than corners are rounded. */
+static void put_fine(const struct lod_mesh *mesh, struct eco_elements *e, uint32_t vertex, const int32_t *uv)
+{
+	int32_t *exact = e->exact + 3 * (size_t)e->corner_count;
+	for (uint32_t a = 0; a < 3; a++) {
+		double v = ldexp((mesh->place[3 * (size_t)vertex + a] - mesh->origin[a]) / mesh->step, ECO_EXACT_SHIFT);
+		exact[a] = (int32_t)floor(v + 0.5);
+	}
+	put_corner(e, mesh->grid + 3 * (size_t)vertex, uv);
+}
+
 uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
 	uint32_t image)
 {
@@ -102,12 +115,12 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 	for (uint32_t i = 0; i < count; i++)
 		corners += items[i]->corners;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
-		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count, corners, image });
+		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count, corners, image, true });
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, items[i]->corners);
 		lod_element_uv(items[i], draft->mesh, uv);
 		for (uint32_t k = 0; k < items[i]->corners; k++)
-			put_corner(&list->elements, draft->mesh->grid + 3 * (size_t)items[i]->vertex[k], uv + 2 * k);
+			put_fine(draft->mesh, &list->elements, items[i]->vertex[k], uv + 2 * k);
 		if (image == ECO_NONE) {
 			uint8_t rgb[3];
 			lod_organs_mean(draft->organs, items[i]->triangle, items[i]->corners - 2u, rgb);
@@ -124,7 +137,7 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 static struct lod_list_draft *add_form(struct lod_draft *draft, uint32_t partner, uint8_t kind, uint8_t attributes, uint32_t corners)
 {
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
-	struct lod_list_draft *list = add_list(draft, &(struct shape){ kind, ECO_CODER_FORM, attributes, count, corners * count, ECO_NONE });
+	struct lod_list_draft *list = add_list(draft, &(struct shape){ kind, ECO_CODER_FORM, attributes, count, corners * count, ECO_NONE, false });
 	list->list.partner = partner;
 	return list;
 }
@@ -213,7 +226,7 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 	if (kept == 0)
 		return ECO_NONE;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH,
-		kept, 2 * kept, ECO_NONE });
+		kept, 2 * kept, ECO_NONE, false });
 	for (uint32_t i = 0; i < count; i++)
 		if (has_length(draft->mesh, &lines[i]))
 			put_line(draft, list, &lines[i], &owed);
@@ -300,7 +313,7 @@ uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels
 	for (uint32_t l = 0; l < levels->count; l++)
 		total += levels->triangle_count[l];
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_MESH,
-		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, total, 3 * total, image });
+		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, total, 3 * total, image, false });
 	uint32_t *ends = lod_arena_take(draft->arena, total / WOOD_CHUNK + LOD_LEVELS_SIMPLE + 2, sizeof *ends);
 	for (uint32_t l = 0; l < levels->count; l++) {
 		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {

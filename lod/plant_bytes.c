@@ -19,6 +19,13 @@ static void write_deltas(struct eco_writer *w, const int32_t *values, uint64_t r
 		eco_write_zigzag(w, (int64_t)values[i] - (i < stride ? 0 : values[i - stride]));
 }
 
+/* Exact positions are near those on the grid. */
+static void write_exact(struct eco_writer *w, const struct eco_elements *e)
+{
+	for (uint64_t i = 0; i < 3ull * e->corner_count; i++)
+		eco_write_zigzag(w, (int64_t)e->exact[i] - (int64_t)e->position[i] * (1 << ECO_EXACT_SHIFT));
+}
+
 static void write_list(struct eco_writer *w, const struct lod_list_draft *draft)
 {
 	const struct eco_elements *e = &draft->elements;
@@ -26,11 +33,13 @@ static void write_list(struct eco_writer *w, const struct lod_list_draft *draft)
 	eco_list_write(w, &draft->list);
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		eco_write_u32(w, counts[i]);
-	eco_write_u8(w, e->uv != NULL);
+	eco_write_u8(w, (uint8_t)((e->uv != NULL) | (e->exact != NULL) << 1));
 	for (uint32_t i = 0; i < draft->end_count; i++)
 		eco_write_varint(w, draft->ends[i] - (i ? draft->ends[i - 1] : 0));
 	eco_write_bytes(w, e->corners, e->element_count);
 	write_deltas(w, e->position, e->corner_count, 3);
+	if (e->exact)
+		write_exact(w, e);
 	if (e->uv)
 		write_deltas(w, e->uv, e->corner_count, 2);
 	write_deltas(w, e->extra, e->element_count, e->extra_count);
@@ -92,6 +101,18 @@ static bool read_deltas(struct eco_reader *r, int32_t *values, uint64_t rows, ui
 	return true;
 }
 
+static bool read_exact(struct eco_reader *r, struct eco_elements *e)
+{
+	e->exact = room(r, 3ull * e->corner_count, 1, sizeof *e->exact);
+	for (uint64_t i = 0; e->exact && i < 3ull * e->corner_count; i++) {
+		int64_t value = eco_read_zigzag(r), most = 1 << ECO_EXACT_SHIFT;
+		if (r->failed || value < -most || value > most || e->position[i] > ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT || e->position[i] < -(ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT))
+			return false;
+		e->exact[i] = e->position[i] * (1 << ECO_EXACT_SHIFT) + (int32_t)value;
+	}
+	return e->exact != NULL;
+}
+
 static enum eco_code read_ends(struct lod_list_draft *draft, struct eco_reader *r, struct eco_error *error)
 {
 	uint64_t last = 0;
@@ -128,13 +149,15 @@ static enum eco_code read_corners(struct lod_list_draft *draft, struct eco_reade
 	return ECO_OK;
 }
 
-static enum eco_code read_values(struct lod_list_draft *draft, bool has_uv, struct eco_reader *r, struct eco_error *error)
+static enum eco_code read_values(struct lod_list_draft *draft, bool has_uv, bool has_exact, struct eco_reader *r, struct eco_error *error)
 {
 	struct eco_elements *e = &draft->elements;
 	uint64_t extras = (uint64_t)e->element_count * e->extra_count;
 	e->position = room(r, 3ull * e->corner_count, 1, sizeof *e->position);
 	if (!e->position || !read_deltas(r, e->position, e->corner_count, 3))
 		return BAD("positions are not there or too large");
+	if (has_exact && !read_exact(r, e))
+		return BAD("exact positions are not there or not near");
 	e->uv = has_uv ? room(r, 2ull * e->corner_count, 1, sizeof *e->uv) : NULL;
 	if (has_uv && (!e->uv || !read_deltas(r, e->uv, e->corner_count, 2)))
 		return BAD("texture coordinates are not there or too large");
@@ -164,8 +187,8 @@ static enum eco_code read_list(struct lod_plant *plant, struct lod_list_draft *d
 	uint32_t *const counts[] = { &draft->end_count, &e->element_count, &e->corner_count, &e->primitive_count, &e->extra_count };
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		*counts[i] = eco_read_u32(r);
-	uint8_t has_uv = eco_read_u8(r);
-	if (r->failed || has_uv > 1 || e->extra_count != eco_list_extra_count(&draft->list)
+	uint8_t has = eco_read_u8(r), has_uv = has & 1, has_exact = has >> 1;
+	if (r->failed || has_exact > 1 || (has_exact && draft->list.kind != ECO_LIST_TRIANGLES) || e->extra_count != eco_list_extra_count(&draft->list)
 	    || has_uv != ((draft->list.attributes & ECO_ATTR_UV) != 0))
 		return BAD("attributes do not fit the list");
 	if (draft->list.kind > ECO_LIST_POINTS || (draft->list.attributes & ECO_ATTR_PLANT) || eco_list_check_coding(&draft->list, error) != ECO_OK)
@@ -176,7 +199,7 @@ static enum eco_code read_list(struct lod_plant *plant, struct lod_list_draft *d
 	if (!code)
 		code = read_corners(draft, r, error);
 	if (!code)
-		code = read_values(draft, has_uv, r, error);
+		code = read_values(draft, has_uv, has_exact, r, error);
 	return code ? code : check_colors(plant, draft, error);
 }
 

@@ -346,7 +346,7 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 	static uint8_t corners[SIDE * SIDE];
 	static int32_t position[3 * SIDE * SIDE];
 	const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .columns = SIDE };
-	struct eco_elements in = { SIDE * SIDE, SIDE * SIDE, SIDE * SIDE, 0, corners, position, NULL, NULL }, out;
+	struct eco_elements in = { SIDE * SIDE, SIDE * SIDE, SIDE * SIDE, 0, corners, position, NULL, NULL, NULL }, out;
 	const struct eco_chunk_input input = { &list, &in, 10, SIDE * SIDE, 1 };
 	uint32_t count = input.end - input.first;
 	struct eco_chunk chunk;
@@ -439,7 +439,7 @@ static void no_wood_triangle_is_lost(void **state)
 		const struct eco_list list = list_of(&k);
 		uint8_t threes[4] = { 3, 3, 3, 3 };
 		int32_t position[36], color[4] = { 5, 6, 7, 8 };
-		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color }, out;
+		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
 		const struct eco_chunk_input input = { &list, &in, 0, 4, 0 };
 		struct eco_error error = { 0 };
 		struct eco_chunk chunk;
@@ -689,7 +689,7 @@ static void a_small_chunk_is_the_golden_one(void **state)
 	int32_t position[33] = { 0, 0, 0, 9, 0, 0, 9, 9, 1, 0, 9, 1, 100, 50, -3, 110, 50, -3, 105, 60, 0, 5, 5, 5, 5, 14, 5, 5, 14, 15,
 		5, 5, 14 };
 	int32_t color[3] = { 2, 0, 1 };
-	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color }, out;
+	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color, NULL }, out;
 	const struct eco_chunk_input input = { &list, &in, 0, 3, 0 };
 	const struct kind k = { "golden", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 3, 4, 3, 0, 0, SCATTERED };
 	struct eco_chunk chunk;

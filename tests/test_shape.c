@@ -1,0 +1,270 @@
+/* Shapes that repeat: found whatever their turn and size, placed no further off than rounding would put them, and refused when damaged. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/chunk.h"
+#include "ecofiles/chunk_payload.h"
+#include "ecofiles/shape.h"
+
+#define LEAVES 400u
+
+static uint32_t state = 1;
+
+static double uniform(void)
+{
+	state = state * 1664525u + 1013904223u;
+	return (state >> 8) / 16777216.0;
+}
+
+static const double quad[4][3] = { { 0, 0, 0 }, { 1, .4, .1 }, { 2.2, 0, 0 }, { 1, -.4, .1 } };
+static const double kite[3][3] = { { 0, 0, 0 }, { 1, 1, 0 }, { 1.5, -.5, 0 } };
+
+struct crown {
+	struct eco_list list;
+	struct eco_elements elements;
+	uint8_t corners[LEAVES];
+	int32_t position[12 * LEAVES], exact[12 * LEAVES], uv[8 * LEAVES], extra[LEAVES];
+};
+
+/* A random rotation: a quaternion of four normal numbers, which uniform ones of a ball stand for. */
+static void random_turn(double m[3][3])
+{
+	double q[4], length;
+	do {
+		length = 0;
+		for (int i = 0; i < 4; i++) {
+			q[i] = 2 * uniform() - 1;
+			length += q[i] * q[i];
+		}
+	} while (length > 1 || length < 0.01);
+	double s = 2 / length, w = q[0], x = q[1], y = q[2], z = q[3];
+	const double rows[3][3] = { { 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y) },
+		{ s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x) },
+		{ s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y) } };
+	memcpy(m, rows, sizeof rows);
+}
+
+/* Leaves of two shapes; of `every` leaves one is bent at random and like no other. `steps`: the size of a leaf on the coarse grid. */
+static void make_crown(struct crown *c, double steps, uint32_t every)
+{
+	state = 7;
+	*c = (struct crown){ .list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_UV | ECO_ATTR_GROWTH } };
+	struct eco_elements *e = &c->elements;
+	*e = (struct eco_elements){ .extra_count = 1, .corners = c->corners, .position = c->position, .uv = c->uv, .extra = c->extra,
+		.exact = c->exact };
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		uint32_t corners = i % 3 ? 4 : 3;
+		double m[3][3], size = steps * (0.5 + uniform()) * (1 << ECO_EXACT_SHIFT), at[3];
+		random_turn(m);
+		for (int k = 0; k < 3; k++)
+			at[k] = uniform() * 32768;
+		for (uint32_t k = 0; k < corners; k++)
+			for (int row = 0; row < 3; row++) {
+				double v = at[row];
+				for (int j = 0; j < 3; j++)
+					v += size * m[row][j] * ((corners == 4 ? quad[k][j] : kite[k][j]) + (every && i % every == 0 ? uniform() : 0));
+				e->exact[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v + 0.5);
+				e->position[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v / 8 + 0.5);
+			}
+		for (uint32_t k = 0; k < corners; k++) {
+			e->uv[2 * (e->corner_count + k)] = (int32_t)k * 100;
+			e->uv[2 * (e->corner_count + k) + 1] = 4096 - (int32_t)k * 100;
+		}
+		e->extra[i] = (int32_t)(i % ECO_GROWTHS);
+		e->corners[e->element_count++] = (uint8_t)corners;
+		e->corner_count += corners;
+		e->primitive_count += corners - 2;
+	}
+}
+
+static void encode(const struct crown *c, uint8_t **bytes, size_t *size, uint32_t *order)
+{
+	const struct eco_chunk_input input = { &c->list, &c->elements, 0, LEAVES, 3 };
+	struct eco_error error = { 0 };
+	assert_int_equal(eco_chunk_encode(&input, bytes, size, order, &error), ECO_OK);
+}
+
+static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size, struct eco_elements *out)
+{
+	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = c->elements.primitive_count, .element_count = LEAVES };
+	struct eco_error error = { 0 };
+	return eco_chunk_decode(&c->list, &chunk, 3, bytes, size, out, &error);
+}
+
+/* Everything but positions comes back as it was; no corner is further from where it was than half a step along each axis. */
+static void compare(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
+{
+	size_t from[LEAVES + 1] = { 0 }, corner = 0;
+	for (uint32_t i = 0; i < LEAVES; i++)
+		from[i + 1] = from[i] + c->corners[i];
+	assert_int_equal(out->corner_count, c->elements.corner_count);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		uint32_t of = order[i], corners = c->corners[of];
+		assert_int_equal(out->corners[i], corners);
+		assert_int_equal(out->extra[i], c->extra[of]);
+		assert_memory_equal(out->uv + 2 * corner, c->uv + 2 * from[of], 2 * corners * sizeof *c->uv);
+		for (uint32_t k = 0; k < corners; k++) {
+			double d2 = 0;
+			for (uint32_t a = 0; a < 3; a++)
+				d2 += pow(out->position[3 * (corner + k) + a] - c->exact[3 * (from[of] + k) + a], 2);
+			assert_true(d2 <= 3 * 4.5 * 4.5);    /* half a step, and what `exact` itself was rounded by */
+		}
+		corner += corners;
+	}
+}
+
+static void leaves_of_one_shape_are_placed(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	for (double steps = 20; steps < 2000; steps *= 6)
+		for (uint32_t every = 0; every < 8; every += 3) {
+			uint32_t order[LEAVES];
+			uint8_t *bytes, *soup;
+			size_t size, soup_size;
+			struct eco_elements out;
+			make_crown(&crown, steps, every);
+			encode(&crown, &bytes, &size, order);
+			assert_int_equal(bytes[1], ECO_CODER_SHAPES);
+			assert_int_equal(decode(&crown, bytes, size, &out), ECO_OK);
+			compare(&crown, &out, order);
+			eco_elements_free(&out);
+			crown.elements.exact = NULL;
+			encode(&crown, &soup, &soup_size, NULL);
+			assert_true(size < soup_size);
+			if (every == 0)
+				assert_true(size * 100 <= soup_size * (steps < 100 ? 95 : steps < 500 ? 85 : 78));
+			free(bytes);
+			free(soup);
+		}
+}
+
+static void leaves_that_are_all_different_stay_corners(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	uint32_t order[LEAVES];
+	uint8_t *bytes;
+	size_t size;
+	struct eco_elements out;
+	make_crown(&crown, 60, 1);
+	encode(&crown, &bytes, &size, order);
+	assert_int_equal(bytes[1], ECO_CODER_ELEMENTS);
+	assert_int_equal(decode(&crown, bytes, size, &out), ECO_OK);
+	compare(&crown, &out, order);
+	eco_elements_free(&out);
+	free(bytes);
+}
+
+/* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
+static void forms_belong_to_placed_leaves(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static uint8_t ones[LEAVES];
+	static int32_t middle[3 * LEAVES];
+	uint32_t order[LEAVES];
+	uint8_t *bytes, *form_bytes;
+	size_t size, form_size;
+	struct eco_error error = { 0 };
+	make_crown(&crown, 60, 5);
+	encode(&crown, &bytes, &size, order);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		ones[i] = 1;
+		middle[3 * i] = (int32_t)i;
+	}
+	const struct eco_list points = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM };
+	const struct eco_elements forms = { .element_count = LEAVES, .corner_count = LEAVES, .primitive_count = LEAVES, .corners = ones,
+		.position = middle };
+	const struct eco_chunk_input input = { &crown.list, &crown.elements, 0, LEAVES, 3 };
+	const struct eco_chunk chunk = { .primitive_count = LEAVES, .element_count = LEAVES };
+	assert_int_equal(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &error), ECO_OK);
+	struct eco_chunk of = chunk;
+	struct eco_elements out;
+	of.size_bytes = (uint32_t)form_size;
+	assert_int_equal(eco_chunk_decode(&points, &of, 3, form_bytes, form_size, &out, &error), ECO_OK);
+	for (uint32_t i = 0; i < LEAVES; i++)
+		assert_int_equal(out.position[3 * i], order[i]);
+	eco_elements_free(&out);
+	free(bytes);
+	free(form_bytes);
+}
+
+static void damage_is_refused_or_harmless(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	uint8_t *bytes;
+	size_t size;
+	struct eco_elements out;
+	make_crown(&crown, 40, 9);
+	encode(&crown, &bytes, &size, NULL);
+	for (size_t cut = 0; cut < size; cut += 1 + cut / 64)
+		assert_int_not_equal(decode(&crown, bytes, cut, &out), ECO_OK);
+	for (size_t at = 0; at < size; at += 1 + at / 32)
+		for (int bit = 0; bit < 8; bit += 3) {
+			bytes[at] ^= (uint8_t)(1u << bit);
+			if (decode(&crown, bytes, size, &out) == ECO_OK) {
+				assert_int_equal(out.element_count, LEAVES);
+				eco_elements_free(&out);
+			}
+			bytes[at] ^= (uint8_t)(1u << bit);
+		}
+	free(bytes);
+}
+
+static void placings_out_of_bounds_are_none(void **unused)
+{
+	(void)unused;
+	struct eco_shape triangle = { .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
+	const struct eco_shapes shapes = { &triangle, 1, 2, 2, 10 };
+	static const struct { struct eco_placing placing; bool good; } cases[] = {
+		{ { { 0, 0, 0 }, { 0, 0, 0 }, 0, 100 }, true },
+		{ { { 0, 0, 0 }, { 1 << 10, 1 << 10, 0 }, 0, 100 }, true },
+		{ { { 0, 0, 0 }, { 1 << 10, 1 << 10, 1 }, 0, 100 }, false },
+		{ { { 0, 0, 0 }, { 0, 0, 0 }, 4, 100 }, false },
+		{ { { 0, 0, 0 }, { 0, 0, 0 }, 0, 0 }, false },
+		{ { { 0, 0, 0 }, { 0, 0, 0 }, 0, ECO_SHAPE_SIZE_MAX + 1 }, false },
+		{ { { 0, 0, 0 }, { INT32_MIN, 0, 0 }, 0, 100 }, false },
+		{ { { 0, INT32_MAX, 0 }, { 0, 0, 0 }, 0, 100 }, false },
+		{ { { 0, INT32_MIN, 0 }, { 0, 0, 0 }, 0, 100 }, false },
+		{ { { 0, 0, (1 << 28) - 1 }, { 0, 0, 0 }, 0, 100 }, false },
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		int32_t at[9];
+		assert_int_equal(eco_shape_place(&shapes, &triangle, &cases[i].placing, at), cases[i].good);
+	}
+}
+
+static void a_placing_is_where_it_says(void **unused)
+{
+	(void)unused;
+	struct eco_shape triangle = { .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
+	const struct eco_shapes shapes = { &triangle, 1, 2, 2, 10 };
+	/* a quarter turn about z: (w, x, y, z) = (1, 0, 0, 1) * sqrt(1/2) */
+	const struct eco_placing placing = { { 10, 20, 30 }, { 0, 0, 1 << 10 }, 0, 100 };
+	const int32_t expected[9] = { 40, 480, 120, -306, -120, 120, 386, -120, 120 };
+	int32_t at[9];
+	assert_true(eco_shape_place(&shapes, &triangle, &placing, at));
+	assert_memory_equal(at, expected, sizeof at);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(leaves_of_one_shape_are_placed),
+		cmocka_unit_test(leaves_that_are_all_different_stay_corners),
+		cmocka_unit_test(forms_belong_to_placed_leaves),
+		cmocka_unit_test(damage_is_refused_or_harmless),
+		cmocka_unit_test(placings_out_of_bounds_are_none),
+		cmocka_unit_test(a_placing_is_where_it_says),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
