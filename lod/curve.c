@@ -35,6 +35,7 @@
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
 #define LITTLE 0.003                 /* loss for which a scale gives way to those of its neighbours */
 #define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
+#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further: half of the work */
 #define FORMS_MAX 4
 #define WAYS_MAX 12                  /* reaches tried at a share: from all in full detail (0) to all in the coarsest form */
 
@@ -191,14 +192,20 @@ static enum eco_code refine(struct search *search, int best, struct way *way, st
 	return ECO_OK;
 }
 
-/* The best scale for one reach, from step `start` on; `warm`: that is near the answer. */
-static enum eco_code try_way(const struct organ_curve *curve, double share, struct way *way, double start, bool warm, struct eco_error *error)
+/* The best scale for one reach, from step `start` on; `warm`: that is near the answer, and is enough where the loss there is more than `most`. */
+static enum eco_code try_way(const struct organ_curve *curve, double share, struct way *way, double start, bool warm, double most,
+	struct eco_error *error)
 {
 	struct search search = { .curve = curve, .share = share, .reach = way->reach, .stride = curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - STEP_LOW + 0.5) + STEP_LOW;
 	enum eco_code code = ECO_OK;
+	if (warm && !(code = loss_at(&search, best, &way->loss, error)) && way->loss > most) {
+		way->step = best;
+		way->play = 0;
+		return ECO_OK;
+	}
 	for (int stride = warm ? 2 : 8; stride > 0 && !code; stride /= 2)
 		code = walk(&search, stride, &best, error);
 	return code ? code : refine(&search, best, way, error);
@@ -253,16 +260,18 @@ static enum eco_code try_ways(struct organ_curve *curve, uint32_t at, const stru
 	struct sample *sample = &curve->samples[at];
 	enum eco_code code = ECO_OK;
 	place_ways(curve, at);
-	for (uint32_t i = 0; i < sample->way_count && !code; i++) {
+	double least = 1e30;
+	for (uint32_t i = sample->way_count; i-- > 0 && !code;) {
 		struct way *way = &sample->ways[i];
-		double start = i ? sample->ways[i - 1].step : 0;
-		bool warm = i > 0;
+		bool warm = i + 1 < sample->way_count;
+		double start = warm ? sample->ways[i + 1].step : 0;
 		for (uint32_t k = 0; larger && k < larger->way_count; k++)
 			if (larger->ways[k].rung == way->rung) {
 				start = larger->ways[k].step;
 				warm = true;
 			}
-		code = try_way(curve, sample->share, way, start, warm, error);
+		code = try_way(curve, sample->share, way, start, warm, least + HOPELESS, error);
+		least = !code && way->loss < least ? way->loss : least;
 	}
 	return code;
 }
@@ -468,7 +477,7 @@ static enum eco_code measure_ways(struct organ_curve *curve, struct progress *pr
 			chosen = chosen ? chosen : i + 1;
 		} else if (sample->free) {
 			struct way way = { .reach = sample->share };
-			code = try_way(curve, sample->share, &way, step, chosen > 0, error);
+			code = try_way(curve, sample->share, &way, step, chosen > 0, 1e30, error);
 			chosen = chosen ? chosen : i + 1;
 			sample->step = step = way.step;
 			sample->play = way.play;
