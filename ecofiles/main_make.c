@@ -51,6 +51,12 @@ enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, cons
 	return code ? code : keep_list(m, *list_id);
 }
 
+enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from, uint32_t from_list, uint32_t *list_id)
+{
+	enum eco_code code = eco_pack_add_copied(m->writer, list, from, from_list, list_id, m->error);
+	return code ? code : keep_list(m, *list_id);
+}
+
 uint32_t make_threads(const struct make *m)
 {
 	long processors = sysconf(_SC_NPROCESSORS_ONLN);
@@ -103,6 +109,8 @@ static enum eco_code build(struct make *m)
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
 	if (!code)
 		code = eco_pack_create(&m->writer, m->options->pack, m->error);
+	if (!code)
+		make_kept_open(m);
 	/* what is wrong with inventories and ground is said before the plants, which take longest */
 	if (!code)
 		code = make_places_check(m);
@@ -132,6 +140,8 @@ static enum eco_code build(struct make *m)
 		struct eco_pack_writer *writer = m->writer;
 		m->writer = NULL;        /* committing frees it, whatever happens */
 		code = eco_pack_commit(writer, &m->scene, meta, m->error);
+		if (!code)
+			make_kept_note(m);
 	}
 	free(meta);
 	return code;
@@ -150,6 +160,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	main_cache_close(&m.cache);
 	main_progress_end();
 	eco_pack_abort(m.writer);
+	make_kept_close(&m);
 	make_places_free(&m);
 	make_plants_free(&m);
 	make_ground_free(&m);

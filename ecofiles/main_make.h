@@ -61,6 +61,7 @@ struct make_eco {                /* an eco file with its places, tiled */
 };
 
 struct make_array { void *items; uint64_t count, capacity; };
+struct make_kept;
 
 struct make {
 	const struct make_options *options;
@@ -76,6 +77,7 @@ struct make {
 	uint64_t off_ground;         /* plants and nested eco files beyond its border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
+	struct make_kept *kept;      /* main_make_kept.c; NULL: everything is built */
 	struct make_array stands;    /* main_make_tiles.c: plants of one kind in one leaf, a group and a list each */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
@@ -95,6 +97,20 @@ enum eco_code make_add_list(struct make *m, const struct eco_list *list, const s
 /* The same for a list that was encoded before. */
 enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id);
 
+/* The same for one of another pack. */
+enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from, uint32_t from_list, uint32_t *list_id);
+
+/* What of the pack that is to be replaced can be taken as it is. */
+void make_kept_open(struct make *m);
+uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);  /* instance list of the old pack, or ECO_NONE */
+void make_kept_tiles(struct make *m);                /* once all tables but summaries are there */
+uint32_t make_kept_summary(const struct make *m, uint32_t tile);                     /* list of the old pack, or ECO_NONE */
+const struct eco_list *make_kept_list(const struct make *m, uint32_t old);
+enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id);
+uint64_t make_kept_count(const struct make *m);      /* lists that were taken */
+void make_kept_note(struct make *m);                 /* the new pack may be kept from, next time */
+void make_kept_close(struct make *m);
+
 uint32_t make_threads(const struct make *m);         /* as many as the options ask for, or the machine has processors */
 
 enum eco_code make_ground_read(struct make *m);      /* what is wrong with it is said before plants are built */
@@ -107,6 +123,8 @@ void make_plants_free(struct make *m);
 void make_cache_begin(void);
 /* False where the program cannot be read: then nothing is to be kept. */
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options);
+/* Of a note that this program made a pack. */
+bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack);
 /* The plant that lod_plant_measure left, with that name, if it is in the cache. */
 bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model, const char *name,
 	struct lod_plant *plant);

@@ -123,6 +123,25 @@ static void add_options(XXH3_state_t *hash, const struct lod_plant_options *opti
 	ADD(hash, options->importance);
 }
 
+bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack)
+{
+	XXH3_state_t *hash = XXH3_createState();
+	make_cache_begin();
+	bool ok = hash && program.known;
+	if (ok) {
+		XXH128_canonical_t canonical;
+		XXH3_128bits_reset(hash);
+		ADD(hash, program.hash.low64);
+		ADD(hash, program.hash.high64);
+		add(hash, "pack", 4);
+		ADD(hash, pack->bytes);
+		XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
+		memcpy(key->bytes, canonical.digest, sizeof key->bytes);
+	}
+	XXH3_freeState(hash);
+	return ok;
+}
+
 /* ---- Plants ---- */
 
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options)

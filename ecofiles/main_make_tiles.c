@@ -19,7 +19,7 @@
 struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
 
 /* Their list and its twin in the scene's places. */
-struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; };
+struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept; };
 
 /* A grid as fine as 1/8192 of the smallest plant's height; its origin is one of its points in the scene's own grid of that step, so a
  * plant at [0, 0, 0] stands there exactly. */
@@ -94,7 +94,7 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX : count;
 	if (code || made->twin.failed)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
-	else
+	else if ((made->kept = make_kept_stand(m, made->twin.bytes, made->twin.size)) == ECO_NONE)
 		code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
 	eco_elements_free(&e);
 	return code;
@@ -111,6 +111,8 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
 	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (made->kept != ECO_NONE)
+		return make_kept_take(m, made->kept, &made->list, &group->list);
 	return make_add_encoded(m, &made->list, &made->encoded, &group->list);
 }
 
@@ -266,6 +268,7 @@ enum eco_code make_tiles(struct make *m)
 	make_refer(m);
 	make_add_up(m, m->scene.tile_count);
 	main_times_stage(MAIN_STAGE_SUMMARIES);
+	make_kept_tiles(m);
 	code = m->palette.count ? make_summaries(m) : ECO_OK;
 	make_refer(m);
 	return code;
