@@ -394,6 +394,8 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	bind(0, GL_TEXTURE_BUFFER, records);
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
 	set_scale(s, &list->list, cut->scale);
+	if (list->list.kind == ECO_LIST_POINTS)
+		glUniform1f(s->uniform[VIEW_U_LEVEL], (float)eco_level_share(list->list.level));
 	if (which == VIEW_PROGRAM_SUMMARY)
 		glUniform1ui(s->uniform[VIEW_U_PATH], view_record_path(selection->instances[selection->members[first_member]].path));
 	if (f->job->tint == VIEW_TINT_KIND)

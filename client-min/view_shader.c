@@ -171,13 +171,13 @@ static const char vertex_lines[] =
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
-/* Leaves lie rather flat: of broadleaved trees, Ross's index of 0.25 (Sellers 1985; land surface models), which is 27 % level ones among those of
- * all directions. What is seen of the two is by the area that they show.
+/* u_level: the share of leaves that lie level, among those of all directions (eco_level_share). What is seen of the two is by the area that they
+ * show.
  *
  * The clip-space square is the picture-space square: x and y offsets of one size in pixels need one focal length. */
 static const char vertex_points[] =
 	"uniform float u_sides[" TEXT(ECO_SIZES) "];\n"
-	"const float LEVEL = 0.27;\n"
+	"uniform float u_level;\n"
 	"void main() {\n"
 	"	Plant p = plant_of(texelFetch(u_members, u_first_member + gl_InstanceID).x);\n"
 	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * TEXELS;\n"
@@ -192,7 +192,7 @@ static const char vertex_points[] =
 	"	v_owner = p.owner;\n"
 	"#endif\n"
 	"	vec3 to_eye = -normalize(world_of(view));\n"
-	"	float level = LEVEL * abs(to_eye.z), shows = level / (level + 0.5 * (1.0 - LEVEL)), side = to_eye.z < 0.0 ? -1.0 : 1.0;\n"
+	"	float level = u_level * abs(to_eye.z), shows = level / (level + max(0.5 * (1.0 - u_level), 1e-3)), side = to_eye.z < 0.0 ? -1.0 : 1.0;\n"
 	"	vec2 sunny = mix(round_sun(dot(to_eye, SUN), 0.2122066), max(vec2(side, -side) * SUN.z, 0.0), shows);\n"
 	"	float reach = u_scale * u_sides[t0.w >> 24];\n"
 	"	shade(p, local, reach, view, sunny, mix(0.667 * to_eye.z, side, shows), color_of(t0.w));\n"
@@ -339,7 +339,7 @@ static const struct { const char *name, *defines, *vertex, *fragment; bool bare;
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens", "u_origin", "u_first_member",
 	"u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members", "u_alpha", "u_texture", "u_shade", "u_shade_box",
-	"u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides" };
+	"u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides", "u_level" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name, struct eco_error *error)
 {

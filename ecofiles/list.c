@@ -88,3 +88,15 @@ float eco_size(uint32_t code)
 	uint32_t whole = (code < ECO_SIZES ? code : ECO_SIZES - 1) / 4;
 	return ldexpf(quarter[code % 4], (int)whole - (int)(ECO_SIZE_ONE / 4));
 }
+
+/* Of all directions the mean square is a third, of level ones 1. */
+uint8_t eco_level_code(double mean_square)
+{
+	double share = (3 * mean_square - 1) / 2;
+	return (uint8_t)(1.5 + 254 * (share > 0 ? share < 1 ? share : 1 : 0));
+}
+
+double eco_level_share(uint8_t code)
+{
+	return code ? (code - 1) / 254.0 : ECO_LEVEL_USUAL;
+}

@@ -53,7 +53,7 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: its samples are 2^level apart; else 0 */
+	uint8_t level;               /* ground: its samples are 2^level apart; points: how level the leaves lie that they stand for (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
@@ -111,5 +111,12 @@ float eco_growth(uint32_t code, float scale);
 #define ECO_SIZES 64u
 #define ECO_SIZE_ONE 32u
 float eco_size(uint32_t code);
+
+/* Leaves of a plant, as light falls on them: a share of them level, the others in all directions. From the mean of squares of the heights of their
+ * unit normals, by area; 0 where it is not known. Of broadleaved trees it is 27 % in the mean (Ross's index of 0.25: Sellers 1985; land surface
+ * models), of conifers and flowers far more, of grass nothing. */
+#define ECO_LEVEL_USUAL 0.27
+uint8_t eco_level_code(double mean_square);
+double eco_level_share(uint8_t code);
 
 #endif

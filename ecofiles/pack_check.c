@@ -52,7 +52,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 
 	if (code != ECO_OK)
 		return code;
-	if (list->level != 0 && (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+	if (list->level != 0 && list->kind != ECO_LIST_POINTS && (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
 		return BAD("list: level %u of kind %u", list->level, list->kind);
 	for (int i = 0; i < 3; i++)
 		if (!within(list->grid_origin[i], -METRES_MAX, METRES_MAX) || !within(list->grid_step[i], 1e-12, STEP_MAX))

@@ -179,7 +179,8 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know", id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know", id, list->coder);
-	if ((list->attributes & ~ATTRIBUTES_ALL) || (list->level && list->kind != ECO_LIST_GROUND) || list->level >= ECO_GROUND_LEVELS)
+	if ((list->attributes & ~ATTRIBUTES_ALL) || (list->level && list->kind != ECO_LIST_POINTS && (list->kind != ECO_LIST_GROUND
+			|| list->level >= ECO_GROUND_LEVELS)))
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this program does not know", id,
 			list->attributes, list->level);
 	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))

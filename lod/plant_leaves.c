@@ -77,7 +77,7 @@ static void order_by_survival(struct lod_build *b, enum lod_order_method method)
 static bool rank_goes_on(void *ctx, double share)
 {
 	struct lod_build *b = ctx;
-	return !b->options->progress || b->options->progress(b->options->ctx, 0.4 + 0.1 * share);
+	return !b->options->progress || b->options->progress(b->options->ctx, 0.1 + 0.8 * share);
 }
 
 static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
@@ -302,6 +302,18 @@ static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint
 	return lod_draft_facets(&b->draft, triangles, facets, corners, growth);
 }
 
+static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32_t count)
+{
+	double square = 0, area = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_v3 n = lod_element_normal(&b->elements.items[items[i]], &b->mesh);
+		double length = lod_v3_length(n);
+		square += length > 0 ? n.z * n.z / length : 0;
+		area += length;
+	}
+	return area > 0 ? eco_level_code(square / area) : 0;
+}
+
 /* Lists of items[0..count) under `ladder`. */
 static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items,
 	uint32_t count)
@@ -328,6 +340,8 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	for (uint32_t i = 0; i < count; i++)
 		points[i] = &b->point[items[i]];
 	ladder->points = lod_draft_points(&b->draft, ladder->triangles, points, (float)(group->area / 2 / (group->end - group->first)));
+	if (ladder->points != ECO_NONE)
+		b->draft.plant->lists[ladder->points].list.level = level_of(b, items, count);
 	lod_arena_release(&b->arena, mark);
 }
 

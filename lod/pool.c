@@ -263,6 +263,19 @@ static void sample(const struct patches *patches, double total, struct pooled *o
 	shuffle(out, count);
 }
 
+static uint8_t level_of(const struct lod_plant *plant)
+{
+	double sum = 0, area = 0;
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		uint32_t first, end, list = list_of(plant, l, &first, &end);
+		uint8_t code = list != ECO_NONE ? plant->lists[list].list.level : 0;
+		sum += code ? (double)l->area * code : 0;
+		area += code ? (double)l->area : 0;
+	}
+	return area > 0 ? (uint8_t)(sum / area + 0.5) : 0;
+}
+
 enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
 	struct eco_error *error)
 {
@@ -274,6 +287,7 @@ enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant
 	if (good) {
 		double total = weigh(&patches, plant);
 		pool->count = total > 0 ? count : 1;
+		pool->level = level_of(plant);
 		if (total > 0)
 			sample(&patches, total, points, count);
 		else                     /* nothing to take points from: its middle */

@@ -10,6 +10,7 @@ struct lod_pool {                /* owns its arrays */
 	uint32_t count;              /* >= 1 */
 	float (*position)[3];        /* plant space */
 	uint16_t *color;             /* index into the scene's palette */
+	uint8_t level;               /* of the plant's leaves, as lists of points have it */
 };
 /* `palette_first` is where the plant's palette begins in the scene's. In random order. */
 enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,

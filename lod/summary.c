@@ -43,6 +43,7 @@ struct drawing {
 	struct lod_summary *out;
 	struct visit *stack;         uint32_t depth, capacity;
 	double *reach;               uint32_t reach_capacity;        /* summed areas of the places of a leaf */
+	uint64_t levels, leveled;    /* of points whose plants' leaves are known: sum of codes, and how many */
 };
 
 uint32_t lod_summary_count(const struct eco_tile *tile)
@@ -111,6 +112,12 @@ static uint32_t find_place(const double *reach, uint32_t count, double target)
 	return low;
 }
 
+static void count_level(struct drawing *d, uint8_t code)
+{
+	d->levels += code;
+	d->leveled += code > 0;
+}
+
 /* The first `count` points of a tile's own sequence. */
 static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile, uint32_t places, uint32_t count)
 {
@@ -133,6 +140,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 		point->plant = group->plant;
 		point->key = (uint16_t)(eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
 		point->color = pool->color[pick];
+		count_level(d, pool->level);
 	}
 }
 
@@ -166,6 +174,7 @@ static void take_points(struct drawing *d, const struct visit *visit, const stru
 		point->color = (uint16_t)((uint32_t)extra[0] + list->palette_first);
 		point->plant = (uint32_t)extra[1];
 		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
+		count_level(d, list->level);
 	}
 }
 
@@ -232,6 +241,7 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 		*summary = (struct lod_summary){ 0 };
 		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
 	}
+	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
 	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
 	return ECO_OK;
 }
@@ -262,7 +272,7 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 	uint32_t n = summary->count;
 	assert(n > 0);
 	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
-		.owner = tile, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .palette_count = palette_count,
+		.level = summary->level, .owner = tile, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .palette_count = palette_count,
 		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
 	choose_grid(list, summary);
 	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n, .extra_count = 3,

@@ -20,7 +20,7 @@
 #define LOD_SUMMARY_MOST 4096u
 
 struct lod_summary_point { double at[3]; uint32_t plant; uint16_t key, color; };       /* in the tile's coordinates; key: see ecofiles/plan.h */
-struct lod_summary { struct lod_summary_point *points; uint32_t count; };
+struct lod_summary { struct lod_summary_point *points; uint32_t count; uint8_t level; };
 
 /* The summary of a nested eco file, decoded. */
 struct lod_summary_root { struct eco_list list; struct eco_elements elements; };

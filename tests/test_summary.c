@@ -77,7 +77,7 @@ static void make_world(struct world *w)
 			w->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
 			w->pool_color[p][i] = (uint16_t)(10 * p + i % 3);
 		}
-		w->pools[p] = (struct lod_pool){ 16, w->pool_at[p], w->pool_color[p] };
+		w->pools[p] = (struct lod_pool){ 16, w->pool_at[p], w->pool_color[p], (uint8_t)(100 + p) };
 	}
 	w->scene.tiles = w->tiles;
 	w->scene.tile_count = TILES;
@@ -222,6 +222,7 @@ static void test_list_holds_the_points(void **state)
 	assert_int_equal(lod_summary_list(&s, &w.scene, 2, 40, &list, &e, NULL), ECO_OK);
 	assert_int_equal(e.element_count, 256);
 	assert_true(fabs((double)list.unit_area * 256 - w.tiles[2].area / 2) < 1e-3);
+	assert_true(list.level >= 100 && list.level < 110);      /* between those of its plants */
 	for (uint32_t i = 0; i < s.count; i++) {
 		for (int a = 0; a < 3; a++) {
 			double at = list.grid_origin[a] + list.grid_step[a] * e.position[3 * i + (uint32_t)a];
