@@ -109,10 +109,19 @@ static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? *error = (struct eco_error){ 0 }, ECO_OK : ECO_BAD_INPUT;
 }
 
+static enum eco_code run_crash(struct bench *bench, struct eco_error *error)
+{
+	(void)bench;
+	(void)error;
+	raise(SIGKILL);
+	return ECO_OK;
+}
+
 static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny }, keys = { .name = "keys", .title = "Keys", .run = run_keys },
 	failing = { .name = "failing", .title = "Fails", .run = run_failing }, plots = { .name = "plots", .title = "Plots", .run = run_plots }, commands = { .name = "commands", .title = "Commands", .run = run_commands },
+	crash = { .name = "crash", .title = "Crashes", .run = run_crash }, last = { .name = "last", .title = "Alone", .run = run_keys, .alone = true },
 	slow = { .name = "slow", .title = "Slow", .run = run_slow };
-static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, NULL };
+static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, &crash, &last, NULL };
 
 /* ---- Running ---- */
 
@@ -177,7 +186,8 @@ static void test_command_line_is_checked(void **state)
 		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" }, { "--nonsense", NULL, 2, "" }, { "--only", "none", 2, "no section is called none" },
 		{ "--only", "tiny,non", 2, "no section is called non" }, { "--only", "tin", 2, "no section is called tin" },
 		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
-		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" } };
+		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" },
+		{ "--jobs", "0", 2, "1 to 16" }, { "--jobs", "17", 2, "1 to 16" } };
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int status = RUN(cases[i].argument, cases[i].value);
@@ -259,6 +269,17 @@ static void test_a_failure_does_not_end_the_run(void **state)
 	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK) | access(ROOT "/out/picture.png", R_OK), 0);
 }
 
+static void test_sections_in_processes_of_their_own_outlive_each_other(void **state)
+{
+	(void)state;
+	assert_int_equal(RUN("--jobs", "3", "--only", "tiny,keys,failing,crash,last"), 1);
+	assert_true(says("out/report.html", "ended by signal 9"));
+	assert_true(says("out/report.html", "this section fails"));
+	assert_true(says("out/summary.json", "\"tiny_sum\": 30"));
+	assert_int_equal(RUN("--jobs", "2", "--only", "tiny,last"), 0);
+	assert_int_equal(lines_of("work.log"), UNITS);
+}
+
 static void test_interruption_ends_commands_too(void **state)
 {
 	(void)state;
@@ -297,6 +318,7 @@ int main(void)
 		cmocka_unit_test_setup(test_damaged_units_are_done_anew, set_up),
 		cmocka_unit_test_setup(test_units_of_another_program_are_done_anew_unless_trusted, set_up),
 		cmocka_unit_test_setup(test_a_failure_does_not_end_the_run, set_up),
+		cmocka_unit_test_setup(test_sections_in_processes_of_their_own_outlive_each_other, set_up),
 		cmocka_unit_test_setup(test_interruption_ends_commands_too, set_up),
 		cmocka_unit_test_setup(test_bars_in_words_are_compared, set_up),
 	};

@@ -240,16 +240,22 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 
 void bench_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
 
+/* As vasprintf, but there is always a text. The caller frees it. */
+static char *text_of(const char *format, va_list args)
+{
+	char *text = NULL;
+	if (vasprintf(&text, format, args) < 0 || !text)
+		abort();
+	return text;
+}
+
 void bench_say(struct bench *bench, const char *format, ...)
 {
 	va_list args;
-	char *text = NULL;
 	va_start(args, format);
-	if (vasprintf(&text, format, args) < 0)
-		text = NULL;
+	char *text = text_of(format, args);
 	va_end(args);
-	if (text)
-		bench_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
+	bench_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
 	free(text);
 }
 
@@ -280,13 +286,10 @@ struct bench_table *bench_table_open(struct bench *bench, const char *name, cons
 void bench_table_row(struct bench_table *table, const char *format, ...)
 {
 	va_list args;
-	char *text = NULL;
 	va_start(args, format);
-	if (vasprintf(&text, format, args) < 0)
-		text = NULL;
+	char *text = text_of(format, args);
 	va_end(args);
-	if (text)
-		json_array_append_new(table->rows, json_string(text));
+	json_array_append_new(table->rows, json_string(text));
 	free(text);
 }
 
@@ -322,13 +325,9 @@ void bench_picture(struct bench *bench, const char *file, const char *caption)
 enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
 {
 	va_list args;
-	char *command = NULL;
 	va_start(args, format);
-	if (vasprintf(&command, format, args) < 0)
-		command = NULL;
+	char *command = text_of(format, args);
 	va_end(args);
-	if (!command)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory");
 	erase_bar();
 	/* not system(), which would swallow Ctrl-C; a group of its own, so that what the shell started ends with it */
 	pid_t child = fork();
