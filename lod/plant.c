@@ -319,7 +319,7 @@ static void build_ladders(struct lod_build *b)
 				lod_wood_ladders(b, &b->groups[g], cells);
 			else
 				lod_leaves_ladders(b, &b->groups[g], cells);
-			advance(b, 0.5 + 0.25 * (cells + (g + 1.0) / b->group_count));
+			advance(b, 0.92 + 0.04 * (cells + (g + 1.0) / b->group_count));
 		}
 	b->plant->plant.ladder_count = b->plant->ladder_count;
 }
@@ -331,14 +331,14 @@ static void build(struct lod_build *b)
 	enter(b, LOD_STAGE_ELEMENTS);
 	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : LOD_GRID_BITS_MIN, arena);
 	lod_elements_turn_diagonals(&b->mesh, arena);
-	advance(b, 0.2);
+	advance(b, 0.04);
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
 	lod_elements_make(&b->elements, &b->mesh, &b->organs, arena);
-	advance(b, 0.25);
+	advance(b, 0.06);
 	enter(b, LOD_STAGE_ORDERS);
 	lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
 	lod_bones_sort(&b->bones, b->options->seed, arena);
-	advance(b, 0.4);
+	advance(b, 0.1);
 	count_everything(b);
 	lod_leaves_measure(b);
 	if ((b->code = lod_leaves_order(b, b->error)) != ECO_OK)
@@ -348,7 +348,7 @@ static void build(struct lod_build *b)
 	find_cells(b);
 	lod_leaves_represent(b);
 	make_palette(b);
-	advance(b, 0.5);
+	advance(b, 0.92);
 	build_ladders(b);
 	bound_anchors(b);
 	advance(b, 1);
