@@ -41,12 +41,20 @@ static double share_alone(const struct lod_way *way, uint64_t vertices)
 	return fmin(share, (double)c[i - 1].share + part * ((double)c[i].share - (double)c[i - 1].share));
 }
 
+/* The same list beside cells: once all of it is in full detail it is that for all that cells may add, but not without error before they do. */
+static double share_beside(const struct lod_way *way, uint64_t vertices)
+{
+	return lod_way_share(way, vertices < way->full ? vertices : lod_way_floor(way, way->full - 1));
+}
+
 struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
-	bool alone = ladder->anchor == scene->plants[ladder->plant].anchor_first && vertices == lod_way_stage_end(way);
-	double share = alone ? share_alone(way, vertices) : lod_way_share(way, vertices);
+	const struct eco_plant *plant = &scene->plants[ladder->plant];
+	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first && !(ladder->flags & ECO_LADDER_FAR);
+	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
+	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices) : lod_way_share(way, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
 		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);

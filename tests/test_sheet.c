@@ -150,7 +150,8 @@ static void test_budgets_are_kept_and_more_is_better(void **state)
 }
 
 /* Budgets that grow by a tenth, of a tree that is large enough to be cut into cells. One view's Q also trembles: by 0.016 below 1,000
- * vertices, by 0.018 above 2,000; where cells took over too early it fell by 0.13. */
+ * vertices, by 0.013 above 2,000; where cells took over too early it fell by 0.13, where the whole plant's list went into full detail before
+ * them by 0.027. */
 static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 {
 	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20, .seed = 1 };
@@ -175,7 +176,8 @@ static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 		best = fmax(best, q);
 		fall = fmax(fall, best - q);
 	}
-	if (fall > 0.025)
+	print_message("          Q falls by %g at most\n", fall);
+	if (fall > 0.015)
 		fail_msg("Q falls by %g", fall);
 	assert_true(best > 0.9);
 	free(rgb);
