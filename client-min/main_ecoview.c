@@ -353,6 +353,7 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	v->report.complete = code == ECO_OK;
 	view_progress_clear(&v->progress);
 	v->report.scene = view_store_scene_name(v->store);
+	v->report.programs = v->gl ? view_gl_programs(v->gl) : 0;
 	enum eco_code written = view_report_write(&v->report, o->dir, error);
 	if (code == ECO_INTERRUPTED)
 		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n", v->report.count,

@@ -128,6 +128,14 @@ void view_gl_close(struct view_gl *gl)
 	free(gl);
 }
 
+uint32_t view_gl_programs(const struct view_gl *gl)
+{
+	uint32_t programs = 0;
+	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
+		programs |= gl->shaders[i].program ? 1u << i : 0;
+	return programs;
+}
+
 const char *view_gl_renderer(const struct view_gl *gl)
 {
 	return gl->egl.renderer;

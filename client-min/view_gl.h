@@ -21,6 +21,7 @@ enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *op
 void view_gl_close(struct view_gl *gl);                          /* NULL is fine */
 const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
+uint32_t view_gl_programs(const struct view_gl *gl);             /* bit i: enum view_program i was needed, and compiled */
 
 /* By representation; or in their own colours, every leaf lit as if it were alone. */
 enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };

@@ -1,4 +1,5 @@
 #include "client-min/view_report.h"
+#include "client-min/view_shader.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -150,6 +151,11 @@ static json_t *report_json(const struct view_report *report)
 	json_object_set_new(o, "width", json_integer(report->width));
 	json_object_set_new(o, "height", json_integer(report->height));
 	json_object_set_new(o, "complete", json_boolean(report->complete));
+	json_t *programs = json_array();
+	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
+		if (report->programs >> i & 1)
+			json_array_append_new(programs, json_string(view_program_names[i]));
+	json_object_set_new(o, "shaders", programs);
 	json_object_set_new(o, "frames", frames);
 	json_object_set_new(o, "summary", summary_json(report));
 	return o;

@@ -20,6 +20,7 @@ struct view_report {                             /* owns `frames` */
 	struct view_frame *frames;
 	uint32_t count, room;
 	const char *scene, *renderer, *reference;    /* reference: "cpu", "egl" or NULL */
+	uint32_t programs;                           /* of OpenGL, that were compiled: bits of enum view_program */
 	uint32_t width, height;
 	bool complete;                           /* every frame that was asked for is here */
 };

@@ -16,6 +16,8 @@
 
 #include "ecofiles/list.h"
 
+const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points", "summary", "ground", "sky" };
+
 #define TEXT(macro) TEXT_OF(macro)
 #define TEXT_OF(value) #value
 

@@ -15,6 +15,8 @@ enum view_uniform { VIEW_U_RIGHT, VIEW_U_UP, VIEW_U_FORWARD, VIEW_U_LENS, VIEW_U
 
 struct view_shader { unsigned program; int uniform[VIEW_UNIFORM_COUNT]; };       /* program 0: not compiled yet; uniform -1: unused */
 
+extern const char *const view_program_names[VIEW_PROGRAM_COUNT];
+
 struct view_dialect { bool es; bool depth_zero_to_one; };
 
 enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, const struct view_dialect *dialect,

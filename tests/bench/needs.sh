@@ -1,0 +1,126 @@
+#!/bin/sh
+# What each feature of a scene costs, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
+# before, from bare lines to everything. BUILD is the folder of the programs, DIR where to work. Prints a CSV table.
+set -eu
+BUILD=${BUILD:-build}
+DIR=${1:?needs.sh DIR}
+mkdir -p "$DIR"
+export XDG_CACHE_HOME="$PWD/$DIR/xdg"
+
+# ---- Models ----
+
+# trunk.obj: a stem and 24 twigs, three-sided tubes; leaves.awk adds leaves at its twigs: quads of one colour, or with a texture
+cat >"$DIR/plant.awk" <<'AWK'
+function tube(x0, y0, z0, x1, y1, z1, r,   k, a) {
+	for (k = 0; k < 3; k++) { a = k * 2.0944; printf "v %.4f %.4f %.4f\n", x0 + r * cos(a), y0 + r * sin(a), z0 }
+	for (k = 0; k < 3; k++) { a = k * 2.0944; printf "v %.4f %.4f %.4f\n", x1 + r / 2 * cos(a), y1 + r / 2 * sin(a), z1 }
+	for (k = 0; k < 3; k++)
+		printf "f %d %d %d\nf %d %d %d\n", n + 1 + k, n + 1 + (k + 1) % 3, n + 4 + k, n + 1 + (k + 1) % 3, n + 4 + (k + 1) % 3, n + 4 + k
+	n += 6
+}
+function leaf(x, y, z, a, s,   c, d, t) {
+	c = cos(a) * s; d = sin(a) * s; t = textured
+	printf "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\n", x, y, z, x + c - d / 2, y + d + c / 2, z + s / 4,
+		x + 2 * c, y + 2 * d, z, x + c + d / 2, y + d - c / 2, z + s / 4
+	if (t)
+		printf "f %d/1 %d/2 %d/3 %d/4\n", n + 1, n + 2, n + 3, n + 4
+	else
+		printf "f %d %d %d %d\n", n + 1, n + 2, n + 3, n + 4
+	n += 4
+}
+BEGIN {
+	printf "mtllib plant.mtl\n"
+	if (textured)
+		printf "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+	printf "usemtl bark\n"
+	tube(0, 0, 0, 0, 0, 6, 0.15)
+	for (i = 0; i < 24; i++) {
+		a = i * 2.39996; z = 1.5 + i * 0.18; l = 1.8 - i * 0.05
+		tube(0, 0, z, l * cos(a), l * sin(a), z + l * 0.5, 0.04)
+	}
+	if (leaves)
+		printf "usemtl %s\n", material
+	for (i = 0; i < leaves; i++) {
+		k = i % 24; a = k * 2.39996; z = 1.5 + k * 0.18; l = (1.8 - k * 0.05) * (0.3 + 0.7 * (i * 0.618 % 1))
+		leaf(l * cos(a), l * sin(a), z + l * 0.5, i * 2.1, 0.12 + 0.05 * (i * 0.414 % 1))
+	}
+}
+AWK
+awk -v leaves=0 -f "$DIR/plant.awk" >"$DIR/bare.obj"
+awk -v leaves=240 -v material=leaf -f "$DIR/plant.awk" >"$DIR/leafy.obj"
+awk -v leaves=240 -v material=painted -v textured=1 -f "$DIR/plant.awk" >"$DIR/painted.obj"
+awk -v leaves=240 -v material=cut -v textured=1 -f "$DIR/plant.awk" >"$DIR/cut.obj"
+awk -v leaves=2200 -v material=cut -v textured=1 -f "$DIR/plant.awk" >"$DIR/large.obj"
+cat >"$DIR/plant.mtl" <<'MTL'
+newmtl bark
+Kd 0.35 0.28 0.22
+newmtl leaf
+Kd 0.2 0.4 0.1
+newmtl painted
+map_Kd painted.png
+newmtl cut
+map_Kd leaf.png
+map_d leaf.png
+MTL
+# a texture with holes from the example scenes, and a picture without
+"$BUILD/ecopack" generate park -o "$DIR/park" --plants 12 --quiet >/dev/null
+cp "$DIR/park/models/leaf.png" "$DIR/leaf.png"
+"$BUILD/ecopack" map "$DIR/park/scene.json" -o "$DIR/painted.png" --size 200 --quiet >/dev/null
+cp "$DIR/park/dem.tif" "$DIR/dem.tif"
+
+# ---- Scenes ----
+
+# instances PLANT COUNT: in rows 4 m apart
+instances() { awk -v plant="$1" -v count="$2" 'BEGIN { for (i = 0; i < count; i++) printf "%s{\"plant\": \"%s\", \"at\": [%d, %d]}", i ? ", " : "", plant, i % 10 * 4 - 18, int(i / 10) * 4 }'; }
+
+scene() { printf '{"name": "%s", %s"plants": {"plant": {"model": "%s.obj"}}, "instances": [%s]}\n' "$1" "$3" "$2" "$(instances plant 100)" >"$DIR/$1.json"; }
+scene bare bare ''
+scene leaves leafy ''
+scene textures painted ''
+scene cutouts cut ''
+scene ground cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, '
+printf '{"name": "block", "plants": {"plant": {"model": "cut.obj"}}, "instances": [%s]}\n' "$(instances plant 50)" >"$DIR/block.json"
+printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \
+	"$(instances plant 100)" >"$DIR/everything.json"
+cat >"$DIR/camera.json" <<'JSON'
+{"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, -16, 6], "target": [0, 10, 3], "up": [0, 0, 1], "fov_y_deg": 50}]}
+JSON
+
+# ---- Measuring ----
+
+# libraries COMMAND...: names of the libraries that a program and what it starts load, into $DIR/libraries
+libraries() {
+	rm -f "$DIR"/ld.*
+	LD_DEBUG=files LD_DEBUG_OUTPUT="$DIR/ld" "$@" || return 1
+	sed -n 's/.*calling init: .*\/\([^/]*\)$/\1/p' "$DIR"/ld.* | sort -u >"$DIR/libraries"
+	rm -f "$DIR"/ld.*
+}
+
+server=
+stop() { [ -z "$server" ] || { kill "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; }; server=; }
+trap stop EXIT
+
+echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,image module,shaders"
+budget=1000              # of bare lines; then as many as draw everything
+for name in bare leaves textures cutouts ground everything; do
+	libraries "$BUILD/ecopack" make "$DIR/$name.json" -o "$DIR/$name.eco" --order combined --quiet >/dev/null
+	image=$(grep -c '^ecoimage.so$' "$DIR/libraries" || true)
+	sections=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '.needs | join(" ")')
+	lists=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '[.lists | to_entries[] | select(.value.lists > 0) | .key] | join(" ")' 2>/dev/null || echo "?")
+	started=$(date +%s%N)
+	: >"$DIR/ready"
+	"$BUILD/ecoserve" --listen 127.0.0.1:0 "$DIR/$name.eco" >"$DIR/ready" 2>&1 &
+	server=$!
+	until grep -q '127.0.0.1:' "$DIR/ready"; do kill -0 $server && sleep 0.005; done
+	ready=$((($(date +%s%N) - started) / 1000000))
+	url=$(sed -n 's/.*\(127\.0\.0\.1:[0-9]*\).*/http:\/\/\1/p' "$DIR/ready" | head -n 1)
+	libraries "$BUILD/ecoview" "$url/v1/scenes/$name" --camera "$DIR/camera.json" --size 160x120 --vertices "$budget" -o "$DIR/$name" >/dev/null 2>&1
+	viewer=$(grep -c . "$DIR/libraries")
+	stream=$(jq '.frames[0].bytes' "$DIR/$name/report.json")
+	shaders=$(jq -r '.shaders | join(" ")' "$DIR/$name/report.json")
+	resident=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' /proc/$server/status)
+	mapped=$(sed -n 's/.* \(\/.*\.so[^ ]*\)$/\1/p' /proc/$server/maps | sort -u | wc -l)
+	stop
+	budget=20000
+	echo "$name,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,$image,$shaders"
+done
