@@ -22,7 +22,7 @@
 #include "tests/bench/bench_leaves.h"
 
 #define LEAVES_LEAST 1000u
-#define MODELS_QUICK 4u          /* of the data folder's, in the quick bench: those with the fewest leaves */
+#define MODELS_QUICK 6u          /* of the data folder's, in the quick bench: those with the fewest leaves */
 #define PIXELS 256u
 #define CONE_RAD (6 * LOD_PI / 180)
 #define SECTOR_VIEWS 48u         /* that a sector's list is built from */

@@ -181,7 +181,9 @@ static enum eco_code find_all(struct bench *bench, struct list *list, struct eco
 enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count, struct eco_error *error)
 {
 	struct list list = { 0 };
+	int lock = bench_lock(bench);
 	enum eco_code code = find_all(bench, &list, error);
+	bench_unlock(lock);
 	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS);
 	uint32_t kept = 0;
 	if (list.count)

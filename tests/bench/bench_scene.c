@@ -51,8 +51,7 @@ enum bench_quick bench_scene_quick(const char *name)
 
 /* ---- Stamps ---- */
 
-/* One process at a time makes scenes and packs. Closing ends it. */
-static int lock(const struct bench *bench)
+int bench_lock(const struct bench *bench)
 {
 	char path[PATH];
 	snprintf(path, sizeof path, "%s/lock", bench->cache);
@@ -62,7 +61,7 @@ static int lock(const struct bench *bench)
 	return file;
 }
 
-static void unlock(int file)
+void bench_unlock(int file)
 {
 	if (file >= 0)
 		close(file);
@@ -174,9 +173,9 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	if (stamp_fits(bench, scene, stamp))
 		return ECO_OK;
 	enum eco_code code = bench_folder_make(folder, error);
-	int locked = lock(bench);
+	int locked = bench_lock(bench);
 	if (stamp_fits(bench, scene, stamp)) {               /* another process has made it meanwhile */
-		unlock(locked);
+		bench_unlock(locked);
 		return code;
 	}
 	bench_progress(bench, 0, s->name);
@@ -186,7 +185,7 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	else if (!code)
 		code = s->origin == CROWN ? make_crown(bench, folder, error) : make_scbi(bench, folder, error);
 	code = code ? code : stamp_write(scene, stamp, error);
-	unlock(locked);
+	bench_unlock(locked);
 	return code;
 }
 
@@ -224,10 +223,10 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 	char packs[PATH];
 	snprintf(packs, sizeof packs, "%s/packs", bench->cache);
 	code = bench_folder_make(packs, error);
-	int locked = lock(bench);
+	int locked = bench_lock(bench);
 	if (!code && !stamp_fits(bench, path, stamp))
 		code = make_pack(bench, name, order, path, stamp, error);
-	unlock(locked);
+	bench_unlock(locked);
 	return code;
 }
 

@@ -48,6 +48,10 @@ void bench_catch_interrupts(void);
 bool bench_interrupted(void);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* One process at a time makes what lies in the cache for all: scenes, packs, models. -1 where no file can be locked. */
+int bench_lock(const struct bench *bench);
+void bench_unlock(int lock);
+
 /* A whole file, beside and renamed; "" in `bytes` makes an empty one. */
 enum eco_code bench_file_write(const char *path, const char *bytes, size_t size, struct eco_error *error);
 enum eco_code bench_folder_make(const char *path, struct eco_error *error);      /* with those above it */
