@@ -30,6 +30,8 @@ static int64_t root_floor(int64_t v)
 static bool rotation_of(const struct eco_placing *p, uint32_t bits, int64_t m[9])
 {
 	int64_t q[4], one = (int64_t)1 << 2 * bits, rest = 2 * one;
+	if (p->left > 3)
+		return false;
 	for (int i = 0, k = 0; i < 4; i++) {
 		if (i == p->left)
 			continue;
@@ -38,7 +40,7 @@ static bool rotation_of(const struct eco_placing *p, uint32_t bits, int64_t m[9]
 			return false;
 		rest -= q[i] * q[i];
 	}
-	if (rest < 0 || p->left > 3)
+	if (rest < 0)
 		return false;
 	q[p->left] = root_floor(rest);
 	int64_t w = q[0], x = q[1], y = q[2], z = q[3];
