@@ -262,7 +262,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (code)
 		return code;
 	struct tables t = { bench_table_open(bench, "scale_gaps", "plant,lambda,Q at the table's scale,best Q,gap,best scale over the table's", false),
-		bench_table_open(bench, "scale_sizes", "plant,pixels,lambda,P,spread of P,R,spread of R,Q", false), -1, 0, 0, "" };
+		bench_table_open(bench, "scale_sizes", "plant,pixels,lambda,P,spread of P,R,spread of R,Q", true), -1, 0, 0, "" };
 	for (uint32_t k = 0; k < count && found < wanted && !code; k++) {
 		json_t *one = NULL;
 		if (models[k].leaves < ELEMENTS_LEAST)
