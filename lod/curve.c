@@ -35,7 +35,7 @@
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
 #define LITTLE 0.003                 /* loss for which a scale gives way to those of its neighbours */
 #define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
-#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further: half of the work */
+#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further */
 #define FORMS_MAX 4
 #define WAYS_MAX 12                  /* reaches tried at a share: from all in full detail (0) to all in the coarsest form */
 

@@ -32,7 +32,7 @@
 #define PRINTS 64u
 #define ROOM (4 * LOD_FOOTPRINT_PIXELS * (LOD_FOOTPRINT_PIXELS / 64))   /* words */
 #define APPLY_PIECES 8u
-#define RESTS 2
+#define RESTS 2                          /* sweeps that an element stays before it is left alone for one */
 #define STIFF 20.0                       /* how a price answers to a share of triangles too many */
 #define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
 
