@@ -102,7 +102,7 @@ static enum eco_code make_near(struct bench *bench, const struct forest *f, char
 
 static struct eco_request look(const double eye[3], const double target[3])
 {
-	struct eco_request request = { .vertices = VERTICES, .view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 } };
+	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED, .view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 } };
 	memcpy(request.view.eye, eye, sizeof request.view.eye);
 	memcpy(request.view.target, target, sizeof request.view.target);
 	return request;
