@@ -13,7 +13,7 @@
  *
  * CPU seconds with lod_rank_refine, on a busy machine: 1,360 elements 2, 4,361 of four triangles 5, 5,280 cards 6, 110,000 single triangles
  * 16, 500,000 104. With 32 to 64 views, steps by the root of two, every code looked at on its own and no rests the first three took 7, 20
- * and 27; mean savings of one seed went from .601 to .615 (shrub), .576 to .550 (two more seeds .573 and .552), .884 to .884.
+ * and 27; mean savings went from .601 to .615 (shrub), .576 to .550 and .586 to .573 (two seeds), .884 to .884.
  * Tried for speed and left out: first estimates by 16 of the views (a third less work, but over three seeds the shrub's mean saving .45
  * against .50); trials that keep the codes that are known (shrub .578 against .60 to .62, one seed). */
 #include "lod/rank.h"
