@@ -316,7 +316,8 @@ LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct
 /* Which keys and codes are looked at. From `settled` on every choice draws the element: there only codes make a difference. */
 struct look { uint32_t element, low_key, end_key, settled, low_code, high_code; };
 
-static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view, struct prints *prints, double worth[ECO_GROWTHS])
+static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view, struct prints *prints,
+	double worth[ECO_GROWTHS])
 {
 	const struct key *key = &r->keys[k];
 	if (k >= l->settled && key->edges.step[l->low_code] == key->edges.step[l->high_code])
