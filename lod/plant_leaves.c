@@ -373,21 +373,42 @@ static void whole_ladder(struct lod_build *b, const struct lod_group *group)
 	write_lists(b, group, ladder, b->order + group->first, coarse_count(b, group));
 }
 
+/* Which of the group's order are in each cell, in order: items[first[cell] .. first[cell + 1]). One pass, however many cells there are. */
+static uint32_t *sort_by_cell(struct lod_build *b, const struct lod_group *group, uint32_t **first)
+{
+	uint32_t n = group->end - group->first, cells = b->cells.count;
+	uint32_t *cell = lod_arena_take(&b->arena, n, sizeof *cell), *items = lod_arena_take(&b->arena, n, sizeof *items);
+	uint32_t *start = *first = lod_arena_take(&b->arena, (size_t)cells + 2, sizeof *start);
+	memset(start, 0, ((size_t)cells + 2) * sizeof *start);
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t in = lod_build_cell(b, b->center[b->order[group->first + i]]);
+		cell[i] = in < cells ? in : cells;
+		start[cell[i] + 1]++;
+	}
+	for (uint32_t c = 0; c <= cells; c++)
+		start[c + 1] += start[c];
+	for (uint32_t i = 0; i < n; i++)
+		items[start[cell[i]]++] = i;
+	memmove(start + 1, start, ((size_t)cells + 1) * sizeof *start);
+	start[0] = 0;
+	return items;
+}
+
 /* The rest of the order, sharded by cell. */
 static void cell_ladders(struct lod_build *b, const struct lod_group *group)
 {
-	uint32_t coarse = coarse_count(b, group), n = group->end - group->first;
-	uint32_t *own = lod_arena_take(&b->arena, n, sizeof *own);
-	for (uint32_t cell = 0; cell < b->cells.count && coarse < n; cell++) {
+	uint32_t coarse = coarse_count(b, group), n = group->end - group->first, *first;
+	if (coarse >= n)
+		return;
+	uint32_t *own = lod_arena_take(&b->arena, n, sizeof *own), *items = sort_by_cell(b, group, &first);
+	for (uint32_t cell = 0; cell < b->cells.count; cell++) {
 		uint32_t count = 0, before = 0, total = 0;
 		double area = 0, length = 0;
-		for (uint32_t i = 0; i < n; i++) {
-			uint32_t number = b->order[group->first + i];
-			if (lod_build_cell(b, b->center[number]) != cell)
-				continue;
+		for (uint32_t k = first[cell]; k < first[cell + 1]; k++) {
+			uint32_t number = b->order[group->first + items[k]];
 			total++;
 			count_in(b, group, number, &area, &length);
-			if (i < coarse)
+			if (items[k] < coarse)
 				before++;
 			else
 				own[count++] = number;
