@@ -19,10 +19,23 @@ struct totals {
 	struct kind_total kind[KIND_COUNT];
 	uint64_t *plant_bytes;       /* per plant: chunks of its lists */
 	uint64_t leaves, placed;
+	uint64_t shape_chunks, shape_bytes;  /* chunks of triangles in which repeated shapes are placed */
 };
 
-static enum eco_code count_up(const struct eco_scene *s, struct totals *t, struct eco_error *error)
+static void count_shapes(const struct eco_pack *pack, const struct eco_list *list, struct totals *t)
 {
+	for (uint32_t c = list->chunk_first; c < list->chunk_first + list->chunk_count; c++) {
+		const struct eco_chunk *chunk = &pack->scene.chunks[c];
+		if (chunk->size_bytes < 2 || pack->map[chunk->offset + 1] != ECO_CODER_SHAPES)
+			continue;
+		t->shape_chunks++;
+		t->shape_bytes += chunk->size_bytes;
+	}
+}
+
+static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, struct eco_error *error)
+{
+	const struct eco_scene *s = &pack->scene;
 	t->plant_bytes = calloc(s->plant_count + 1u, sizeof *t->plant_bytes);
 	if (!t->plant_bytes)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory");
@@ -30,6 +43,8 @@ static enum eco_code count_up(const struct eco_scene *s, struct totals *t, struc
 		const struct eco_list *list = &s->lists[i];
 		bool summary = list->attributes & ECO_ATTR_PLANT;
 		struct kind_total *kind = &t->kind[summary ? KIND_SUMMARIES : list->kind];
+		if (list->kind == ECO_LIST_TRIANGLES)
+			count_shapes(pack, list, t);
 		kind->lists++;
 		kind->chunks += list->chunk_count;
 		kind->primitives += list->primitive_count;
@@ -142,6 +157,9 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 		if (t->kind[i].lists)
 			json_object_set_new(lists, kind_names[i], json_pack("{s:I, s:I, s:I, s:I}", "lists", (json_int_t)t->kind[i].lists, "chunks",
 				(json_int_t)t->kind[i].chunks, "primitives", (json_int_t)t->kind[i].primitives, "bytes", (json_int_t)t->kind[i].bytes));
+	if (t->shape_chunks)
+		json_object_set_new(json_object_get(lists, kind_names[ECO_LIST_TRIANGLES]), "of_placed_shapes", json_pack("{s:I, s:I}", "chunks",
+			(json_int_t)t->shape_chunks, "bytes", (json_int_t)t->shape_bytes));
 	id_text(&pack->id, id);
 	json_t *info = json_pack("{s:s, s:s, s:I, s:f, s:o, s:I, s:I, s:I, s:I, s:f, s:[f,f,f], s:[f,f,f], s:I, s:o, s:o}", "name", s->name,
 		"id", id, "bytes", (json_int_t)pack->map_size, "near_m", s->near_m, "needs", needs_json(s->needs), "instances",
@@ -242,6 +260,9 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 		if (t->kind[i].lists)
 			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i], t->kind[i].lists, t->kind[i].chunks,
 				t->kind[i].primitives, bytes_text(t->kind[i].bytes, text));
+	if (t->shape_chunks)
+		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are placed, not stored again\n", t->shape_chunks,
+			bytes_text(t->shape_bytes, text));
 	const char *order = json_string_value(json_object_get(meta, "order"));
 	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count, order ? ", leaves in order " : "",
 		order ? order : "");
@@ -265,7 +286,7 @@ enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_er
 	if (code)
 		return code;
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
-	code = count_up(&pack->scene, &totals, error);
+	code = count_up(pack, &totals, error);
 	if (!code && json) {
 		json_t *info = info_json(pack, &totals, meta);
 		if (!info || json_dumpf(info, out, JSON_INDENT(1)) != 0)
