@@ -264,7 +264,7 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_
 			unlinkat(dirfd(folder), d->d_name, 0);
 		if (unfinished)
 			continue;
-		snprintf(entry.name, sizeof entry.name, "%s", d->d_name);
+		snprintf(entry.name, sizeof entry.name, "%.*s", (int)sizeof entry.name - 1, d->d_name);
 		entry.size = (uint64_t)status.st_size;
 		entry.used = status.st_mtim;
 		if (!append(entries, entry_count, &entry))
