@@ -29,8 +29,10 @@
 #include "lod/rank_refine.h"
 #include "lod/sort.h"
 
-#define VIEWS 24u
-#define LARGE 100000u                    /* elements: more are seen from half as many views, to end in time */
+#define VIEWS_LEAST 24u
+#define VIEWS_MOST 64u
+#define SEEN 240000u                     /* elements times views, within these */
+#define LARGE 100000u                    /* elements: more are seen from half as many views as the least, to end in time */
 #define TRIAL_VIEWS 5u                   /* trials look at so many of the views, or one less than twice as many */
 #define SECOND 16                        /* a second layer counts a so manieth of the first */
 #define WEIGHT 4096
@@ -343,10 +345,19 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* Sizes: larger plants are seen from fewer directions, as more of them lies in each. */
+/* Larger plants are seen from fewer directions, as more of them lies in each. A shrub of 4,361 leaves saves .58 in the mean and .44 of all
+ * vertices with 64 views, .56 and .41 with 24 (two seeds each), in 2.5 times the time. */
+static uint32_t views_of(uint32_t count)
+{
+	uint32_t views = SEEN / count;
+	if (count > LARGE)
+		return VIEWS_LEAST / 2;
+	return views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
+}
+
 static struct lod_crown_options crown_options(const struct lod_foliage *foliage, const struct lod_rank_options *options)
 {
-	uint32_t views = foliage->count > LARGE ? VIEWS / 2 : VIEWS;
+	uint32_t views = views_of(foliage->count);
 	return (struct lod_crown_options){ .views = options->views ? options->views : views, .pixels = options->pixels,
 		.directions = options->directions, .seed = options->seed };
 }
