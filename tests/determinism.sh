@@ -19,7 +19,7 @@ variant() { # NAME CC CXX OPT
 	run "$name" "$out/$name/ecopack" "$out/$name/bench/plans"
 }
 
-run() { # NAME ECOPACK PLANS [ORDER]
+run() { # NAME ECOPACK PLANS
 	for order in combined greedy; do
 		[ "$1" != valgrind ] || [ "$order" = combined ] || continue
 		$2 make "$out/scene/scene.json" -o "$out/packs/$1-$order.eco" --order "$order" --no-cache --quiet >/dev/null

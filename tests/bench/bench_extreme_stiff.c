@@ -354,7 +354,7 @@ static void identical(struct extreme *x)
 	uint64_t unused = 0;
 	struct sum sum = { 0 };
 	/* a species a plant: nothing is shared, everything ties */
-	uint32_t species = x->quick ? 1000 : 75000;
+	uint32_t species = x->quick ? 1000 : 105000;
 	if (make_tables(x, &t, one, 1, species, species / 250, 250, 1) && hold_at(x, &t, (const uint64_t[]){ 1000, 77777, 10000000 }, 3, &unused)
 			&& plan_for(x, &t.scene, request_of(&t, 0), 1000000, LOD_RULE_OPTIMAL, &sum))
 		extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species, (unsigned long long)sum.stats.candidates,
