@@ -15,7 +15,7 @@ awk -v n="$views" -v half="$half" -v url="$url" 'BEGIN {
 		h = 1.7 * exp(log(3 * half / 1.7) * rand()); a = 6.28318 * rand(); x = (1.8 * rand() - 0.9) * half; y = (1.8 * rand() - 0.9) * half
 		slope = 0.05 + 1.2 * rand(); d = h > 5 ? h / slope : 50
 		printf "url=\"%s?eye=%.2f,%.2f,%.2f&target=%.2f,%.2f,%.2f&fov_y_deg=50&width=800&height=600&vertices=%d\"\noutput=/dev/null\nwrite-out=\"%%{http_code}\\n\"\n",
-			url, x, y, h, x + d * cos(a), y + d * sin(a), h > 5 ? 0 : 3, 30000 + int(270000 * rand())
+			url, x, y, h, x + d * cos(a), y + d * sin(a), (h > 5 ? 0 : 3), 30000 + int(270000 * rand())
 	}
 }' | curl -s -K - >"$out.codes" || true
 bad=$(grep -vc '^20[04]$' "$out.codes" || true)
