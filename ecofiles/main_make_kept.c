@@ -153,6 +153,7 @@ void make_kept_open(struct make *m)
 	bool ours = eco_pack_open(&m->kept->pack, m->options->pack, &unread) == ECO_OK && make_cache_pack_key(&key, &m->kept->pack->id)
 		&& main_cache_get(&m->cache, &key, &bytes, &size) && size == sizeof note && memcmp(bytes, note, sizeof note) == 0;
 	free(bytes);
+	m->cache.hits = m->cache.misses = 0;         /* what is told of the cache is plants */
 	if (!ours || !index_old(m->kept))
 		make_kept_close(m);
 }

@@ -26,7 +26,7 @@ expect 0 '^ecostream 0\.1$' --version
 expect 0 'ecopack make SCENE.json -o OUT.eco' --help
 expect 0 'ecopack generate NAME -o DIR' --help
 expect 2 'ecopack make' 
-expect 2 'bake.*make, info' bake x
+expect 2 'bake.*make, link, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
 expect 2 'no --seed' make "$DIR/x.json" -o "$DIR/x.eco" --seed 3
@@ -70,7 +70,7 @@ cmp -s "$DIR/tiny.eco" "$DIR/again.eco" || complain "the same scene gave another
 
 # ---- Orders by name, and plants that were built before ----
 same() { cmp -s "$DIR/tiny.eco" "$DIR/$1" || complain "$2: another pack"; }
-[ "$(ls "$XDG_CACHE_HOME/ecostream" | wc -l)" -eq 1 ] || complain "the default cache holds: $(ls "$XDG_CACHE_HOME/ecostream")"
+[ "$(ls "$XDG_CACHE_HOME/ecostream" | wc -l)" -eq 2 ] || complain "the default cache holds, beside the plant and the note of the pack: $(ls "$XDG_CACHE_HOME/ecostream")"
 expect 0 '^1 of 1 plants were built before and came from .*/xdg/ecostream$' make "$DIR/scene.json" -o "$DIR/again.eco" --times
 same again.eco "from the cache"
 "$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --no-cache --times >"$DIR/out" 2>&1 || complain "--no-cache: $(cat "$DIR/out")"
