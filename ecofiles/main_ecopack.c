@@ -96,7 +96,7 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 	struct link_options link = { .parts = inputs };
 	uint64_t jobs = 0;
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &link.pack, 0, 0, 0, NULL }, { "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "link", options, "the packs", inputs, LINK_PARTS_MAX + 1, &link.count, error);
+	enum eco_code code = main_arguments(argc, argv, "link", options, "OUT.eco", inputs, LINK_PARTS_MAX + 1, &link.count, error);
 	if (!code && !link.pack) {       /* the first is what is to be written */
 		link.pack = inputs[0];
 		link.parts++;

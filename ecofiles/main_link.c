@@ -109,8 +109,11 @@ static enum eco_code keep_list(struct link *l, uint32_t id)
 
 enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
-	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], l->m.error);
-	return code ? code : keep_list(l, part->list_of[list]);
+	struct eco_error why = { 0 };
+	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
+	if (code == ECO_DAMAGED)
+		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
+	return code ? eco_fail(l->m.error, code, "%s", why.text) : keep_list(l, part->list_of[list]);
 }
 
 /* ---- Ground: one part's, as it lies ---- */
@@ -269,8 +272,11 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 	struct eco_elements points = { 0 };
 	struct eco_encoded encoded = { 0 };
 	uint32_t ends[64], end = 0;
-	enum eco_code code = old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, l->m.error)
-		: eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u: a summary of %u chunks", part->path, list, old->chunk_count);
+	struct eco_error why = { 0 };
+	enum eco_code code = old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
+		: eco_fail(&why, ECO_DAMAGED, "list %u: a summary of %u chunks", list, old->chunk_count);
+	if (code)
+		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
 	for (uint32_t i = 0; i < old->chunk_count && !code; i++)
 		ends[i] = end += s->chunks[old->chunk_first + i].element_count;
 	for (uint32_t i = 0; i < points.element_count && !code; i++) {

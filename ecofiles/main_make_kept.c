@@ -3,7 +3,8 @@
  * A plant moves: its own tile's list and the summaries on the way up to the root are made anew, and no others.
  *
  * Nothing but the old pack is needed, as it says by itself what it was made of; only that this very program made it is noted in the
- * cache, for another might have made something else of the same. So the result is that of building everything, byte for byte. */
+ * cache, for another might have made something else of the same. So the result is that of building everything, byte for byte, also
+ * where the old pack is damaged. */
 #include "ecofiles/main_make.h"
 
 #include <stdlib.h>
@@ -170,9 +171,23 @@ void make_kept_close(struct make *m)
 	m->kept = NULL;
 }
 
+/* The tables are known to be whole, payloads are not: what is damaged is built again. */
+static uint32_t sound(const struct make_kept *kept, uint32_t list)
+{
+	const uint8_t *bytes;
+	size_t size;
+	if (list == ECO_NONE)
+		return ECO_NONE;
+	const struct eco_list *old = &kept->pack->scene.lists[list];
+	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count; i++)
+		if (eco_pack_payload(kept->pack, i, &bytes, &size, NULL))
+			return ECO_NONE;
+	return list;
+}
+
 uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size)
 {
-	return m->kept ? find(&m->kept->stands, XXH3_128bits(places, size)) : ECO_NONE;
+	return m->kept ? sound(m->kept, find(&m->kept->stands, XXH3_128bits(places, size))) : ECO_NONE;
 }
 
 void make_kept_tiles(struct make *m)
@@ -199,7 +214,7 @@ void make_kept_tiles(struct make *m)
 
 uint32_t make_kept_summary(const struct make *m, uint32_t tile)
 {
-	return m->kept && m->kept->summary_of ? m->kept->summary_of[tile] : ECO_NONE;
+	return m->kept && m->kept->summary_of ? sound(m->kept, m->kept->summary_of[tile]) : ECO_NONE;
 }
 
 enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id)

@@ -5,7 +5,8 @@
 
 #include <stdbool.h>
 
-/* Ctrl-C and SIGTERM ask to stop instead of ending the program, so that nothing half written stays. */
+/* Ctrl-C and SIGTERM ask to stop instead of ending the program, and a file beyond the user's limit of sizes is a failure to write: so
+ * nothing half written stays. */
 void main_catch_interrupts(void);
 
 /* `share` of the stage in [0, 1]; `detail` may be NULL. False when the user wants to stop. */

@@ -279,6 +279,46 @@ static void only_what_depends_on_a_change_is_built(void **state)
 	main_cache_close(&m.cache);
 }
 
+/* Flips bytes of the payloads: what lies behind the tables, in the last quarter of the file. */
+static void damage(const char *name)
+{
+	size_t size;
+	char *bytes = read_all(name, &size);
+	for (size_t i = size - size / 4; i < size; i += 97)
+		bytes[i] = (char)~bytes[i];
+	FILE *file = open_text(name);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+	free(bytes);
+}
+
+static void a_damaged_pack_is_built_anew(void **state)
+{
+	(void)state;
+	write_parts(7);
+	unlink(in_root("full.eco"));
+	make("whole.json", "full.eco", true);
+	make("whole.json", "whole.eco", true);
+	damage("whole.eco");
+	assert_false(same("whole.eco", "full.eco"));
+	make("whole.json", "whole.eco", true);
+	assert_true(same("whole.eco", "full.eco"));
+}
+
+static void a_damaged_part_is_named(void **state)
+{
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(8);
+	make_parts();
+	damage("part1.eco");
+	unlink(in_root("linked.eco"));
+	assert_int_equal(link_parts("linked.eco", &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "part1.eco: chunk "));
+	assert_int_not_equal(access(in_root("linked.eco"), F_OK), 0);
+	unlink(in_root("part1.eco"));
+}
+
 static void empty(const char *path)
 {
 	DIR *folder = opendir(path);
@@ -324,6 +364,8 @@ int main(void)
 		cmocka_unit_test(parts_of_other_frames_are_refused),
 		cmocka_unit_test(edited_packs_equal_full_builds),
 		cmocka_unit_test(only_what_depends_on_a_change_is_built),
+		cmocka_unit_test(a_damaged_pack_is_built_anew),
+		cmocka_unit_test(a_damaged_part_is_named),
 	};
 	return cmocka_run_group_tests(tests, set_up, clean_up);
 }
