@@ -25,8 +25,8 @@
  *                          components packed: z low, u8 width (0..30), value - low in that many bits, filled up to a whole byte
  *               columns    kind (4 * shape + entry left out), centre (3), turn (3), size, extra values: one row for each placed element
  *             (v: varint, z: zigzag varint; what the values mean is in shape.h). Stored order is as of ELEMENTS.
- * A chunk of an ELEMENTS list of triangles may say coder SHAPES. A chunk of a MESH list may say coder ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would
- * lose or alter a triangle, or is larger.
+ * A chunk of an ELEMENTS list of triangles may say coder SHAPES: it does where that is smaller. A chunk of a MESH list may say coder
+ * ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would lose or alter a triangle, or is larger.
  *
  * Decoding is a bomb by nature. Before Draco sees a byte: sizes and counts must match what the caller expects (from the hashed
  * list and chunk records), each Draco header must be the version, method and flags that our encoder writes, and its own counts

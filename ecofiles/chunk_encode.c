@@ -98,7 +98,8 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 		if (!eco_list_allows_corners(input->list, corners))
 			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which kind %u cannot have", input->ordinal,
 				input->first + i, corners, input->list->kind);
-		if (!values_fit(position, 3 * (size_t)corners) || (e->exact != NULL && !exact_fits(e, corner_at, corners)) || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
+		if (!values_fit(position, 3 * (size_t)corners) || (e->exact != NULL && !exact_fits(e, corner_at, corners))
+		    || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
 		    || (e->extra != NULL && !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
 			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; choose a coarser grid",
 				input->ordinal, input->first + i, ECO_ROWS_VALUE_MAX);

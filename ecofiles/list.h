@@ -53,7 +53,8 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: its samples are 2^level apart; points: how level the leaves lie that they stand for (eco_level_share); else 0 */
+	uint8_t level;               /* ground: its samples are 2^level apart; points: how level the leaves lie that they stand for
+	                              * (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */

@@ -23,7 +23,8 @@
 
 static enum eco_code bad_meta(const struct link_part *part, struct eco_error *error)
 {
-	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it again with ecopack make", part->path);
+	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it again with ecopack make",
+		part->path);
 }
 
 static enum eco_code open_part(struct link *l, struct link_part *part)

@@ -220,8 +220,9 @@ struct eco_pack_writer;
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error);
 
 /* Encodes `elements` in chunks that end at element `ends[i]` and appends them; sets chunk_first, chunk_count, primitive_count and
- * element_count of the stored list; its grid is finer by 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the partner's elements as they were given for it,
- * and `elements` holds one form of each in the same order; the ends are the same, too. A partner may have several forms. Chunks with
+ * element_count of the stored list; its grid is finer by 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the
+ * partner's elements as they were given for it, and `elements` holds one form of each in the same order; the ends are the same, too. A
+ * partner may have several forms. Chunks with
  * equal payload are stored once. */
 enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,

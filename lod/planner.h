@@ -30,7 +30,8 @@ struct lod_planner_stats {           /* what planning took; counts, no times */
 struct lod_tables;
 struct lod_planner_input {
 	const struct eco_scene *scene;
-	struct lod_tables *tables;                   /* of this scene (lod/tables.h), kept from plan to plan; NULL: made and thrown away, at a multiple of the time */
+	struct lod_tables *tables;                   /* of this scene (lod/tables.h), kept from plan to plan; NULL: made and thrown away, which
+	                                              * takes a multiple of the time */
 	const struct eco_request *request;
 	const struct eco_holdings *holdings;         /* may be NULL; the optimiser may use them, cuts never depend on history otherwise */
 	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */

@@ -106,7 +106,8 @@ static bool read_exact(struct eco_reader *r, struct eco_elements *e)
 	e->exact = room(r, 3ull * e->corner_count, 1, sizeof *e->exact);
 	for (uint64_t i = 0; e->exact && i < 3ull * e->corner_count; i++) {
 		int64_t value = eco_read_zigzag(r), most = 1 << ECO_EXACT_SHIFT;
-		if (r->failed || value < -most || value > most || e->position[i] > ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT || e->position[i] < -(ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT))
+		if (r->failed || value < -most || value > most || e->position[i] > ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT
+		    || e->position[i] < -(ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT))
 			return false;
 		e->exact[i] = e->position[i] * (1 << ECO_EXACT_SHIFT) + (int32_t)value;
 	}

@@ -34,7 +34,8 @@ struct lod_summary_input {
 };
 /* About four points a plant, within bounds. */
 uint32_t lod_summary_count(const struct eco_tile *tile);
-/* Exactly `count` points in random order, fewer where nested summaries have fewer, or none where the tile's area is 0. Owned by the caller (free points). */
+/* Exactly `count` points in random order, fewer where nested summaries have fewer, or none where the tile's area is 0. Owned by the caller
+ * (free points). */
 enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error);
 
 /* The summary as a list with a grid fine enough for 1/4096 of the tile; counts and chunks are left to the writer. `palette_count`: of the

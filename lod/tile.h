@@ -32,8 +32,8 @@ struct lod_tiles {               /* owns its arrays */
 	uint32_t *order;             /* indices into items */
 };
 
-/* `most` >= 1. Leaves hold at most so many items, each by its weight, but for single items and items at one place. Deterministic; positions must be finite. Without
- * items there is one empty leaf at the origin. */
+/* `most` >= 1. Leaves hold at most so many items, each by its weight, but for single items and items at one place. Deterministic; positions
+ * must be finite. Without items there is one empty leaf at the origin. */
 enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
 	struct eco_error *error);
 void lod_tiles_free(struct lod_tiles *tiles);

@@ -22,14 +22,14 @@ struct lod_tone_input {
  * elements than a pixel can name. */
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena);
 
-/* rgb[0..count) in an order; area: of each, at least 0. Where all have at most LOD_TONE_COLORS colours, the results are among them (which is
- * which is changed by as little as the means ask for), so that a plant's palette stays as it is. */
 /* A view of LOD_TONE_PIXELS squared of a sphere from afar; `from`: a unit vector towards the eye, as lod_directions_spread makes them. */
 #define LOD_TONE_VIEWS 8u
 #define LOD_TONE_PIXELS 160u
 #define LOD_TONE_AWAY 16.0       /* radii */
 void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius);
 
+/* rgb[0..count) in an order; area: of each, at least 0. Where all have at most LOD_TONE_COLORS colours, the results are among them (which is
+ * which is changed by as little as the means ask for), so that a plant's palette stays as it is. */
 #define LOD_TONE_COLORS 32u
 void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count);
 
