@@ -62,6 +62,7 @@ static enum eco_code same_frame(struct link *l, struct link_part *part)
 static enum eco_code open_parts(struct link *l, const struct link_options *options)
 {
 	double origin[3];
+	uint64_t plants = 0;
 	enum eco_code code = ECO_OK;
 	l->parts = calloc(options->count, sizeof *l->parts);
 	if (!l->parts)
@@ -72,7 +73,12 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 		code = open_part(l, &l->parts[i]);
 		if (!code)
 			code = same_frame(l, &l->parts[i]);
-		l->plant_room += code ? 0 : l->parts[i].pack->scene.plant_count;
+		if (code)
+			break;
+		const struct eco_scene *s = &l->parts[i].pack->scene;
+		l->plant_room += s->plant_count;
+		if (__builtin_add_overflow(plants, s->tiles[s->root].instance_count, &plants))
+			code = eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than 2^64 plants", l->parts[i].path);
 	}
 	if (code)
 		return code;

@@ -218,6 +218,8 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 			next.placement = placed_child(&visit->placement, scene, visit->tile, tile->child_first + i);
 		if (child->placed && d->input->roots && d->input->roots[child->tile])
 			take_points(d, &next, d->input->roots[child->tile]);
+		else if (child->placed && !d->input->pools)
+			continue;                /* a nested eco file without a summary */
 		else if (!push(d, &next))
 			return false;
 	}

@@ -27,7 +27,7 @@ struct lod_summary_root { struct eco_list list; struct eco_elements elements; };
 
 struct lod_summary_input {
 	const struct eco_scene *scene;       /* plants, tiles with area, groups, children, places and the groups' lists */
-	const struct lod_pool *pools;        /* per plant */
+	const struct lod_pool *pools;        /* per plant; NULL: all plants are in nested eco files, and those without a root are left out */
 	uint32_t tile, count;                /* points wanted */
 	uint64_t seed;
 	const struct lod_summary_root *const *roots;         /* per tile, NULL for those that are to be gone into; may be NULL itself */

@@ -211,6 +211,32 @@ static void test_parents_merge_children(void **state)
 	free(leaf.points);
 }
 
+/* Of nested eco files their stored summaries are enough; one that has none is left out. */
+static void test_nested_summaries_stand_for_their_files(void **state)
+{
+	static struct world w;
+	struct lod_summary inner, outer;
+	struct lod_summary_root root = { 0 };
+	const struct lod_summary_root *roots[TILES] = { NULL };
+	struct lod_summary_input input = { .scene = &w.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
+	(void)state;
+	make_world(&w);
+	w.tiles[0].child_first = w.tiles[0].child_count = 2;     /* both of tile 3 */
+	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	assert_int_equal(outer.count, 0);
+	free(outer.points);
+	inner = summary_of(&w, 3, 200);
+	assert_int_equal(lod_summary_list(&inner, &w.scene, 3, 20, &root.list, &root.elements, NULL), ECO_OK);
+	roots[3] = &root;
+	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	assert_int_equal(outer.count, 100);
+	for (uint32_t i = 0; i < outer.count; i++)
+		assert_true(fabs(fabs(outer.points[i].at[0]) - 500) < 20);
+	free(outer.points);
+	free(inner.points);
+	eco_elements_free(&root.elements);
+}
+
 static void test_list_holds_the_points(void **state)
 {
 	static struct world w;
@@ -309,6 +335,7 @@ int main(void)
 		cmocka_unit_test(test_points_lie_on_plants),
 		cmocka_unit_test(test_keys_match_owners),
 		cmocka_unit_test(test_parents_merge_children),
+		cmocka_unit_test(test_nested_summaries_stand_for_their_files),
 		cmocka_unit_test(test_list_holds_the_points),
 		cmocka_unit_test(test_counts_are_bounded),
 		cmocka_unit_test(test_pool_follows_what_is_seen),
