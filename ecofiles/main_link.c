@@ -17,6 +17,7 @@
 #include "ecofiles/main_link_part.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/main_version.h"
+#include "ecofiles/wire_string.h"
 #include "lod/summary.h"
 
 /* ---- Parts ---- */
@@ -387,8 +388,8 @@ static enum eco_code whole_meta(const struct link *l, char **json)
 static void name_whole(struct link *l, const char *path)
 {
 	const char *slash = strrchr(path, '/'), *from = slash ? slash + 1 : path;
-	size_t size = strcspn(from, ".");
-	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", (int)(size < 63 ? size : 63), size ? from : "linked");
+	size_t size = eco_utf8_cut(from, strcspn(from, "."), sizeof l->m.scene.name - 1);
+	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", size ? (int)size : 63, size ? from : "linked");
 }
 
 static enum eco_code run(struct link *l, const struct link_options *options)

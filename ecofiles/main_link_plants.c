@@ -9,6 +9,7 @@
 #include "ecofiles/bytes.h"
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack_record.h"
+#include "ecofiles/wire_string.h"
 
 #define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
 
@@ -98,7 +99,7 @@ static void name_plant(struct link *l, struct eco_plant *plant)
 	memcpy(name, plant->name, sizeof name);
 	for (uint32_t i = 0; i < l->m.plant_count; i++)
 		if (strcmp(l->m.table[i].name, name) == 0) {
-			snprintf(plant->name, sizeof plant->name, "%.52s#%u", name, l->m.plant_count);
+			snprintf(plant->name, sizeof plant->name, "%.*s#%u", (int)eco_utf8_cut(name, strlen(name), 52), name, l->m.plant_count);
 			return;
 		}
 }

@@ -8,6 +8,7 @@
 
 #include "ecofiles/mix.h"
 #include "ecofiles/scene_parse.h"
+#include "ecofiles/wire_string.h"
 
 #define INSTANCES_MAX (1u << 24)
 #define HEIGHT_MAX_M 1000.0
@@ -126,9 +127,8 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 			return false;
 		bytes = strlen(name);
 	}
-	if (bytes >= sizeof source->name)
-		bytes = sizeof source->name - 1;
-	memcpy(source->name, name, bytes);
+	bytes = eco_utf8_cut(name, bytes, sizeof source->name - 1);
+	memcpy(source->name, bytes ? name : "scene", bytes ? bytes : strlen("scene"));
 	return true;
 }
 

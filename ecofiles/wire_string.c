@@ -28,14 +28,18 @@ static size_t sequence(const uint8_t *p, size_t left)
 	return length;
 }
 
+size_t eco_utf8_cut(const char *text, size_t size, size_t most)
+{
+	size_t at = 0, length = 1;
+	for (; length && at < size; at += length) {
+		length = sequence((const uint8_t *)text + at, size - at);
+		if (length > most - at)
+			break;
+	}
+	return at;
+}
+
 bool eco_utf8_valid(const uint8_t *text, size_t size)
 {
-	while (size) {
-		size_t length = sequence(text, size);
-		if (length == 0)
-			return false;
-		text += length;
-		size -= length;
-	}
-	return true;
+	return eco_utf8_cut((const char *)text, size, size) == size;
 }
