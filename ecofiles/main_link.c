@@ -147,8 +147,8 @@ static enum eco_code copy_ground(struct link *l)
 		code = link_copy(l, part, s->ground[i].list, &record);
 		m->ground_tiles[i] = s->ground[i];
 		m->ground_tiles[i].list = part->list_of[s->ground[i].list];
-		m->ground.step_x_m = fmax(m->ground.step_x_m, ldexp(record.grid_step[0], 0));
-		m->ground.step_y_m = fmax(m->ground.step_y_m, record.grid_step[1]);
+		m->ground.step_x_m = record.grid_step[0];
+		m->ground.step_y_m = record.grid_step[1];
 	}
 	m->has_ground = true;
 	m->ground.columns = m->scene.ground_columns = s->ground_columns;
@@ -306,6 +306,11 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 	return code ? code : keep_list(l, part->list_of[list]);
 }
 
+static bool is_ours(const struct eco_list *summary)
+{
+	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes == (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
+}
+
 enum eco_code link_summaries(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
@@ -313,6 +318,8 @@ enum eco_code link_summaries(struct link *l, struct link_part *part)
 	for (uint32_t i = 0; i < s->list_count && !code; i++) {
 		if (!(s->lists[i].attributes & ECO_ATTR_PLANT))
 			continue;
+		if (!is_ours(&s->lists[i]))
+			return eco_fail(l->m.error, ECO_UNSUPPORTED, "%s: list %u is a summary that ecopack did not make", part->path, i);
 		struct eco_list record = s->lists[i];
 		record.owner += part->tile_first;
 		record.palette_first = 0;
@@ -346,36 +353,36 @@ static enum eco_code add_summaries(struct link *l)
 
 /* ---- META ---- */
 
-static json_int_t sum_of(const struct link *l, const char *name)
+/* Of a count in all parts' META, in objects one inside the other (NULL: none). */
+static json_int_t sum_of(const struct link *l, const char *outer, const char *inner, const char *name)
 {
-	json_int_t sum = 0;
-	for (uint32_t i = 0; i < l->count; i++)
-		sum += json_integer_value(json_object_get(l->parts[i].meta, name));
-	return sum;
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < l->count; i++) {
+		const json_t *object = l->parts[i].meta;
+		object = outer ? json_object_get(object, outer) : object;
+		object = inner ? json_object_get(object, inner) : object;
+		sum += (uint64_t)json_integer_value(json_object_get(object, name));
+	}
+	return (json_int_t)sum;
 }
 
 static json_t *rows_json(const struct link *l)
 {
 	json_t *skipped = json_object();
-	json_int_t read = 0;
 	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
-		json_int_t count = 0;
-		for (uint32_t i = 0; i < l->count; i++)
-			count += json_integer_value(json_object_get(json_object_get(json_object_get(l->parts[i].meta, "rows"), "skipped"), eco_skip_names[k]));
+		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_names[k]);
 		if (count)
 			json_object_set_new(skipped, eco_skip_names[k], json_integer(count));
 	}
-	for (uint32_t i = 0; i < l->count; i++)
-		read += json_integer_value(json_object_get(json_object_get(l->parts[i].meta, "rows"), "read"));
-	return json_pack("{s:I, s:o}", "read", read, "skipped", skipped);
+	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }
 
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
 	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator", "ecopack " ECO_VERSION, "order", order, "name",
-		l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"), "eco_files", sum_of(l, "eco_files") + 1,
-		"instances", (json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, "off_ground"),
+		l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"), "eco_files", sum_of(l, NULL, NULL, "eco_files") + 1,
+		"instances", (json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);

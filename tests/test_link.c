@@ -319,6 +319,34 @@ static void a_damaged_part_is_named(void **state)
 	unlink(in_root("part1.eco"));
 }
 
+/* A pack may be right by its tables and yet not be one that ecopack made. */
+static void summaries_of_others_are_refused(void **state)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	struct eco_pack_writer *writer;
+	char *meta;
+	(void)state;
+	write_parts(9);
+	make_parts();
+	assert_int_equal(eco_pack_open(&pack, in_root("part1.eco"), NULL), ECO_OK);
+	assert_int_equal(eco_pack_create(&writer, in_root("part1.eco"), NULL), ECO_OK);
+	for (uint32_t i = 0, id; i < pack->scene.list_count; i++) {
+		struct eco_list list = pack->scene.lists[i];
+		if (list.attributes & ECO_ATTR_PLANT)
+			list.coder = ECO_CODER_ROWS;
+		assert_int_equal(eco_pack_add_copied(writer, &list, pack, i, &id, NULL), ECO_OK);
+		assert_int_equal(id, i);
+	}
+	meta = strndup((const char *)pack->meta, pack->meta_size);
+	assert_int_equal(eco_pack_commit(writer, &pack->scene, meta, &error), ECO_OK);
+	assert_int_equal(link_parts("linked.eco", &error), ECO_UNSUPPORTED);
+	assert_non_null(strstr(error.text, "part1.eco: list "));
+	free(meta);
+	eco_pack_close(pack);
+	unlink(in_root("part1.eco"));
+}
+
 static void empty(const char *path)
 {
 	DIR *folder = opendir(path);
@@ -366,6 +394,7 @@ int main(void)
 		cmocka_unit_test(only_what_depends_on_a_change_is_built),
 		cmocka_unit_test(a_damaged_pack_is_built_anew),
 		cmocka_unit_test(a_damaged_part_is_named),
+		cmocka_unit_test(summaries_of_others_are_refused),
 	};
 	return cmocka_run_group_tests(tests, set_up, clean_up);
 }
