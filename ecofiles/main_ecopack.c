@@ -85,7 +85,7 @@ const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [
 	"      --jobs N        threads; as many as there are processors if not given\n"
 	"      --times         where the time went, and the memory, by stage\n"
 	"      --cache DIR     finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given\n"
-	"      --no-cache      every plant is built\n"
+	"      --no-cache      every plant is built, and nothing is taken from a pack that is there\n"
 	"      --cache-mb N    the plants used least recently leave the cache beyond this size; 2048 if not given\n", run_make };
 
 /* ---- link ---- */

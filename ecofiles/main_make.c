@@ -156,7 +156,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	main_cache_open(&m.cache, options->cache, options->cache_bytes ? options->cache_bytes : MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
 	enum eco_code code = build(&m);
 	main_times_stage(MAIN_STAGE_NONE);
-	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses);
+	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses, make_kept_count(&m));
 	main_cache_close(&m.cache);
 	main_progress_end();
 	eco_pack_abort(m.writer);

@@ -32,8 +32,9 @@ enum main_stage main_times_now(void);        /* of the calling thread */
 /* Memory by stage needs the kernel's peak to be reset between stages, after which other tools read too little: only if asked for. */
 void main_times_memory(bool wanted);
 
-/* How many plants were in the cache (a folder; "": there is none) and how many were not: for the line under the table. */
-void main_times_cache(const char *folder, uint64_t hits, uint64_t misses);
+/* How many plants were in the cache (a folder; "": there is none) and how many were not, and how many lists came from the pack that is
+ * replaced: for the lines under the table. */
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses, uint64_t lists);
 
 /* A table: elapsed and processor seconds by stage, and the most memory while it ran. */
 void main_times_print(FILE *out);

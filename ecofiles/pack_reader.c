@@ -245,7 +245,7 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 	struct stat status;
 	enum eco_code code;
 	void *map;
-	int file = open(path, O_RDONLY | O_CLOEXEC);
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 
 	*pack = NULL;
 	if (file < 0)

@@ -29,6 +29,8 @@ expect 2 'ecopack make'
 expect 2 'bake.*make, link, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
+expect 2 'OUT.eco is missing' link
+expect 2 'OUT.eco, then 1 to 4095 packs' link "$DIR/x.eco"
 expect 2 'no --seed' make "$DIR/x.json" -o "$DIR/x.eco" --seed 3
 expect 2 'one argument too many' info a.eco b.eco
 expect 2 'info has no --frobnicate' info --frobnicate a.eco
@@ -72,6 +74,7 @@ cmp -s "$DIR/tiny.eco" "$DIR/again.eco" || complain "the same scene gave another
 same() { cmp -s "$DIR/tiny.eco" "$DIR/$1" || complain "$2: another pack"; }
 [ "$(ls "$XDG_CACHE_HOME/ecostream" | wc -l)" -eq 2 ] || complain "the default cache holds, beside the plant and the note of the pack: $(ls "$XDG_CACHE_HOME/ecostream")"
 expect 0 '^1 of 1 plants were built before and came from .*/xdg/ecostream$' make "$DIR/scene.json" -o "$DIR/again.eco" --times
+expect 0 '^[1-9][0-9]* lists of instances and summaries came from the pack that was there$' make "$DIR/scene.json" -o "$DIR/again.eco" --times
 same again.eco "from the cache"
 "$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --no-cache --times >"$DIR/out" 2>&1 || complain "--no-cache: $(cat "$DIR/out")"
 grep -q 'built before' "$DIR/out" && complain "--no-cache took a plant from the cache"
