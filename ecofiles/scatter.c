@@ -29,7 +29,7 @@ struct candidate { uint32_t rank, tie; double at[2]; };
 
 struct candidates { struct candidate *items; size_t count, capacity; bool failed; };
 
-struct near_grid { uint32_t *head, *next; uint32_t mask, next_capacity; double cell_m; };
+struct near_grid { uint32_t *head, *next; uint32_t mask; double cell_m; };
 
 struct eco_scatter {
 	const struct eco_scatter_spec *spec;

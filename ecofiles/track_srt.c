@@ -27,7 +27,6 @@ struct srt {
 	struct eco_fix fix;
 	double stamp_s, home_z, focal_mm, zoom;
 	bool open, gimbal;
-	bool zoom_noted;
 };
 
 struct value {                           /* of one name */

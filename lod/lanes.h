@@ -17,7 +17,6 @@ static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
 static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
 static inline lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from, sizeof v); return v; }
 static inline void lod_f4_store(float *to, lod_f4 v) { memcpy(to, &v, sizeof v); }
-static inline void lod_i4_store(int32_t *to, lod_i4 v) { memcpy(to, &v, sizeof v); }
 
 static inline lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no)
 {

@@ -90,8 +90,3 @@ void lod_order_survival_by(double *survival, enum lod_order_method method, const
 		survival[i] += noise[method] * dice(in, i);
 	lod_arena_release(arena, mark);
 }
-
-void lod_order_survival(double *survival, const struct lod_order_input *input, struct lod_arena *arena)
-{
-	lod_order_survival_by(survival, LOD_ORDER_COMBINED, input, arena);
-}

@@ -27,7 +27,4 @@ struct lod_order_input {
  * longer. Linear in elements. */
 void lod_order_survival_by(double *survival, enum lod_order_method method, const struct lod_order_input *input, struct lod_arena *arena);
 
-/* The combined order: fills survival[0..count) with values in [0, 2.5): higher is kept longer. Linear in elements. */
-void lod_order_survival(double *survival, const struct lod_order_input *input, struct lod_arena *arena);
-
 #endif
