@@ -312,22 +312,25 @@ static bool price_summary(struct lod_market *m, uint32_t n)
 	const struct lod_node *node = &p->visible.nodes[n];
 	struct lod_stall *stall = &m->stalls[n];
 	uint32_t list = p->scene->tiles[node->tile].summary;
-	double center[3], across, up, square = 0;
+	double center[3], from_eye[3], across, up, square = 0;
 	lod_visible_box(&p->visible, node, center, &across, &up);
-	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there */
+	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, ... */
 	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0
-		&& 2 * node->distance > fmax(across, up);
+		&& node->distance > fmax(across, up);        /* ... but where the farthest are less than three times as far away as the nearest */
 	if (!stall->summary)
 		return true;
-	for (int i = 0; i < 3; i++)
-		square += (center[i] - p->visible.eye.at[i]) * (center[i] - p->visible.eye.at[i]);
+	for (int i = 0; i < 3; i++) {
+		from_eye[i] = center[i] - p->visible.eye.at[i];
+		square += from_eye[i] * from_eye[i];
+	}
 	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
 	/* its points are those of all its plants, in view or not */
 	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > stall->plants ? stall->plants / all : 1;
 	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = stall->look.covered, .box = stall->look.box,
 		.plants = stall->plants, .points = p->scene->lists[list].primitive_count };
-	double steep = p->visible.eye.forward[2] * p->visible.eye.forward[2], tall = sqrt(up * up * (1 - steep) + across * across * steep);
-	look.region = 4 * across * tall * px * px;
+	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
+	look.wide = 2 * across * px;
+	look.high = 2 * lod_tilt_height(&tilt, across, up) * px;
 	struct lod_amount *amounts = take_amounts(m, 40);
 	if (!amounts)
 		return false;

@@ -76,6 +76,19 @@ static double dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
+{
+	double ahead = dot(eye->forward, from_eye), slope = ahead > closest ? dot(eye->up, from_eye) / ahead : 0;
+	double x = eye->up[0] - slope * eye->forward[0], y = eye->up[1] - slope * eye->forward[1];
+	return (struct lod_tilt){ eye->up[2] - slope * eye->forward[2], sqrt(x * x + y * y) };
+}
+
+double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
+{
+	double upright = up * tilt->upright, level = across * tilt->level;
+	return sqrt(upright * upright + level * level);
+}
+
 struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
 {
 	if (screen->count == screen->capacity) {
@@ -90,19 +103,17 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
 	double ahead = dot(eye->forward, d), closest = 0.25 * fmax(body->across, body->up);
 	bool beside = ahead <= closest;
+	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
-	/* seen from above an ellipsoid is as deep as it is wide */
-	double steep = eye->forward[2] * eye->forward[2], wide = body->across * body->across, crown = body->crown_across * body->crown_across;
-	double tall = sqrt(body->up * body->up * (1 - steep) + wide * steep);
-	double high = sqrt(body->crown_up * body->crown_up * (1 - steep) + crown * steep);
+	double tall = lod_tilt_height(&tilt, body->across, body->up), high = lod_tilt_height(&tilt, body->crown_across, body->crown_up);
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
 	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
 	struct lod_sight *sight = &screen->sights[screen->count++];
 	double y = 0.5 * screen->rows - dot(eye->up, d) * rows;
 	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
 		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
-		.crown_y = (float)(y - body->rise * eye->up[2] * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .foot = (float)(y + body->up * eye->up[2] * rows),
+		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .foot = (float)(y + body->up * tilt.upright * rows),
 		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
 	sight->pixels = sight->opacity * sight->ellipse;

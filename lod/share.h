@@ -55,6 +55,13 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 void lod_screen_free(struct lod_screen *screen);
 void lod_screen_clear(struct lod_screen *screen);        /* no sights; room is kept */
 
+/* What a metre upwards, and one along the ground towards the eye or away, is up or down the picture at the same depth. */
+struct lod_tilt { double upright, level; };
+/* Of a place `from_eye` away; where that is not `closest` before the eye, as in the middle of the picture. */
+struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest);
+/* Half the height of an ellipsoid in the picture, in metres at its depth: seen from above it is as high as it is wide. */
+double lod_tilt_height(const struct lod_tilt *tilt, double across, double up);
+
 /* The shape of what is seen, about a centre: half extents across and upwards, its leaf area (a leaf counted once), in metres; and those of its
  * crown, whose centre is `rise` above. */
 struct lod_body { double across, up, area, crown_across, crown_up, rise; };

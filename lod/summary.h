@@ -50,7 +50,7 @@ struct lod_summary_view {
 	double box;                  /* of their crowns, gaps and all; at least `covered` */
 	double plants;               /* how many */
 	double points;               /* N */
-	double region;               /* of the tile in the picture, where its splats fill each other's gaps; 0: not known */
+	double wide, high;           /* of the tile in the picture, where its splats fill each other's gaps; 0: not known */
 };
 /* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);

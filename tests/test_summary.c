@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "ecofiles/plan.h"
+#include "lod/share.h"
 #include "lod/summary.h"
 
 /* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one (area 1) with a pool near its
@@ -327,6 +328,48 @@ static void test_power_below(void **state)
 	assert_true(lod_power_below(0.0012) == 0.0009765625);
 }
 
+/* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much of it. */
+static void test_large_splats_do_not_fill_a_low_tile(void **state)
+{
+	(void)state;
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096 };
+	double last = 0;
+	for (double high = 100; high >= 1.5; high /= 2) {
+		view.wide = 10000 / high;
+		view.high = high;
+		double fn = (double)lod_summary_curve(&view, 4).fn;
+		assert_true(fn >= last && fn <= 1);
+		last = fn;
+	}
+	assert_true(last > 0.9);
+	for (double n = 1, before = 1; n <= view.points; n *= 2) {
+		double fn = (double)lod_summary_curve(&view, n).fn;
+		assert_true(fn <= before);
+		before = fn;
+	}
+}
+
+/* Ellipsoids from all around, against points on them. */
+static void test_heights_in_the_picture_are_those_of_points(void **state)
+{
+	(void)state;
+	for (int pitch = -60; pitch <= 60; pitch += 30)
+		for (int k = -2; k <= 2; k++) {
+			double sine = sin(pitch * 0.017453292519943295), cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;
+			struct lod_eye eye = { .forward = { cosine, 0, sine }, .up = { -sine, 0, cosine }, .right = { 0, -1, 0 } };
+			double at[3], across = 3, up = 7, far = 1e5;
+			for (int i = 0; i < 3; i++)
+				at[i] = far * (eye.forward[i] + slope * eye.up[i]);
+			for (int t = 0; t < 720; t++) {
+				double x = at[0] + across * cos(t * 0.008726646), z = at[2] + up * sin(t * 0.008726646);
+				double y = (eye.up[0] * x + eye.up[2] * z) / (eye.forward[0] * x + eye.forward[2] * z);
+				most = fmax(most, (y - slope) * far);
+			}
+			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);
+			assert_true(fabs(lod_tilt_height(&tilt, across, up) - most) < 0.01);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -340,6 +383,8 @@ int main(void)
 		cmocka_unit_test(test_counts_are_bounded),
 		cmocka_unit_test(test_pool_follows_what_is_seen),
 		cmocka_unit_test(test_power_below),
+		cmocka_unit_test(test_large_splats_do_not_fill_a_low_tile),
+		cmocka_unit_test(test_heights_in_the_picture_are_those_of_points),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
