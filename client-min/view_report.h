@@ -14,6 +14,7 @@ struct view_frame {
 	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
 	double precision, recall, q, skill, owner_q, predicted_q;
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
+	double reference_summaries;              /* tiles that even the reference shows as points: 0 where it is full detail */
 };
 
 struct view_report {                             /* owns `frames` */

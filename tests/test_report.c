@@ -53,7 +53,8 @@ static void report_has_every_figure(void **state)
 {
 	(void)state;
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes", "bytes", "precision", "recall",
-		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms", "draw_ms", "reference_ms" };
+		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms", "draw_ms", "reference_ms",
+		"reference_summaries" };
 	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600, .complete = true };
 	struct lod_score score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN, .owner_q = 0.3 };
 	for (uint32_t i = 0; i < 3; i++) {
