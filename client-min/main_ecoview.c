@@ -290,14 +290,9 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 }
 
 /* Where more plants are in view than a plan looks at, the best that can be asked for is not all there is: then the score is against that. */
-static void count_summaries(struct viewer *v, struct view_frame *f)
+static void note_summaries(struct viewer *v, struct view_frame *f)
 {
-	const struct eco_plan *plan = view_store_plan(v->full);
-	f->reference_summaries = 0;
-	for (uint32_t i = 0; i < plan->cut_count; i++) {
-		const struct view_list *list = view_store_list(v->full, plan->cuts[i].list);
-		f->reference_summaries += list && (list->list.attributes & ECO_ATTR_PLANT);
-	}
+	f->reference_summaries = view_store_summaries(v->full);
 	if (f->reference_summaries > 0) {
 		view_progress_clear(&v->progress);
 		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: more plants are in view than can be drawn one by one, %.0f tiles "
@@ -324,7 +319,7 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 		v->reference.owner };
 	lod_score(&score, &input);
 	view_frame_score(f, &score);
-	count_summaries(v, f);
+	note_summaries(v, f);
 	f->reference_ms = view_clock_ms() - start;
 	return save_comparison(v, f->frame, error);
 }

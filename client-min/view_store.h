@@ -58,6 +58,8 @@ extern const struct eco_wire_events view_store_events;           /* ctx is the s
 void view_store_begin(struct view_store *store);
 /* The last plan of the stream, or NULL (none came: nothing is drawn). */
 const struct eco_plan *view_store_plan(const struct view_store *store);
+/* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks at, whatever the budget. */
+uint32_t view_store_summaries(const struct view_store *store);
 /* True once END has come; its count of vertices equals the plan's. */
 bool view_store_complete(const struct view_store *store);
 double view_store_near_m(const struct view_store *store);        /* 0 before the first SCENE */

@@ -129,8 +129,10 @@ struct bench_frame {                 /* zero with rule, occlusion and request se
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);
-/* Full detail of the request's view, drawn by the CPU rasteriser and kept for this view. */
+/* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request, double *draw_ms, struct eco_error *error);
+/* Of the last reference: tiles that even there are points; 0: it is full detail. */
+uint32_t bench_client_summaries(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are those of a first visit. */
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture, struct eco_error *error);
 

@@ -116,6 +116,8 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 	return code;
 }
 
+uint32_t bench_client_summaries(const struct bench_client *client) { return view_store_summaries(client->full); }
+
 /* ---- Frames ---- */
 
 /* Root mean square over all channels of the pixels that one of both covers. */

@@ -120,7 +120,8 @@ static enum eco_code plan_ms(const char *path, const struct eco_request *request
 	return code;
 }
 
-/* From the walker's eyes to where all is seen; full detail is drawn where few enough plants are in view. */
+/* From the walker's eyes to where all is seen; full detail is drawn where few enough plants are in view, but for tiles at the horizon that are
+ * counted in the table. */
 static enum eco_code draw_heights(struct bench *bench, const struct forest *f, const char *pack, struct bench_table *table, double *worst_q,
 	struct eco_error *error)
 {
@@ -148,8 +149,8 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 			snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
 			code = bench_picture_write(bench, name, (uint32_t)frame.request.view.width, (uint32_t)frame.request.view.height, picture.rgb, error);
 			bench_picture(bench, name, caption);
-			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f", f->name, h, (unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
-				frame.predicted_q, scored ? frame.score.q : NAN);
+			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h, (unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
+				frame.predicted_q, scored ? frame.score.q : NAN, scored ? bench_client_summaries(client) : NAN);
 			*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
 		}
 		view_picture_free(&picture);
@@ -160,7 +161,7 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 
 static enum eco_code nested(struct bench *bench, struct eco_error *error)
 {
-	struct bench_table *table = bench_table_open(bench, "hierarchy", "plants,height_m,vertices,bytes,plan_ms,predicted_q,q", true);
+	struct bench_table *table = bench_table_open(bench, "hierarchy", "plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
 	char packs[3][512], near[512], resident[512];
 	double ms[2] = { NAN, NAN }, worst_q = 1, now = NAN, most = NAN;
 	int bad = -1, got = 0, views = bench->full ? 1000 : 100;
