@@ -20,6 +20,8 @@
 #include "ecofiles/wire_string.h"
 #include "lod/summary.h"
 
+#define ORIGIN_MOST 1e9          /* as of scene files */
+
 /* ---- Parts ---- */
 
 static enum eco_code bad_meta(const struct link_part *part, struct eco_error *error)
@@ -38,7 +40,7 @@ static enum eco_code open_part(struct link *l, struct link_part *part)
 	json_t *origin = json_object_get(part->meta, "origin");
 	for (size_t i = 0; i < 3; i++) {
 		json_t *v = json_array_get(origin, i);
-		if (!json_is_number(v) || !isfinite(json_number_value(v)))
+		if (!json_is_number(v) || !(fabs(json_number_value(v)) <= ORIGIN_MOST))
 			return bad_meta(part, l->m.error);
 		part->at[i] = json_number_value(v);
 	}
