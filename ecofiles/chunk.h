@@ -43,7 +43,8 @@
 #define ECO_CHUNK_BYTES_MAX (1u << 26)
 
 /* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and attributes must be set). ELEMENTS
- * and KD sort inside the chunk (corner count, then Morton) and the decoder permutes, so what comes back is a permutation of what
+ * and KD sort inside the chunk (corner count, then Morton; but small chunks at the start of a list keep their order, see chunk_encode.c)
+ * and the decoder permutes, so what comes back is a permutation of what
  * went in. `order`, if not NULL, receives end - first indices: order[i] is the input index, relative to first, of the i-th element
  * that decoding will give (for KD and MESH, whose order Draco decides, it must be NULL). Not for FORM. *bytes is malloc'ed. */
 struct eco_chunk_input {

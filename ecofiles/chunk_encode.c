@@ -1,5 +1,9 @@
 /* Elements to bytes. Inside a chunk the order is free, because the decoder permutes: so elements of one corner count go together
- * and along a Morton curve, which makes the difference from each first corner to the next small (12 to 17 % of the size). */
+ * and along a Morton curve, which makes the difference from each first corner to the next small (12 to 17 % of the size).
+ *
+ * But for the first chunks. Of a hundred elements it matters much which are drawn first (a stand at
+ * 3,000 vertices: Q 0.84 or 0.91), and little what they cost (half a percent of a pack): there the rows lie so that the decoder's
+ * permutation gives the elements in the order they came in, as far as their corner counts let it. */
 #include "ecofiles/chunk.h"
 
 #include <assert.h>
@@ -8,6 +12,9 @@
 #include <string.h>
 
 #include "ecofiles/chunk_payload.h"
+
+#define KEPT_FIRST 96u           /* chunks that begin before this element keep their order, ... */
+#define KEPT_MOST 64u            /* ... if they have no more than so many */
 
 /* Where an input element is, in the order in which it will be stored. */
 struct stored {
@@ -37,6 +44,47 @@ static int compare_stored(const void *left, const void *right)
 	if (axis >= 0)
 		return a->key[axis] < b->key[axis] ? -1 : 1;
 	return a->element < b->element ? -1 : a->element > b->element;
+}
+
+static int compare_input(const void *left, const void *right)
+{
+	const struct stored *a = left, *b = right;
+
+	if (a->corners != b->corners)
+		return a->corners < b->corners ? -1 : 1;
+	return a->element < b->element ? -1 : a->element > b->element;
+}
+
+/* Rows of each corner count take the elements of that count in input order, row by row as the decoder draws them. */
+static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t ordinal, struct eco_error *error)
+{
+	uint32_t *permutation = malloc(count * sizeof *permutation), next[256];
+	struct stored *sorted = malloc(count * sizeof *sorted);
+	enum eco_code code = permutation && sorted ? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", ordinal, count);
+
+	if (code == ECO_OK) {
+		qsort(stored, count, sizeof *stored, compare_input);
+		memcpy(sorted, stored, count * sizeof *sorted);
+		eco_chunk_permutation(ordinal, count, permutation);
+		for (uint32_t row = count; row-- > 0;)
+			next[sorted[row].corners] = row;
+		for (uint32_t i = 0; i < count; i++)
+			stored[permutation[i]] = sorted[next[sorted[permutation[i]].corners]++];
+	}
+	free(permutation);
+	free(sorted);
+	return code;
+}
+
+static enum eco_code sort_elements(const struct eco_chunk_input *input, struct stored *stored, struct eco_error *error)
+{
+	uint32_t count = input->end - input->first;
+
+	if (input->list->coder == ECO_CODER_ELEMENTS && input->first < KEPT_FIRST && count <= KEPT_MOST)
+		return keep_order(stored, count, input->ordinal, error);
+	qsort(stored, count, sizeof *stored, compare_stored);
+	return ECO_OK;
 }
 
 static bool values_fit(const int32_t *values, size_t count)
@@ -266,7 +314,7 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	if (code == ECO_OK)
 		code = find_elements(input, &stored, error);
 	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
-		qsort(stored, count, sizeof *stored, compare_stored);
+		code = sort_elements(input, stored, error);
 	if (code == ECO_OK && payload.coder == ECO_CODER_MESH) {
 		code = encode_mesh(input, stored, bytes, size_bytes, error);
 	} else if (code == ECO_OK) {
@@ -324,8 +372,9 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 		code = find_elements(partner, &stored, error);
 	if (code == ECO_OK)
 		code = find_elements(&own, &form, error);
+	if (code == ECO_OK)
+		code = sort_elements(partner, stored, error);
 	if (code == ECO_OK) {
-		qsort(stored, count, sizeof *stored, compare_stored);
 		for (uint32_t i = 0; i < count; i++)
 			stored[i] = form[stored[i].element];
 		code = add_stream(&payload, &own, stored, count, error);

@@ -339,6 +339,39 @@ static void forms_follow_their_elements(void **state)
 	}
 }
 
+/* The first chunks are drawn in the order that they came in: of one corner count strictly, else each corner count's elements among themselves. */
+static void first_chunks_keep_their_order(void **state)
+{
+	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] = { { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
+		{ 4, 4, 0, 1, true }, { 3, 6, 0, 48, true }, { 4, 4, 64, 128, true }, { 4, 4, 200, 250, false }, { 4, 4, 0, 300, false } };
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
+		const struct eco_list list = list_of(&k);
+		struct eco_elements in = make(&k, 300, i), out;
+		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end, (uint32_t)i };
+		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
+		uint8_t *bytes;
+		size_t size;
+
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
+		for (uint32_t e = 0; e < cases[i].end - cases[i].first; e++) {
+			uint32_t *before = &last[in.corners[cases[i].first + order[e]]];
+
+			falls += order[e] < *before;
+			*before = order[e];
+		}
+		assert_true(cases[i].kept ? falls == 0 : falls > 10);
+		struct eco_chunk chunk = describe(&in, cases[i].first, cases[i].end, size);
+		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL), ECO_OK);
+		assert_same(&k, &in, cases[i].first, cases[i].end, &out, order);
+		eco_elements_free(&out);
+		eco_elements_free(&in);
+		free(bytes);
+	}
+}
+
 /* Smooth ground costs a few bits a sample, wherever the chunk begins in a row. */
 static void ground_is_predicted_from_its_neighbours(void **state)
 {
@@ -677,12 +710,12 @@ static void a_small_chunk_is_the_golden_one(void **state)
 {
 	static const uint8_t golden[] = {
 		1, 1, 2, 0, 3, 0, 0, 0, 1, 0, 0, 0, 84, 0, 0, 0, 4, 0, 33, 0, 2, 0, 0, 0, 113, 0, 0, 0, 68, 82, 65, 67, 79, 2,
-		3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 1, 0, 3, 1, 1, 1, 1, 254, 1,
-		0, 9, 31, 1, 64, 1, 0, 200, 100, 5, 254, 1, 0, 6, 19, 1, 64, 1, 0, 20, 0, 254, 1, 0, 6, 19, 1, 64, 1, 0, 138,
-		26, 254, 1, 1, 3, 1, 1, 64, 1, 0, 68, 82, 65, 67, 79, 2, 3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 5, 0, 5, 3, 0, 0, 4, 5,
-		3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 3, 0, 3, 4, 5, 1, 0, 4, 1, 1, 1, 1, 1, 254, 1, 1, 4, 11, 1, 32, 35, 1, 32, 3, 0,
-		128, 145, 254, 1, 1, 4, 19, 173, 42, 67, 85, 21, 3, 193, 202, 138, 254, 1, 0, 6, 19, 1, 64, 1, 0, 64, 10, 0, 40,
-		254, 1, 0, 2, 3, 1, 64, 1, 0, 32, 254, 1, 1, 4, 5, 7, 1, 32, 3, 1, 32, 3, 0, 200, 128
+		3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 1, 0, 3, 1, 1, 1, 1, 254,
+		1, 0, 9, 31, 1, 64, 1, 0, 200, 100, 5, 254, 1, 0, 6, 19, 1, 64, 1, 0, 20, 0, 254, 1, 0, 6, 19, 1, 64, 1, 0,
+		138, 26, 254, 1, 1, 3, 1, 1, 64, 1, 0, 68, 82, 65, 67, 79, 2, 3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 5, 0, 5, 3, 0, 0,
+		4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 3, 0, 3, 4, 5, 1, 0, 4, 1, 1, 1, 1, 1, 254, 1, 1, 4, 11, 1, 32, 35, 1, 32,
+		3, 0, 248, 143, 254, 1, 1, 4, 19, 173, 42, 67, 85, 21, 3, 58, 149, 138, 254, 1, 0, 6, 19, 1, 64, 1, 0, 0, 80,
+		32, 5, 254, 1, 0, 2, 3, 1, 64, 1, 0, 4, 254, 1, 1, 4, 5, 7, 1, 32, 3, 1, 32, 3, 0, 208, 128
 	};
 	const struct eco_list list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_COLOR };
 	uint8_t corners[3] = { 4, 3, 4 };
@@ -724,6 +757,7 @@ int main(void)
 		cmocka_unit_test(what_goes_in_comes_out),
 		cmocka_unit_test(the_same_elements_give_the_same_bytes),
 		cmocka_unit_test(forms_follow_their_elements),
+		cmocka_unit_test(first_chunks_keep_their_order),
 		cmocka_unit_test(ground_is_predicted_from_its_neighbours),
 		cmocka_unit_test(connected_wood_is_small_and_keeps_its_texture),
 		cmocka_unit_test(no_wood_triangle_is_lost),
