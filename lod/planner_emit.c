@@ -152,7 +152,7 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_OPEN)
 			groups += p->scene->tiles[p->visible.nodes[n].tile].group_count;
-	plan->cuts = malloc((2 * LOD_LADDER_CUTS_MAX * (size_t)p->entry_count + 1) * sizeof *plan->cuts);
+	plan->cuts = malloc((3 * LOD_LADDER_CUTS_MAX * (size_t)p->entry_count + 1) * sizeof *plan->cuts);
 	plan->runs = malloc((groups + 1) * sizeof *plan->runs);
 	plan->gates = malloc((p->scene->plant_count + 1) * sizeof *plan->gates);
 	plan->placements = malloc(p->visible.placement_count * sizeof *plan->placements);
@@ -170,7 +170,9 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 			continue;
 		}
 		add_cuts(p, entry, entry->more, 0, entry->share, plan);
-		add_cuts(p, entry, entry->vertices, entry->share, ECO_SHARE_ONE, plan);
+		if (entry->between)
+			add_cuts(p, entry, entry->middle, entry->share, entry->between, plan);
+		add_cuts(p, entry, entry->vertices, entry->between ? entry->between : entry->share, ECO_SHARE_ONE, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)

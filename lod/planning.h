@@ -17,6 +17,8 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	uint64_t vertices, full;     /* per plant */
 	uint64_t more;               /* per plant whose hash is below `share`: this many instead */
 	uint32_t share;
+	uint64_t middle;             /* per plant whose hash is from `share` on and below `between`: so many */
+	uint32_t between;            /* 0: there are none */
 	double wanted;               /* points or lines of the whole region that d' asked for; summary: as large as if so many were drawn */
 	double pixels;               /* expected covered pixels of one plant's organ */
 };

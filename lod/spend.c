@@ -89,7 +89,7 @@ static bool at_end(const struct lod_bid *bid) { return bid->step + 1 == bid->ste
 static void reach_step(struct lod_bid *bid, uint32_t step)
 {
 	bid->step = step;
-	bid->ahead = 0;
+	bid->ahead = bid->between = 0;
 	bid->low = amount_of(bid)->vertices;
 	bid->high = at_end(bid) ? bid->low : amount_of(bid)[1].vertices;
 }
@@ -321,6 +321,19 @@ static uint64_t buy_evenly(struct lod_spend *spend, struct lod_bid *bid, uint64_
 	return spent;
 }
 
+/* The same where there are many plants: one goes part of the way, and all others stay as they are. What is left differs from one
+ * picture to the next, and may not be seen. */
+static uint64_t buy_part(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
+{
+	uint64_t plants = bid->between ? 0 : share_next(spend, bid, bid->ahead) - bid->ahead;
+	uint64_t to = plants ? lod_way_floor(way_of(spend, bid), bid->low + left / plants) : 0;
+	if (to <= bid->low)
+		return 0;
+	bid->middle = to;
+	bid->between = plants;
+	return plants * (to - bid->low);
+}
+
 /* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
 static uint64_t buy_thinly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 {
@@ -349,7 +362,9 @@ static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 	if (bid->offer == ECO_NONE)
 		return buy_points(bid, left);
 	uint64_t spent = buy_plants(spend, bid, left);
-	if (spent == 0)
+	if (spent == 0 && !spend->market->sharp)
+		spent = buy_part(spend, bid, left);
+	else if (spent == 0)
 		spent = bid->ahead ? buy_thinly(spend, bid, left) : buy_evenly(spend, bid, left);
 	return spent;
 }
@@ -391,6 +406,13 @@ static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 	return true;
 }
 
+/* Of one primitive more for the plants that are on the way, or would be. */
+static uint64_t part_cost(struct lod_spend *spend, const struct lod_bid *bid)
+{
+	uint64_t plants = bid->between ? bid->between : share_next(spend, bid, bid->ahead) - bid->ahead, at = bid->between ? bid->middle : bid->low;
+	return plants * (lod_way_next(way_of(spend, bid), at) - at);
+}
+
 /* Vertices that one step more would take, of any kind. */
 static uint64_t cheapest_step(struct lod_spend *spend)
 {
@@ -400,7 +422,9 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 		if (!(next_price(bid) > 0))
 			continue;
 		uint64_t cost = 1;
-		if (bid->offer != ECO_NONE && bid->ahead)
+		if (bid->offer != ECO_NONE && !spend->market->sharp)
+			cost = part_cost(spend, bid);
+		else if (bid->offer != ECO_NONE && bid->ahead)
 			cost = (share_next(spend, bid, bid->ahead) - bid->ahead) * (bid->high - bid->low);
 		else if (bid->offer != ECO_NONE)
 			cost = share_next(spend, bid, 0) * (lod_way_next(way_of(spend, bid), bid->low) - bid->low);
@@ -470,6 +494,11 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 				entry.more = bid->high;
 				entry.share = hashes_of(spend, bid)[bid->ahead];
 			}
+			if (bid->between) {
+				uint64_t end = bid->ahead + bid->between;
+				entry.middle = bid->middle;
+				entry.between = end < bid->count ? hashes_of(spend, bid)[end] : ECO_SHARE_ONE;
+			}
 		}
 		code = lod_planning_add(p, &entry, error);
 	}
@@ -490,11 +519,14 @@ static void sum_exactly(struct lod_spend *spend)
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		const struct lod_bid *bid = &spend->bids[i];
 		const struct lod_amount *a = amount_of(bid);
-		if (bid->offer == ECO_NONE || at_end(bid) || (bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices)))
+		bool at_steps = !bid->between && bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices);
+		if (bid->offer == ECO_NONE || at_end(bid) || at_steps)
 			continue;
 		double now = lod_steps_error(bid->steps, a), next = lod_steps_error(bid->steps, a + 1), ahead = (double)bid->ahead / (double)bid->count;
 		double part = ((double)(bid->low - a->vertices) + ahead * (double)(bid->high - bid->low)) / (double)(a[1].vertices - a->vertices);
 		double exact = (1 - ahead) * error_at(spend, bid, bid->low) + (bid->ahead ? ahead * error_at(spend, bid, bid->high) : 0);
+		if (bid->between)
+			exact += (double)bid->between / (double)bid->count * (error_at(spend, bid, bid->middle) - error_at(spend, bid, bid->low));
 		spend->wrong += bid->seen * (exact - (now + part * (next - now)));
 	}
 }

@@ -1,5 +1,6 @@
 /* Down to the last vertex: amounts for tiles and gates that are decided. The price falls until the budget is used; what no price fits
- * exactly is spent step by step, on single plants if need be.
+ * exactly is spent step by step, on single plants if need be: of many, the last one goes part of the way and all others take whole
+ * steps, so that what is left of a budget, which differs from picture to picture, changes no more than one.
  *
  *   lod_market_settle(&market);                       tiles, gates and counts
  *   lod_spend_make(&spend, &market, &error);          what can be bought there
@@ -20,6 +21,7 @@ struct lod_bid {                     /* an offer for the plants of its slot that
 	uint32_t step;               /* the last amount that all have reached */
 	uint64_t low;                /* vertices of all ... */
 	uint64_t high, ahead;        /* ... but so many, those with the smallest hashes, which have more */
+	uint64_t middle, between;    /* and the next, so many of them, which are on the way there. 0: none */
 };
 
 struct lod_spend {
