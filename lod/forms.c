@@ -372,6 +372,27 @@ uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices)
 	return is_floor(forms, leg.vertices[1]) ? leg.vertices[1] : lod_forms_next(forms, leg.vertices[1]);
 }
 
+/* The first leg that ends at `vertices` or above, or the last. */
+static struct lod_forms_leg leg_up_to(const struct lod_forms *forms, uint64_t vertices)
+{
+	if (forms->leg_count)
+		return leg_at(forms, vertices ? vertices - 1 : 0);
+	struct walk walk;
+	begin(&walk, forms);
+	step(&walk);
+	while (walk.leg.vertices[1] < vertices && step(&walk))
+		;
+	return walk.leg;
+}
+
+double lod_forms_first_share(const struct lod_forms *forms, uint64_t vertices)
+{
+	struct lod_forms_leg leg = leg_up_to(forms, vertices);
+	uint64_t length = leg.vertices[1] - leg.vertices[0];
+	double t = length ? ((double)vertices - (double)leg.vertices[0]) / (double)length : 1;
+	return leg.share[0] + (t < 1 ? t : 1) * (leg.share[1] - leg.share[0]);
+}
+
 double lod_forms_share(const struct lod_forms *forms, uint64_t vertices)
 {
 	struct lod_forms_leg leg = leg_at(forms, vertices);

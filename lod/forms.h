@@ -50,6 +50,8 @@ struct lod_forms_state lod_forms_floor(const struct lod_forms *forms, uint64_t v
 uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices);
 /* Where on the curve an amount is; the greatest amount that comes to no more than `share`. */
 double lod_forms_share(const struct lod_forms *forms, uint64_t vertices);
+/* Where on the curve an amount begins: less than lod_forms_share where a whole-plant list has no more elements and cells go on. */
+double lod_forms_first_share(const struct lod_forms *forms, uint64_t vertices);
 uint64_t lod_forms_of_share(const struct lod_forms *forms, double share);
 /* The smallest amount with all elements in some form, or UINT64_MAX. */
 uint64_t lod_forms_all_drawn(const struct lod_forms *forms);

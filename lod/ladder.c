@@ -219,7 +219,7 @@ static float scale_at(const struct lod_way *way, uint64_t vertices, double densi
 	if (ladder->organ == ECO_ORGAN_WOOD)
 		return 1;
 	density = density < 1 ? density : 1;
-	double share = lod_way_share(way, vertices);
+	double share = way->has_forms && vertices < way->full ? lod_forms_first_share(&way->forms, vertices) : lod_way_share(way, vertices);
 	if (density > lod_way_density(way, vertices)) {      /* cells show more: this list is scaled as they are */
 		double half = ladder->total ? 0.5 / ladder->total : 0, least = share_of_reach(way->scene, ladder, density - half);
 		share = share > least ? share : least;

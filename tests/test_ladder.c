@@ -294,6 +294,32 @@ static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 	assert_true(lod_ladder_density(&scene.scene, &ladder, lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
 }
 
+/* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the picture shows by then. */
+static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(100, 4);
+	ladder.total = 800;
+	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f }, { 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
+		{ 800 / 9600.f, 0.5f, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 }, { 0.75, 0.75 }, { 1, 0.5 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 4;
+	uint64_t all = lod_ladder_stage_end(&scene.scene, &ladder);
+	struct lod_forms_leg legs[16];
+	struct lod_way kept;
+	lod_way_begin(&kept, &scene.scene, &ladder);
+	assert_true(all == 100 && lod_way_legs_bound(&kept) <= 16);
+	lod_way_keep(&kept, legs);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX], again[LOD_LADDER_CUTS_MAX];
+		assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, all, rows[i].density, cuts), 1);
+		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
+		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, again), 1);
+		assert_true(cuts[0].scale == again[0].scale);
+	}
+}
+
 static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
 {
 	(void)state;
@@ -338,6 +364,7 @@ int main(void)
 		cmocka_unit_test(scales_follow_the_curve_where_the_reach_stays),
 		cmocka_unit_test(cells_begin_in_the_form_of_their_plant),
 		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
+		cmocka_unit_test(a_list_that_is_all_drawn_is_scaled_as_its_plant),
 		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
 		cmocka_unit_test(a_curve_is_interpolated_and_clamped),
 	};
