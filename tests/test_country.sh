@@ -25,7 +25,7 @@ END
 cat >Makefile <<END
 TILES := \$(sort \$(wildcard tiles/*.json))
 country.eco: \$(TILES:.json=.eco)
-	$pack link \$@ \$^ --quiet
+	$pack link \$^ -o \$@ --quiet
 %.eco: %.json
 	$pack make \$< -o \$@ --jobs 1 --order stochastic --cache cache --quiet
 	echo \$@ >>built

@@ -29,8 +29,8 @@ expect 2 'ecopack make'
 expect 2 'bake.*make, link, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
-expect 2 'OUT.eco is missing' link
-expect 2 'OUT.eco, then 1 to 4095 packs' link "$DIR/x.eco"
+expect 2 'a pack to be linked is missing' link
+expect 2 '-o OUT.eco is missing' link "$DIR/x.eco"
 expect 2 'no --seed' make "$DIR/x.json" -o "$DIR/x.eco" --seed 3
 expect 2 'one argument too many' info a.eco b.eco
 expect 2 'info has no --frobnicate' info --frobnicate a.eco
