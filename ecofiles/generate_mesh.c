@@ -32,21 +32,6 @@ double gen_random_in(struct gen_random *random, double low, double high)
 	return low + (high - low) * gen_random_unit(random);
 }
 
-double gen_random_bell(struct gen_random *random)
-{
-	double sum = -6;
-	for (int i = 0; i < 12; i++)
-		sum += gen_random_unit(random);
-	return gen_clamp(sum, -3.5, 3.5);
-}
-
-struct gen_random gen_random_fork(struct gen_random *random, uint32_t tag)
-{
-	struct gen_random fork = { gen_random_bits(random) ^ (uint64_t)tag << 32 };
-	gen_random_bits(&fork);
-	return fork;
-}
-
 /* ---- Vectors ---- */
 
 struct gen_v3 gen_v3(double x, double y, double z) { return (struct gen_v3){ x, y, z }; }

@@ -18,8 +18,6 @@ struct gen_random { uint64_t state; };
 uint64_t gen_random_bits(struct gen_random *random);
 double gen_random_unit(struct gen_random *random);                             /* [0, 1) */
 double gen_random_in(struct gen_random *random, double low, double high);
-double gen_random_bell(struct gen_random *random);                             /* mean 0, deviation 1, within +-3.5: twelve uniforms */
-struct gen_random gen_random_fork(struct gen_random *random, uint32_t tag);    /* a stream of its own */
 
 /* ---- Vectors ---- */
 

@@ -60,11 +60,6 @@ void lod_screen_free(struct lod_screen *screen)
 	*screen = (struct lod_screen){ 0 };
 }
 
-void lod_screen_clear(struct lod_screen *screen)
-{
-	screen->count = 0;
-}
-
 double lod_body_opacity(const struct lod_body *body)
 {
 	double ellipse = PI * body->crown_across * body->crown_up;

@@ -53,7 +53,6 @@ struct lod_screen {
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
 void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground);
 void lod_screen_free(struct lod_screen *screen);
-void lod_screen_clear(struct lod_screen *screen);        /* no sights; room is kept */
 
 /* What a metre upwards, and one along the ground towards the eye or away, is up or down the picture at the same depth. */
 struct lod_tilt { double upright, level; };
