@@ -160,7 +160,7 @@ static void few_of_like_plants_switch_at_once(void **state)
 		100 * tally.worst, tally.over, tally.frames);
 	assert_true(tally.frames > 200);
 	assert_true(tally.sum / tally.frames < 0.015);
-	assert_true(tally.over < tally.frames / 30);     /* where cells of many plants become worth it at once, or the price of a vertex moves fast */
+	assert_true(tally.over < tally.frames / 20);     /* where cells of many plants become worth it at once, or the price of a vertex moves fast */
 	assert_true(tally.worst < 0.15);
 }
 
