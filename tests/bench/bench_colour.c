@@ -19,7 +19,7 @@
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
 
-#define VIEWS_QUICK 2u
+#define VIEWS_QUICK 1u
 #define VIEWS_FULL 4u
 #define NEAR 300                         /* squared distance of colours, bytes: 10 in each channel */
 #define REFERENCE_VERTICES 100e6         /* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
