@@ -191,11 +191,11 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 		fclose(file);
 	if (code)
 		return code;
-	bench_key(bench, "hierarchy_pack_mb", megabytes(packs[1]), "10^9 plants: at most 64 MiB");
-	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]), "10^12 plants open and plan");
-	bench_key(bench, "hierarchy_resident_mb", now, "ecoserve after 1,000 random views: at most 128 MiB");
-	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "at most 1.5 times the plan of the 10^6 plants that are seen");
-	bench_key(bench, "hierarchy_q", worst_q, "at least 0.8 where full detail can be drawn");
+	bench_key(bench, "hierarchy_pack_mb", megabytes(packs[1]), "<= 67: MB of 10^9 plants (64 MiB)");
+	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]), "MB of 10^12 plants, which open and plan");
+	bench_key(bench, "hierarchy_resident_mb", now, "<= 134: MB of ecoserve after 1,000 random views (128 MiB)");
+	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants that are seen");
+	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
 	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are part of 10^9 plants. %d random views served, %d not answered "
 		"with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], got, bad, now, most);
 	return ECO_OK;
@@ -285,8 +285,8 @@ static enum eco_code inventories(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_key(bench, "inventory_growth", each[count - 1] / each[0], "time a plant of 10^7 (quick: 10^6) over that of 10^5: at most 1.3");
-	bench_key(bench, "inventory_memory_mb", memory, "10^7 plants (quick: 10^6): at most 2,048 MiB");
+	bench_key(bench, "inventory_growth", each[count - 1] / each[0], "<= 1.3: time a plant of 10^7 (quick: 10^6) over that of 10^5");
+	bench_key(bench, "inventory_memory_mb", memory, "<= 2147: MB, 10^7 plants (quick: 10^6)");
 	return ECO_OK;
 }
 
@@ -296,7 +296,7 @@ static enum eco_code edits(struct bench *bench, struct eco_error *error)
 	enum eco_code code = bench_command(bench, error, "ECO_EDITS=%d '%s/tests/test_link' >&2", count, bench->build);
 	if (code == ECO_INTERRUPTED)
 		return code;
-	bench_key(bench, "edits_equal", code ? NAN : count, "100 random edits (quick: 10): built again and linked equal a full build, byte for byte");
+	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built again and linked, that equal a full build byte for byte");
 	return ECO_OK;
 }
 
