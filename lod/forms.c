@@ -2,6 +2,7 @@
 #include "lod/forms.h"
 
 #include <assert.h>
+#include <math.h>
 
 static bool list_is_empty(const struct eco_scene *scene, uint32_t list)
 {
@@ -277,14 +278,19 @@ void lod_forms_keep(struct lod_forms *forms, struct lod_forms_leg *legs)
 	}
 }
 
-/* The first leg that ends above `vertices`, or the last. */
-static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t vertices)
+static bool ends_above(const struct lod_forms_leg *leg, uint64_t vertices, double share)
+{
+	return leg->vertices[1] > vertices || leg->share[1] > share;
+}
+
+/* The first leg that ends above so many vertices or above such a share, or the last. */
+static struct lod_forms_leg leg_past(const struct lod_forms *forms, uint64_t vertices, double share)
 {
 	if (forms->leg_count) {
 		uint32_t low = 0, high = forms->leg_count - 1;
 		while (low < high) {
 			uint32_t middle = low + (high - low) / 2;
-			if (forms->legs[middle].vertices[1] > vertices)
+			if (ends_above(&forms->legs[middle], vertices, share))
 				high = middle;
 			else
 				low = middle + 1;
@@ -294,31 +300,13 @@ static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t verti
 	struct walk walk;
 	begin(&walk, forms);
 	step(&walk);
-	while (walk.leg.vertices[1] <= vertices && step(&walk))
+	while (!ends_above(&walk.leg, vertices, share) && step(&walk))
 		;
 	return walk.leg;
 }
 
-static struct lod_forms_leg leg_of_share(const struct lod_forms *forms, double share)
-{
-	if (forms->leg_count) {
-		uint32_t low = 0, high = forms->leg_count - 1;
-		while (low < high) {
-			uint32_t middle = low + (high - low) / 2;
-			if (forms->legs[middle].share[1] > share)
-				high = middle;
-			else
-				low = middle + 1;
-		}
-		return forms->legs[low];
-	}
-	struct walk walk;
-	begin(&walk, forms);
-	step(&walk);
-	while (walk.leg.share[1] <= share && step(&walk))
-		;
-	return walk.leg;
-}
+static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t vertices) { return leg_past(forms, vertices, INFINITY); }
+static struct lod_forms_leg leg_of_share(const struct lod_forms *forms, double share) { return leg_past(forms, UINT64_MAX, share); }
 
 /* Steps along the leg that draw no more than `vertices`. */
 static uint64_t steps_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t vertices)
