@@ -90,7 +90,7 @@ void gen_print_plants(FILE *out, const char *const names[])
 {
 	fputs("  \"plants\": {", out);
 	for (uint32_t i = 0; names[i]; i++)
-		fprintf(out, "%s\n    \"%s\": {\"model\": \"models/%s.obj\"%s}", i ? "," : "", names[i], names[i],
+		fprintf(out, "%s\n    \"%s\": {\"model\": \"models/%s.obj\", \"unit\": \"m\"%s}", i ? "," : "", names[i], names[i],
 			has_flowers(names[i]) ? ", \"importance\": {\"flower\": 2}" : "");
 	fputs("\n  },\n", out);
 }

@@ -24,6 +24,7 @@
 #define SCALE_MIN 0.001
 #define SCALE_MAX 1000.0
 #define FAR_M 100000.0
+#define ROW_NAME 280
 
 /* ---- What is said ---- */
 
@@ -125,19 +126,32 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 
 enum verdict { GOOD, SKIPPED, FAILED };
 
+/* The row being read, as errors name it: FILE:LINE, or FILE, feature NUMBER where a file has no lines that anyone would count. */
+static const char *row_name(const struct eco_positions *p, char *text, size_t size)
+{
+	unsigned long long number = p->rows->line;
+
+	if (strcmp(p->rows->where, "line") == 0)
+		snprintf(text, size, "%.200s:%llu", p->spec->path, number);
+	else
+		snprintf(text, size, "%.200s, %s %llu", p->spec->path, p->rows->where, number);
+	return text;
+}
+
 /* Before any good row a text tells what the whole file is like: with the other decimal sign, or in minutes and seconds. */
 static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
 {
 	double number;
+	char row[ROW_NAME];
 
 	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
-		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry", p->spec->path,
-			(unsigned long long)p->rows->line, text);
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry",
+			row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
 	if (strstr(text, "\u00b0") != NULL && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
-		eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
-			p->spec->path, (unsigned long long)p->rows->line, text);
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
+			row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
 	return GOOD;
@@ -330,13 +344,13 @@ static void remark(struct eco_positions *p, const struct eco_size_remarks *remar
 static bool refuse_size(const struct eco_positions *p, const char *text, struct eco_error *error)
 {
 	double number, unit_m;
-	char buffer[48];
+	char buffer[48], row[ROW_NAME];
 
 	if (p->sized || p->spec->decimal != 0 || strchr(text, ',') == NULL || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
 		|| eco_text_size(text, ',', &number, &unit_m) == ECO_FORM_NONE)
 		return false;
-	eco_fail(error, ECO_BAD_INPUT, "%.200s:%llu: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
-		p->spec->path, (unsigned long long)p->rows->line, shown(text, buffer, sizeof buffer));
+	eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
+		row_name(p, row, sizeof row), shown(text, buffer, sizeof buffer));
 	return true;
 }
 

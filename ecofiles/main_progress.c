@@ -1,4 +1,5 @@
-/* One line that is drawn over again, at most ten times a second; without a terminal, lines four seconds apart. */
+/* One line that is drawn over again, at most ten times a second; without a terminal, lines at least four seconds
+ * apart, and none that says what the one before said. */
 #include "ecofiles/main_progress.h"
 
 #include <pthread.h>
@@ -49,6 +50,16 @@ static void erase(void)
 	shown = false;
 }
 
+static void say(const char *stage, const char *detail, double share)
+{
+	static char last[256];
+	char text[sizeof last];
+	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%", stage, detail ? ": " : "", detail ? detail : "", 100 * share);
+	if (strcmp(text, last) != 0)
+		fprintf(stderr, "ecopack: %s\n", text);
+	memcpy(last, text, sizeof last);
+}
+
 bool main_progress(const char *stage, const char *detail, double share)
 {
 	double now = now_s();
@@ -68,7 +79,7 @@ bool main_progress(const char *stage, const char *detail, double share)
 			fflush(stderr);
 			shown = true;
 		} else if (!first)
-			fprintf(stderr, "ecopack: %s%s%s, %.0f %%\n", stage, detail ? ": " : "", detail ? detail : "", 100 * share);
+			say(stage, detail, share);
 	}
 	pthread_mutex_unlock(&lock);
 	return !interrupted;

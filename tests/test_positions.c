@@ -137,6 +137,8 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 	(void)state;
 	expect_error("", csv, "\"plant\":\"oak\"," XY, ":2: \"1,5\" has a decimal comma; add \"decimal\": \",\"");
 	expect_error("", "x;y;h\n1;2;\n1;2;12,5 m\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY, ":3: \"12,5 m\" has a comma; add \"decimal\": \",\"");
+	expect_json(UTM32, "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":[11.5,48.1]},"
+		"\"properties\":{\"h\":\"7,5 m\"}}]}", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}", NULL, ".geojson, feature 1: \"7,5 m\" has a comma");
 	expect("", "x;y;h\n1;2;3\n1;3;12,5\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1 2 h3 / oak 1 3", "(first in line 3: \"12,5\")");
 	expect("", csv, "\"plant\":\"oak\",\"decimal\":\",\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1.5 2.25 h12.5 / oak 1234.5 3 h4", "separated by \";\"");
 }

@@ -40,10 +40,11 @@ page() {
 		.row{display:grid;grid-template-columns:repeat(3,1fr);gap:.6rem;margin:.4rem 0 1.2rem}
 		.row p,figure{margin:0} figcaption{font-size:.8rem;color:#666}
 		table{border-collapse:collapse;font-size:.9rem} td,th{padding:.15rem .7rem;text-align:right;border-bottom:1px solid #ddd}
-		.tp{color:#3a8f3a}.fp{color:#c22}.fn{color:#26c}
 		</style><h1>$title</h1><p>$intro</p>
-		<p>Left: streamed within the budget. Middle: every triangle. Right: the score of the covered pixels, with its three colours
-		for right (true positive), too much (false positive) and missing (false negative).</p>
+		<p>Left: streamed within the budget. Middle: every triangle. Right: the score of the covered pixels: light what is
+		right, orange what is too much, blue what is missing. Precision is the share of what is drawn that is right, Recall the share
+		of what should be drawn that is, Q both in one, skill what Q wins over covering everything, owner Q asks for the right plant, too.
+		1 is the full scene.</p>
 		HTML
 		for dir in "$@"; do
 			name=$(basename "$dir")
@@ -62,7 +63,8 @@ page() {
 		done
 		for picture in map sheet; do
 			if [ -f "$(dirname "$out")/$picture.png" ]; then
-				echo "<h2>$picture</h2><img src=\"$picture.png\" alt=\"$picture\">"
+				[ $picture = map ] && caption="Where everything stands (ecopack map)" || caption="Each plant with fewer and fewer vertices (ecopack sheet)"
+				echo "<h2>$caption</h2><img src=\"$picture.png\" alt=\"$picture\">"
 			fi
 		done
 		echo "<h2>Figures</h2><pre>"; jq . "$summary"; echo "</pre></html>"

@@ -53,7 +53,7 @@ jq -n --slurpfile a "$OUT/frames-300k/report.json" --slurpfile b "$OUT/frames-30
 		blends: map(select(.kind == "points" and .first > 0)) | length})}),
 	 single_plants: {q_min: ($plants[0] | map(.q_min) | min), all_add_up: ($plants[0] | all(.adds_up)), plants: $plants[0]}}' >"$OUT/summary.json"
 page "$OUT/index.html" "ecostream: a park, streamed" \
-	"About sixty plants of six kinds, streamed at 300,000 and at 30,000 vertices a picture." "$OUT/summary.json" "$OUT/frames-300k" "$OUT/frames-30k" "$OUT/near-oak" "$OUT/frames-flight"
+	"Sixty plants of twelve kinds, streamed at 300,000 and at 30,000 vertices a picture." "$OUT/summary.json" "$OUT/frames-300k" "$OUT/frames-30k" "$OUT/near-oak" "$OUT/frames-flight"
 sed -i 's|<h2>Figures|<h2>One oak from close by</h2><p>40,000 vertices: polygons green, lines red, points blue, blends of points and polygons yellow and orange.</p><img style="max-width:800px" src="near-kinds.png" alt="kinds"><h2>Figures|' "$OUT/index.html"
 echo
 frame_lines "$OUT/frames-300k"
