@@ -61,6 +61,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_report report;
 	struct view_progress progress;
 	double parts, part;
+	double under_m;                          /* how far the last eye was below the ground that was drawn; else 0 or less */
 };
 
 static volatile sig_atomic_t interrupted;
@@ -246,8 +247,21 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 			*picture = flat;
 		}
 	}
+	double ground_m;
+	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m) ? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
 	return code;
+}
+
+/* From there the ground hides what should be seen, in a plan that does not expect it: almost always a script whose heights count from the
+ * ground, not from the scene's origin. */
+static void note_under_ground(struct viewer *v, uint32_t frame)
+{
+	if (!(v->under_m > 0))
+		return;
+	view_progress_clear(&v->progress);
+	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count from the scene's origin\n", frame,
+		v->under_m);
 }
 
 static enum eco_code check_budgets(const struct view_frame *f, struct eco_error *error)
@@ -284,6 +298,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	code = draw(v, v->store, eye, v->gl == NULL, &v->picture, error);
 	if (code)
 		return code;
+	note_under_ground(v, f->frame);
 	f->vertices = v->picture.vertices;
 	f->draw_ms = v->picture.draw_ms;
 	return check_budgets(f, error);

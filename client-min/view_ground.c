@@ -75,3 +75,35 @@ uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column
 	lod_ground_corner(&column, &row, &tile->seam, &tile->x, &tile->y);
 	return (row + tile->y.before) * tile->x.count + column + tile->x.before;
 }
+
+/* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to the next; false outside. */
+static bool find_cell(const struct eco_ground_span *span, double at, uint32_t *sample, double *share)
+{
+	if (!(at >= span->low && at <= span->high))
+		return false;
+	uint32_t i = (uint32_t)((at - span->low) / span->stride), last = span->inner - 2;
+	*sample = span->before + (i < last ? i : last);
+	double low = eco_ground_span_at(span, *sample), high = eco_ground_span_at(span, *sample + 1);
+	*share = (at - low) / (high - low);
+	return true;
+}
+
+bool view_ground_height(const struct view_ground *g, double x, double y, double *height_m)
+{
+	for (uint32_t i = 0; i < g->count; i++) {
+		const struct view_ground_tile *tile = &g->tiles[i];
+		const struct eco_list *list = &tile->list->list;
+		uint32_t column, row;
+		double u, v;
+		if (!find_cell(&tile->x, (x - list->grid_origin[0]) / list->grid_step[0], &column, &u)
+			|| !find_cell(&tile->y, (y - list->grid_origin[1]) / list->grid_step[1], &row, &v))
+			continue;
+		const int32_t *south = tile->list->elements.position + 3 * ((size_t)row * tile->x.count + column) + 2;
+		const int32_t *north = south + 3 * (size_t)tile->x.count;
+		double z = u >= v ? south[0] + u * (south[3] - (double)south[0]) + v * (north[3] - (double)south[3])
+			: south[0] + v * (north[0] - (double)south[0]) + u * (north[3] - (double)north[0]);
+		*height_m = list->grid_origin[2] + z * list->grid_step[2];
+		return true;
+	}
+	return false;
+}

@@ -31,4 +31,8 @@ void view_ground_free(struct view_ground *ground);
 /* Index, in its list, of the sample drawn at a corner: column < x.inner, row < y.inner. */
 uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row);
 
+/* Height of the ground that is drawn at a place, metres; false where none is drawn. Beside a coarser tile it may be off by what the two
+ * differ. */
+bool view_ground_height(const struct view_ground *ground, double x, double y, double *height_m);
+
 #endif

@@ -62,9 +62,9 @@ static int refuse_others(scmp_filter_ctx filter)
 	scmp_datum_t self = (scmp_datum_t)getpid();
 
 	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1, SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0));
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0));
 }
 
 bool eco_guard_filter(void)

@@ -210,6 +210,35 @@ static void a_tolerance_that_is_asked_for_is_kept(void **state)
 	assert_true(last >= 1 && last < 5);
 }
 
+static void heights_of_the_drawn_ground_are_those_of_its_samples(void **state)
+{
+	struct eco_request request = request_of(200, 30, 1000);
+	struct srv_stream stream;
+	struct view_selection selection;
+	struct lod_eye eye;
+	uint32_t found = 0;
+	double z;
+	(void)state;
+	request.ground_px = ECO_GROUND_PX_MIN;
+	plan(&stream, &request, NULL);
+	struct view_store *held = receive(NULL, &stream);
+	lod_eye_make(&eye, &request.view);
+	assert_int_equal(view_select_make(&selection, held, &eye, NULL), ECO_OK);
+	for (double x = -HALF_M; x <= HALF_M; x += 25 * STEP_M)
+		for (double y = -HALF_M; y <= HALF_M; y += 31 * STEP_M)
+			if (view_ground_height(&selection.ground, x, y, &z)) {
+				found++;
+				assert_true(fabs(z - hills(x, y)) < 4);      /* far tiles are coarse */
+			}
+	assert_true(found > 100);
+	assert_true(view_ground_height(&selection.ground, 40, 20, &z) && fabs(z - hills(40, 20)) < 0.3);
+	assert_false(view_ground_height(&selection.ground, HALF_M + 1, 0, &z));
+	assert_false(view_ground_height(&selection.ground, NAN, 0, &z));
+	view_select_free(&selection);
+	view_store_free(held);
+	srv_stream_free(&stream);
+}
+
 /* ---- Pictures ---- */
 
 static void opengl_and_software_draw_the_same_ground(void **state)
@@ -263,6 +292,7 @@ int main(void)
 		cmocka_unit_test(the_same_view_has_the_same_ground_whatever_came_before),
 		cmocka_unit_test(ground_gives_way_before_plants),
 		cmocka_unit_test(a_tolerance_that_is_asked_for_is_kept),
+		cmocka_unit_test(heights_of_the_drawn_ground_are_those_of_its_samples),
 		cmocka_unit_test(opengl_and_software_draw_the_same_ground),
 	};
 	return cmocka_run_group_tests(tests, open_all, close_all);
