@@ -11,20 +11,23 @@
 #include "server/trace.h"
 #include "server/version.h"
 
+#define NAMES_SHOWN 8u
 #define DRAIN_MS 10000u
 #define DRAIN_ROUND_MS 20u
 
 static const char usage[] =
 	"usage: ecoserve [--listen HOST:PORT] [--log] [NAME=]OUT.eco ...\n"
 	"\n"
-	"Serves packs made by ecopack. Each is a scene under /v1/scenes/NAME; without NAME= it is the scene's own name, or the file's.\n"
+	"Serves packs made by ecopack. Each is a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that is\n"
+	"a word of a-z, 0-9, '_' and '-', else the file's, in small letters and with '-' for all else.\n"
 	"\n"
 	"  -l, --listen HOST:PORT  where to listen; port 0 takes any free one (" SRV_LISTEN_DEFAULT ")\n"
 	"      --log               one line a request on stderr\n"
 	"  -h, --help              this text\n"
 	"  -V, --version           the version\n"
 	"\n"
-	"Prints one line when ready. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a second one ends at once.\n"
+	"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a\n"
+	"second one ends at once.\n"
 	"ECO_TRACE=plan,cache,connection prints on stderr why things are as they are.\n"
 	"Exit status: 0 ended as asked, 1 failed, 2 wrong usage.\n";
 
@@ -71,8 +74,10 @@ static enum eco_code add_scene(struct srv_store *store, const char *argument, st
 
 static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_store *store, struct eco_error *error)
 {
-	if (printf("ecoserve: ready on %s (%u scene%s)\n", srv_daemon_url(daemon), store->count, store->count == 1 ? "" : "s") < 0
-		|| fflush(stdout))
+	bool bad = printf("ecoserve: ready on %s (%u scene%s", srv_daemon_url(daemon), store->count, store->count == 1 ? "" : "s") < 0;
+	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
+		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i].name) < 0;
+	if (printf("%s)\n", store->count > NAMES_SHOWN ? ", ..." : "") < 0 || fflush(stdout) || bad)
 		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to know");
 	return ECO_OK;
 }

@@ -88,8 +88,27 @@ enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, stru
 	return ECO_OK;
 }
 
-/* "/data/Park.eco" -> "Park"; what is not a valid name is refused later, by name. */
-static void file_stem(char stem[SRV_NAME_BYTES], const char *path)
+/* Small letters, and one dash for each run of what no name may have; all as it is where nothing would be left. */
+static void fold_name(char name[SRV_NAME_BYTES])
+{
+	char folded[SRV_NAME_BYTES];
+	size_t used = 0;
+	for (const char *at = name; *at; at++) {
+		char c = *at >= 'A' && *at <= 'Z' ? (char)(*at - 'A' + 'a') : *at;
+		bool alphanumeric = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+		if (alphanumeric || (c == '_' && used > 0))
+			folded[used++] = c;
+		else if (used > 0 && folded[used - 1] != '-')
+			folded[used++] = '-';
+	}
+	while (used > 0 && folded[used - 1] == '-')
+		used--;
+	folded[used] = '\0';
+	if (used > 0)
+		memcpy(name, folded, used + 1);
+}
+
+void srv_name_of_file(char stem[SRV_NAME_BYTES], const char *path)
 {
 	const char *base = strrchr(path, '/');
 	base = base ? base + 1 : path;
@@ -97,6 +116,8 @@ static void file_stem(char stem[SRV_NAME_BYTES], const char *path)
 	if (size > 4 && strcmp(base + size - 4, ".eco") == 0)
 		size -= 4;
 	snprintf(stem, SRV_NAME_BYTES, "%.*s", (int)(size < SRV_NAME_BYTES ? size : SRV_NAME_BYTES - 1), base);
+	if (!srv_name_valid(stem))
+		fold_name(stem);
 }
 
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error)
@@ -114,7 +135,7 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 	else if (srv_name_valid(pack->scene.name))
 		snprintf(chosen, sizeof chosen, "%s", pack->scene.name);
 	else
-		file_stem(chosen, path);
+		srv_name_of_file(chosen, path);
 	return srv_store_add_pack(store, chosen, pack, error);
 }
 

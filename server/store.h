@@ -36,14 +36,15 @@ struct srv_store { struct srv_scene *scenes; uint32_t count; };
 void srv_store_init(struct srv_store *store);
 void srv_store_free(struct srv_store *store);            /* responses must have been dropped (server/answer.h) */
 
-/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else the file's stem. Names are
- * [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
+/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error);
 /* The same with an open pack, which the store owns from then on, also on failure. */
 enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error);
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name);       /* or NULL */
 bool srv_name_valid(const char *name);
+/* "/data/Parque Eduardo VII.eco" -> "parque-eduardo-vii". Not a valid name where the file's has no letter or digit that one may have. */
+void srv_name_of_file(char name[SRV_NAME_BYTES], const char *path);
 
 /* A chunk with this id, or ECO_NONE. Chunks of equal content share an id; any of them is returned. */
 uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id);

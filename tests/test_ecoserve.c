@@ -125,7 +125,7 @@ static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
 	for (int which = 0; which < 2; which++) {
 		struct process process = spawn(arguments);
 		uint16_t port = wait_ready(&process, line);
-		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes)\n", port);
+		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes named a, b)\n", port);
 		assert_string_equal(line, expected);
 		struct http_answer answer = http_get(port, "/v1/scenes/b");
 		assert_int_equal(answer.status, 200);
@@ -152,7 +152,7 @@ static void ipv6_is_served_where_there_is_some(void **state)
 		skip();                  /* a machine without IPv6 */
 	assert_int_equal(status, 0);
 	assert_true(strncmp(line, "ecoserve: ready on http://[::1]:", 32) == 0);
-	assert_non_null(strstr(line, "(1 scene)"));
+	assert_non_null(strstr(line, "(1 scene named "));
 }
 
 static void a_client_that_leaves_does_no_harm(void **state)

@@ -677,6 +677,24 @@ static void a_taken_port_is_named(void **state)
 	}
 }
 
+static void files_give_names_that_can_be_asked_for(void **state)
+{
+	static const struct { const char *path, *name; bool valid; } rows[] = {
+		{ "/data/park.eco", "park", true }, { "park", "park", true }, { "a--b_.eco", "a--b_", true }, { "x.y/Park.ECO", "park-eco", true },
+		{ "Parque Eduardo VII.eco", "parque-eduardo-vii", true }, { "__ (2) .eco", "2", true }, { "\xc3\xa1rvores.eco", "rvores", true },
+		{ "\xc3\x81.eco", "\xc3\x81", false }, { ".eco", "eco", true }, { "dir/", "", false },
+		{ "0123456789012345678901234567890123456789012345678901234567890123456789.eco",
+			"012345678901234567890123456789012345678901234567890123456789012", true },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char name[SRV_NAME_BYTES];
+		srv_name_of_file(name, rows[i].path);
+		assert_string_equal(name, rows[i].name);
+		assert_int_equal(srv_name_valid(name), rows[i].valid);
+	}
+}
+
 static void scenes_are_named_and_checked(void **state)
 {
 	struct srv_store other;
@@ -724,6 +742,7 @@ int main(void)
 		cmocka_unit_test(stopping_refuses_new_requests_and_ends),
 		cmocka_unit_test(stopping_while_planning_is_clean),
 		cmocka_unit_test(a_taken_port_is_named),
+		cmocka_unit_test(files_give_names_that_can_be_asked_for),
 		cmocka_unit_test(scenes_are_named_and_checked),
 	};
 	return cmocka_run_group_tests(tests, start, stop);
