@@ -198,6 +198,13 @@ void view_fetch_free(struct view_fetch *fetch)
 
 /* ---- One request ---- */
 
+/* What is neither a stream nor a problem comes from some other server, or from one in between. */
+static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code, const char *type, struct eco_error *error)
+{
+	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME",
+		fetch->options.url, fetch->result->status, type ? " with " : "", type ? type : "");
+}
+
 static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 {
 	long status = fetch->result->status;
@@ -205,8 +212,10 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 	const char *title = json_string_value(json_object_get(root, "title"));
 	const char *detail = json_string_value(json_object_get(root, "detail"));
 	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
-	eco_fail(error, code, "%s: the server answered %ld%s%s%s%s", fetch->options.url, status, title ? ": " : "", title ? title : "",
-		detail ? ": " : "", detail ? detail : "");
+	if (title)
+		eco_fail(error, code, "%s: the server answered %ld: %s%s%s", fetch->options.url, status, title, detail ? ": " : "", detail ? detail : "");
+	else
+		stranger(fetch, code, NULL, error);
 	json_decref(root);
 	return code;
 }
@@ -217,8 +226,12 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (fetch->stalled)
 		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url, fetch->options.stall_ms / 1000);
+	const char *type = NULL;
+	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_TYPE, &type);
+	if (fetch->result->status == 200 && type && strncasecmp(type, "application/octet-stream", 24) != 0)
+		return stranger(fetch, ECO_BAD_INPUT, type, error);
 	if (fetch->stream_error.code)
-		return eco_fail(error, fetch->stream_error.code, "%s", fetch->stream_error.text);
+		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url, fetch->stream_error.text);
 	if (rc && !(rc == CURLE_WRITE_ERROR && fetch->result->status >= 400))
 		return eco_fail(error, ECO_IO, "%s: %s", fetch->options.url, fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc));
 	if (fetch->result->status == 204) {

@@ -36,7 +36,7 @@ static const char *other_kind(const struct eco_json_file *file)
 	static const struct { const char *start, *says; } kinds[] = {
 		{ "\xff\xfe", "the text is UTF-16; save it as UTF-8" },
 		{ "\xfe\xff", "the text is UTF-16; save it as UTF-8" },
-		{ "ECOPACK", "this is a pack; name the JSON file that it was made from" },
+		{ "ECOPACK", "this is a pack, not a JSON file" },
 	};
 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

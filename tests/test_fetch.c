@@ -15,6 +15,8 @@
 #include "client-min/view_fetch.h"
 #include "tests/view_scene.h"
 
+#define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
+
 static struct view_scene scene;
 
 struct server {
@@ -154,8 +156,9 @@ static void problems_become_readable_errors(void **state)
 		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no scene 'test'\"}", ECO_NOT_FOUND,
 			"the server answered 404: No such scene: there is no scene 'test'" },
 		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT, "the server answered 400: Bad view" },
-		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" },
-		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT, "the server answered 302" },
+		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" STRANGER },
+		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT, "the server answered 200 with text/html" STRANGER },
+		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT, "the server answered 302" STRANGER },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct server s;
