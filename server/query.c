@@ -124,7 +124,7 @@ void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id)
 static enum eco_code parse_row(struct srv_query *query, const struct param_row *row, const char *text, struct eco_error *error)
 {
 	void *field = (char *)query + row->offset;
-	uint64_t count;
+	uint64_t count, least;
 	switch (row->kind) {
 	case PARAM_POINT:
 		if (!parse_point(text, field))
@@ -136,9 +136,10 @@ static enum eco_code parse_row(struct srv_query *query, const struct param_row *
 		return ECO_OK;
 	case PARAM_SIZE:
 	case PARAM_COUNT:
-		if (!srv_parse_count(text, &count) || count > row->max)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a whole number from 0 to %llu", row->name, text,
-				(unsigned long long)row->max);
+		least = row->kind == PARAM_SIZE;
+		if (!srv_parse_count(text, &count) || count < least || count > row->max)
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a whole number from %llu to %llu", row->name, text,
+				(unsigned long long)least, (unsigned long long)row->max);
 		if (row->kind == PARAM_SIZE)
 			*(uint32_t *)field = (uint32_t)count;
 		else

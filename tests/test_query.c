@@ -160,7 +160,7 @@ static void bad_queries_name_the_parameter(void **state)
 		{ VIEW "&pack=00", "'pack'" }, { VIEW "&pack=00112233445566778899AABBCCDDEEFF", "'pack'" },
 		{ "eye=1,2,3&target=1,2,3&width=800&height=600&vertices=1000", "target" },
 		{ "eye=1e13,2,3&target=1,2,3&width=800&height=600&vertices=1000", "eye" },
-		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000", "width" },
+		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000", "'width': '0' is not a whole number from 1 to 16384" },
 		{ "eye=1,2,3&target=4,5,6&width=16385&height=600&vertices=1000", "'width'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
