@@ -18,6 +18,8 @@
 /* Reference triangles that a software renderer may be given for the coloured picture of a reference. */
 #define COLORED_VERTICES_MAX ((uint64_t)3 * 60000000)
 
+#define PATIENCE_MS 60000                /* with a server that has too much to do */
+
 static const char usage[] =
 	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--ground-px X] [--reference[=cpu|egl]] -o DIR\n"
 	"\n"
@@ -411,7 +413,7 @@ static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
 	const struct options *o = &v->options;
-	struct view_fetch_options fetch = { .url = o->url, .stop = &interrupted };
+	struct view_fetch_options fetch = { .url = o->url, .patience_ms = PATIENCE_MS, .stop = &interrupted };
 	struct view_store_options store = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)

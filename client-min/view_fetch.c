@@ -6,9 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 #define PROBLEM_MAX 16384u
+#define RETRY_MIN_MS 100.0
+#define RETRY_MAX_S 30.0
 
 struct view_fetch {
 	struct view_fetch_options options;
@@ -77,11 +80,25 @@ double view_fetch_plan_ms(const char *value, size_t size)
 
 /* ---- curl's callbacks ---- */
 
+/* Retry-After in seconds, within reason; dates are not understood. */
+static double retry_ms(const char *value, size_t size)
+{
+	char text[32];
+	if (size >= sizeof text)
+		return 0;
+	memcpy(text, value, size);
+	text[size] = '\0';
+	double s = strtod(text, NULL);
+	return s >= 0 && s <= RETRY_MAX_S ? fmax(s * 1e3, RETRY_MIN_MS) : 0;
+}
+
 static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
 {
-	static const char name[] = "Server-Timing:";
+	static const char name[] = "Server-Timing:", retry[] = "Retry-After:";
 	struct view_fetch *fetch = ctx;
 	size *= one;
+	if (size > sizeof retry && strncasecmp(bytes, retry, sizeof retry - 1) == 0)
+		fetch->result->retry_ms = retry_ms(bytes + sizeof retry - 1, size - (sizeof retry - 1));
 	if (size > sizeof name && strncasecmp(bytes, name, sizeof name - 1) == 0) {
 		const char *value = bytes + sizeof name - 1;
 		double ms = view_fetch_plan_ms(value, size - (sizeof name - 1));
@@ -261,11 +278,10 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	return outcome(fetch, rc, error);
 }
 
-enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
-	struct view_fetch_result *result, struct eco_error *error)
+static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
+	struct eco_error *error)
 {
-	*result = (struct view_fetch_result){ .plan_ms = NAN };
-	fetch->result = result;
+	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN };
 	fetch->problem_size = 0;
 	fetch->stopped = fetch->stalled = false;
 	fetch->stream_error = (struct eco_error){ 0 };
@@ -287,4 +303,28 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 	}
 	eco_writer_free(&body);
 	return code;
+}
+
+static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
+{
+	double end = view_clock_ms() + fetch->result->retry_ms;
+	if (fetch->result->status != 503 || !(fetch->result->retry_ms > 0) || end > until_ms)
+		return false;
+	while (view_clock_ms() < end && !(fetch->options.stop && *fetch->options.stop))
+		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
+	return true;
+}
+
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
+	struct view_fetch_result *result, struct eco_error *error)
+{
+	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
+	fetch->result = result;
+	for (;;) {
+		struct eco_error one = { 0 };
+		enum eco_code code = attempt(fetch, store, request, &one);
+		if (code && wait_for_retry(fetch, until_ms))
+			continue;
+		return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
+	}
 }

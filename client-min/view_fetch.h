@@ -19,6 +19,7 @@ struct view_fetch_options {
 	const char *url;                         /* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
 	uint64_t body_max;                       /* 0: 16 GiB */
 	long connect_ms, stall_ms;               /* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
+	long patience_ms;                        /* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
@@ -26,6 +27,7 @@ struct view_fetch_result {
 	long status;                             /* HTTP; 0 if there was none */
 	bool nothing;                            /* 204: no valid stream fits the budget; the store holds no plan */
 	uint64_t bytes;                          /* of the response body */
+	double retry_ms;                         /* when a server that is busy wants to be asked again; 0 if it did not say */
 	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
 	double first_byte_ms, stream_ms;         /* from asking to the first byte and to the last, decoding included */
 };

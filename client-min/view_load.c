@@ -131,7 +131,7 @@ static void one_request(struct client *c, uint32_t frame)
 		note(&c->report, error.text);
 		if (restart(c, NULL))
 			return;
-		pause_ms(50);
+		pause_ms(result.retry_ms > 50 ? (long)result.retry_ms : 50);
 		return;
 	}
 	add_time(&c->report.latency, result.stream_ms);

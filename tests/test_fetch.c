@@ -23,6 +23,7 @@ struct server {
 	int listener;
 	uint16_t port;
 	const char *head;                /* status line and headers, without Content-Length */
+	uint32_t busy;                   /* so many requests are answered with 503 before */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
@@ -34,12 +35,23 @@ static size_t content_length(const char *text)
 	return at ? strtoul(at + 15, NULL, 10) : 0;
 }
 
+static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+
 /* Reads one request whole, sends the answer, closes. */
 static void *serve(void *ctx)
 {
 	struct server *s = ctx;
-	int c = accept(s->listener, NULL, NULL);
 	char head[512], *end = NULL;
+	for (uint32_t i = 0; i < s->busy; i++) {
+		int refused = accept(s->listener, NULL, NULL);
+		assert_true(recv(refused, head, sizeof head, 0) > 0);
+		send(refused, busy_answer, sizeof busy_answer - 1, MSG_NOSIGNAL);
+		shutdown(refused, SHUT_WR);
+		while (recv(refused, head, sizeof head, 0) > 0)
+			continue;
+		close(refused);
+	}
+	int c = accept(s->listener, NULL, NULL);
 	while (!end || s->heard_size < (size_t)(end + 4 - s->heard) + content_length(s->heard)) {
 		ssize_t n = recv(c, s->heard + s->heard_size, sizeof s->heard - 1 - s->heard_size, 0);
 		if (n <= 0)
@@ -61,17 +73,22 @@ static void *serve(void *ctx)
 	return NULL;
 }
 
-static void start(struct server *s, const char *head, const void *body, size_t size, size_t declared)
+static void start_busy(struct server *s, uint32_t busy, const char *head, const void *body, size_t size, size_t declared)
 {
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t length = sizeof at;
-	*s = (struct server){ .head = head, .body = body, .size = size, .declared = declared };
+	*s = (struct server){ .head = head, .busy = busy, .body = body, .size = size, .declared = declared };
 	s->listener = socket(AF_INET, SOCK_STREAM, 0);
 	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
 	assert_int_equal(listen(s->listener, 4), 0);
 	getsockname(s->listener, (struct sockaddr *)&at, &length);
 	s->port = ntohs(at.sin_port);
 	assert_int_equal(pthread_create(&s->thread, NULL, serve, s), 0);
+}
+
+static void start(struct server *s, const char *head, const void *body, size_t size, size_t declared)
+{
+	start_busy(s, 0, head, body, size, declared);
 }
 
 static void stop(struct server *s)
@@ -87,7 +104,7 @@ static enum eco_code ask(struct server *s, struct view_store *store, uint64_t bo
 	struct view_fetch *fetch;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
-	struct view_fetch_options options = { .url = url, .body_max = body_max };
+	struct view_fetch_options options = { .url = url, .body_max = body_max, .patience_ms = s->busy ? 20000 : 0 };
 	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
 	enum eco_code code = view_fetch_stream(fetch, store, &request, result, error);
 	view_fetch_free(fetch);
@@ -172,6 +189,28 @@ static void problems_become_readable_errors(void **state)
 		assert_string_equal(strstr(says, ": ") + 2, rows[i].text);
 		view_store_free(store);
 	}
+}
+
+static void a_busy_server_is_asked_again(void **state)
+{
+	(void)state;
+	struct server s;
+	struct eco_plan plan;
+	struct eco_writer w;
+	struct view_fetch_result result;
+	struct eco_error error = { 0 };
+	struct view_store *store = new_store();
+	good_stream(&plan, &w);
+	start_busy(&s, 3, ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	assert_int_equal(error.code, ECO_OK);
+	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices == plan.vertices);
+	start(&s, "HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
+	assert_true(result.status == 503 && result.retry_ms == 2000);
+	view_store_free(store);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
 }
 
 static void huge_problem_does_not_fill_memory(void **state)
@@ -259,7 +298,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(stream_arrives_in_pieces), cmocka_unit_test(nothing_fits_is_no_failure),
-		cmocka_unit_test(problems_become_readable_errors), cmocka_unit_test(huge_problem_does_not_fill_memory),
+		cmocka_unit_test(problems_become_readable_errors), cmocka_unit_test(a_busy_server_is_asked_again), cmocka_unit_test(huge_problem_does_not_fill_memory),
 		cmocka_unit_test(cut_or_damaged_streams_are_refused), cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
