@@ -1,385 +1,10 @@
-/* What things gain and cost: see lod/market.h. */
+/* What is bought at a price: see lod/market.h. */
 #include "lod/market.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "lod/ladder.h"
-
-#define PI 3.14159265358979323846
-#define BLOCK 4096u              /* amounts taken from memory at once */
 #define GIVING_WAY 0.07          /* tiles are open in part where choices differ by less than this, of what they gain */
-#define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
-#define SMOOTH_BANDS 3           /* on either side, ...*/
-#define SMOOTH_PLANTS 40.0       /* ... where there are fewer plants than this */
 #define LAST_PRICE 1e-200        /* of what is bought only where nothing else is left to buy */
-#define HIDDEN_WOOD 0.1          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
-
-/* ---- Room ---- */
-
-static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
-{
-	if (m->block_count == 0 || m->block_used + count > BLOCK) {
-		if (m->block_count == m->block_capacity) {
-			uint32_t wanted = m->block_capacity ? 2 * m->block_capacity : 16;
-			struct lod_amount **bigger = realloc(m->blocks, wanted * sizeof *bigger);
-			if (!bigger)
-				return NULL;
-			m->blocks = bigger;
-			m->block_capacity = wanted;
-		}
-		if (!(m->blocks[m->block_count] = malloc(BLOCK * sizeof **m->blocks)))
-			return NULL;
-		m->block_count++;
-		m->block_used = 0;
-	}
-	return m->blocks[m->block_count - 1] + m->block_used;
-}
-
-static uint32_t extra_of(double bare, double seen)
-{
-	double part = seen > 0 ? bare / seen : 0;
-	return (uint32_t)((part < 1 ? part : 1) * (LOD_EXTRAS - 1) + 0.5);
-}
-
-static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
-{
-	if (m->offer_count == m->offer_capacity) {
-		uint32_t wanted = m->offer_capacity ? 2 * m->offer_capacity : 1024;
-		struct lod_offer *bigger = realloc(m->offers, wanted * sizeof *bigger);
-		if (!bigger)
-			return false;
-		m->offers = bigger;
-		m->offer_capacity = wanted;
-	}
-	m->offers[m->offer_count++] = *offer;
-	m->p->candidates += offer->steps->count - 1;
-	return true;
-}
-
-/* ---- Worth ---- */
-
-/* Pixels that one plant's organ would cover at full detail if nothing were before it: random leaves on an ellipse. Wood shows where leaves
- * let it. Only the ratios of a plant's organs and cells matter: how much of all of it is seen is known from the screen. */
-static double organ_pixels(const struct lod_market *m, const struct eco_ladder *ladder, uint8_t band)
-{
-	const struct lod_planning *p = m->p;
-	const struct eco_plant *plant = &p->scene->plants[ladder->plant];
-	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
-	struct lod_body body = { .area = ladder->area, .crown_across = anchor->radius, .crown_up = anchor->radius };
-	if (ladder->anchor == plant->anchor_first) {
-		body = lod_tables_bodies(p->tables)[ladder->plant];
-		body.area = ladder->area;
-	}
-	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
-	double pixels = lod_body_opacity(&body) * PI * body.crown_across * body.crown_up * px * px;
-	if (ladder->organ != ECO_ORGAN_WOOD)
-		return pixels;
-	body = lod_tables_bodies(p->tables)[ladder->plant];
-	body.area = fmax(0, plant->area - 2 * (double)ladder->area);
-	return pixels * fmax(HIDDEN_WOOD, 1 - lod_body_opacity(&body));
-}
-
-static double importance_of(const struct eco_ladder *ladder)
-{
-	return ladder->importance > 0 ? ladder->importance : 1;
-}
-
-/* Of everything at the slot's anchor. Of a cell, what the plant's own list does not draw already. */
-static double anchor_pixels(const struct lod_market *m, const struct lod_slot *slot)
-{
-	uint32_t count;
-	const uint32_t *ladders = lod_tables_anchor(m->p->tables, slot->anchor, &count);
-	double sum = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
-		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
-		sum += rest * organ_pixels(m, ladder, slot->band);
-	}
-	return sum;
-}
-
-static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double worth)
-{
-	const struct eco_scene *scene = m->p->scene;
-	const struct lod_slot *slot = &m->p->visible.slots[s];
-	const struct eco_ladder *ladder = &scene->ladders[id];
-	const struct lod_tables_ladder *table = lod_tables_ladder(m->p->tables, id);
-	if (!table)
-		return false;
-	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = &table->steps[0][m->lots[s].extra] };
-	offer.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
-	if (!add_offer(m, &offer))
-		return false;
-	if (offer.when == LOD_ALWAYS || ladder->flags & ECO_LADDER_FAR)
-		return true;
-	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
-	offer.when = LOD_NEAR;
-	offer.steps = &table->steps[1][m->lots[s].extra];
-	offer.worth = worth * lod_way_density(&table->way, table->way.full);
-	return add_offer(m, &offer);
-}
-
-static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error *error)
-{
-	const struct eco_scene *scene = m->p->scene;
-	const struct lod_slot *slot = &m->p->visible.slots[s];
-	struct lod_lot *lot = &m->lots[s];
-	double all = anchor_pixels(m, slot);
-	uint32_t count;
-	const uint32_t *ladders = lod_tables_anchor(m->p->tables, slot->anchor, &count);
-	bool good = true;
-	lot->extra = extra_of(lot->bare, lot->seen);
-	lot->offer_first = m->offer_count;
-	for (uint32_t i = 0; good && i < count; i++) {
-		uint32_t id = ladders[i];
-		const struct eco_ladder *ladder = &scene->ladders[id];
-		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
-		double part = all > 0 ? rest * organ_pixels(m, ladder, slot->band) / all : 0;
-		good = add_offers(m, s, id, part * lot->seen * importance_of(ladder));
-	}
-	lot->offer_count = m->offer_count - lot->offer_first;
-	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
-		const struct lod_amount *none = &m->offers[i].steps->amounts[0];
-		double wrong = m->offers[i].worth * lod_steps_error(m->offers[i].steps, none);
-		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
-		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
-		lot->own += m->offers[i].when == LOD_NEAR ? m->offers[i].worth / importance_of(&scene->ladders[m->offers[i].ladder]) : 0;
-	}
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->offer_count);
-}
-
-/* ---- What is seen ---- */
-
-static double seen_pixels(const struct lod_sight *sight)
-{
-	return (double)sight->share * sight->pixels;
-}
-
-static double bare_pixels(const struct lod_sight *sight)
-{
-	return (double)sight->bare * sight->pixels;
-}
-
-static uint32_t whole_slot(const struct lod_market *m, uint32_t plant, uint8_t band)
-{
-	return m->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
-}
-
-/* What is seen of a plant in the mean of its slot. Of a few plants the mean jumps as one more of them crosses a border or is hidden; so those of
- * the bands around it count, too, as if they were at its distance, the less the more it has of its own. Sums are in `own` and `parts`,
- * numbers in m->scratch. */
-static void smooth_plants(struct lod_market *m)
-{
-	const struct lod_visible *visible = &m->p->visible;
-	for (uint32_t s = 0; s < visible->slot_count; s++) {
-		const struct lod_slot *slot = &visible->slots[s];
-		double own = m->scratch[s], seen = 0, bare = 0, sum = 0, nominal = lod_band_distance_m(slot->band);
-		for (int k = -SMOOTH_BANDS; !slot->cell && k <= SMOOTH_BANDS; k++) {
-			int band = (int)slot->band + k;
-			uint32_t t = band < 0 || band >= (int)ECO_BANDS ? ECO_NONE : whole_slot(m, slot->plant, (uint8_t)band);
-			if (t == ECO_NONE || !(m->scratch[t] > 0))
-				continue;
-			double far = lod_band_distance_m((uint8_t)band) / nominal, weight = k == 0 ? 1 : fmin(1, SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
-			seen += weight * far * far * m->lots[t].own;
-			bare += weight * far * far * m->lots[t].parts;
-			sum += weight * m->scratch[t];
-		}
-		m->lots[s].seen = own > 0 ? seen / sum : 0;
-		m->lots[s].bare = own > 0 ? bare / sum : 0;
-	}
-	for (uint32_t s = 0; s < visible->slot_count; s++)
-		m->lots[s].own = m->lots[s].parts = 0;
-}
-
-static void see_plants(struct lod_market *m)
-{
-	struct lod_planning *p = m->p;
-	double *counts = m->scratch;
-	memset(counts, 0, p->visible.slot_count * sizeof *counts);
-	for (uint32_t i = 0; i < p->screen.count; i++) {
-		const struct lod_sight *sight = &p->screen.sights[i];
-		if (sight->slot == ECO_NONE || !m->stalls[sight->node].open)
-			continue;
-		m->lots[sight->slot].own += seen_pixels(sight);
-		m->lots[sight->slot].parts += bare_pixels(sight);
-		counts[sight->slot] += 1;
-	}
-	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
-		const struct lod_slot *slot = &p->visible.slots[s];
-		if (!slot->cell)
-			m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
-	}
-	smooth_plants(m);
-}
-
-
-typedef void (*cell_fn)(struct lod_market *m, const struct lod_tally *tally, struct lod_lot *cell, struct lod_lot *whole);
-
-static void each_cell(struct lod_market *m, cell_fn fn)
-{
-	const struct lod_visible *visible = &m->p->visible;
-	for (uint32_t n = 0; n < visible->node_count; n++) {
-		const struct lod_node *node = &visible->nodes[n];
-		for (uint32_t i = 0; m->stalls[n].open && i < node->tally_count; i++) {
-			const struct lod_tally *t = &node->tallies[i];
-			const struct lod_slot *slot = &visible->slots[t->slot];
-			if (slot->cell)
-				fn(m, t, &m->lots[t->slot], &m->lots[whole_slot(m, slot->plant, t->whole_band)]);
-		}
-	}
-}
-
-static void sum_parts(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
-{
-	(void)m;
-	whole->parts += t->count * cell->parts;
-}
-
-static void see_cell(struct lod_market *m, const struct lod_tally *t, struct lod_lot *cell, struct lod_lot *whole)
-{
-	double rest = fmax(0, whole->seen - whole->own) * (double)m->counts[whole - m->lots];
-	double part = whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
-	cell->seen += part;
-	cell->bare += whole->seen > 0 ? part * whole->bare / whole->seen : 0;
-	m->scratch[t->slot] += t->count;
-}
-
-/* What is seen of plants and not their own lists' is seen of their cells, in proportion to what these would cover. */
-static void see_cells(struct lod_market *m)
-{
-	const struct lod_visible *visible = &m->p->visible;
-	memset(m->scratch, 0, visible->slot_count * sizeof *m->scratch);
-	for (uint32_t s = 0; s < visible->slot_count; s++)
-		if (visible->slots[s].cell)
-			m->lots[s].parts = anchor_pixels(m, &visible->slots[s]);
-	each_cell(m, sum_parts);
-	each_cell(m, see_cell);
-	for (uint32_t s = 0; s < visible->slot_count; s++)
-		if (visible->slots[s].cell && m->scratch[s] > 0) {
-			m->lots[s].seen /= m->scratch[s];
-			m->lots[s].bare /= m->scratch[s];
-		}
-}
-
-/* ---- Tiles ---- */
-
-/* A tile that is not opened is seen as one body; its plants are taken to be as dense as the scene's are in the mean. */
-static void measure_closed(struct lod_market *m, const struct lod_sight *sight, struct lod_stall *stall)
-{
-	const struct lod_planning *p = m->p;
-	const struct lod_node *node = &p->visible.nodes[sight->node];
-	double ratio = lod_tables_ellipse(p->tables), px = 1 / ((double)sight->depth * p->visible.eye.pixel_rad);
-	stall->worth = seen_pixels(sight);
-	stall->bare = bare_pixels(sight);
-	stall->plants += (double)p->scene->tiles[node->tile].instance_count;
-	stall->look.box += ratio * node->area * px * px;
-	stall->look.covered += ratio * node->area * px * px * sight->opacity;
-}
-
-/* What a summary is to cover of a plant. Between leaves at random and along twigs: taken for as thin as a picture shows them, summaries seem too wide
- * in closed forests, where gaps lead to other plants; taken as random, they seem good near by, where they fill all gaps. */
-static double summed_pixels(const struct lod_sight *sight)
-{
-	return 0.5 * ((double)sight->opacity + sight->shown) * (double)sight->ellipse;
-}
-
-static void measure_stalls(struct lod_market *m)
-{
-	const struct lod_planning *p = m->p;
-	for (uint32_t i = 0; i < p->screen.count; i++) {
-		const struct lod_sight *sight = &p->screen.sights[i];
-		struct lod_stall *stall = &m->stalls[sight->node];
-		if (sight->slot == ECO_NONE) {
-			measure_closed(m, sight, stall);
-			continue;
-		}
-		if (!stall->open)
-			continue;
-		stall->look.covered += summed_pixels(sight);
-		stall->look.box += sight->ellipse;
-		stall->plants += 1;
-		stall->factor += seen_pixels(sight);
-		stall->bare += bare_pixels(sight);
-		stall->even += m->lots[sight->slot].seen;
-	}
-}
-
-static bool price_summary(struct lod_market *m, uint32_t n)
-{
-	struct lod_planning *p = m->p;
-	const struct lod_node *node = &p->visible.nodes[n];
-	struct lod_stall *stall = &m->stalls[n];
-	uint32_t list = p->scene->tiles[node->tile].summary;
-	double center[3], from_eye[3], across, up, square = 0;
-	lod_visible_box(&p->visible, node, center, &across, &up);
-	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, ... */
-	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0
-		&& node->distance > fmax(across, up);        /* ... but where the farthest are less than three times as far away as the nearest */
-	if (!stall->summary)
-		return true;
-	for (int i = 0; i < 3; i++) {
-		from_eye[i] = center[i] - p->visible.eye.at[i];
-		square += from_eye[i] * from_eye[i];
-	}
-	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
-	/* its points are those of all its plants, in view or not */
-	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > stall->plants ? stall->plants / all : 1;
-	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = stall->look.covered, .box = stall->look.box,
-		.plants = stall->plants, .points = p->scene->lists[list].primitive_count };
-	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
-	look.wide = 2 * across * px;
-	look.high = 2 * lod_tilt_height(&tilt, across, up) * px;
-	struct lod_amount *amounts = take_amounts(m, 40);
-	if (!amounts)
-		return false;
-	stall->steps = (struct lod_steps){ amounts, 1, fmin(1, stall->bare / stall->worth) };
-	amounts[0] = (struct lod_amount){ .fn = 1 };
-	int halvings = 0;
-	while (halvings < 32 && (uint64_t)look.points >> (halvings + 1))
-		halvings++;
-	for (int k = halvings; k >= 0; k--) {
-		uint64_t points = (uint64_t)look.points >> k;
-		struct eco_curve curve = lod_summary_curve(&look, part * (double)points);
-		amounts[stall->steps.count++] = (struct lod_amount){ .vertices = points, .fp = curve.fp, .fn = curve.fn };
-	}
-	p->candidates += stall->steps.count - 1;
-	p->gains += stall->steps.count - 1;
-	lod_steps_hull(&stall->steps);
-	m->block_used += stall->steps.count;
-	return true;
-}
-
-/* Children follow their parents: backwards, each is done before it is added up. */
-static enum eco_code make_stalls(struct lod_market *m, struct eco_error *error)
-{
-	const struct lod_visible *visible = &m->p->visible;
-	measure_stalls(m);
-	for (uint32_t n = visible->node_count; n-- > 0;) {
-		const struct lod_node *node = &visible->nodes[n];
-		struct lod_stall *stall = &m->stalls[n];
-		if (node->state == LOD_CLOSED)
-			continue;
-		stall->factor = stall->even > 0 ? stall->factor / stall->even : 1;
-		for (uint32_t i = 0; stall->open && i < node->tally_count; i++) {
-			const struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
-			if (!slot->cell)
-				stall->worth += stall->factor * node->tallies[i].count * m->lots[node->tallies[i].slot].worth[0];
-		}
-		for (uint32_t c = 0; stall->open && c < node->child_count; c++) {
-			const struct lod_stall *child = &m->stalls[node->child_first + c];
-			stall->worth += child->worth;
-			stall->bare += child->bare;
-			stall->look.covered += child->look.covered;
-			stall->look.box += child->look.box;
-			stall->plants += child->plants;
-		}
-		if (!price_summary(m, n))
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles", visible->node_count);
-	}
-	return ECO_OK;
-}
 
 /* ---- At a price ---- */
 
@@ -433,12 +58,12 @@ static void sum_cells(struct lod_market *m, const struct lod_tally *t, struct lo
 static void price_gates(struct lod_market *m)
 {
 	struct lod_planning *p = m->p;
-	each_cell(m, sum_cells);
+	lod_market_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
 		double sum = 0, least = 0;
 		p->gates[plant] = 0;
 		for (uint32_t band = 0; band < m->gates_most[plant]; band++) {
-			uint32_t s = whole_slot(m, plant, (uint8_t)band);
+			uint32_t s = lod_market_whole(m, plant, (uint8_t)band);
 			if (s == ECO_NONE)
 				continue;
 			const struct lod_lot *lot = &m->lots[s];
@@ -471,10 +96,9 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 	return sum;
 }
 
-/* How far a tile is open that draws `fine` instead of its summary. */
-static double open_share(const struct lod_market *m, const struct lod_stall *stall, const struct lod_cost *fine)
+/* How far a tile is open whose plants and children save so much, and its summary so much. */
+static double open_share(const struct lod_market *m, const struct lod_stall *stall, double plants, double summary)
 {
-	double plants = stall->worth - paid(fine, 1, m->price), summary = stall->worth - paid(&stall->cost, 1, m->price);
 	if (!stall->summary || m->price <= 0)
 		return 1;
 	if (stall->held != LOD_HELD_NOT)
@@ -496,31 +120,49 @@ static void mix(struct lod_stall *stall, const struct lod_cost *fine)
 	stall->cost.vertices = s * fine->vertices + points * stall->cost.vertices;
 }
 
+/* What the summary comes to at the price; false where that need not be known: the tile draws its plants and children alone, as they save
+ * `plants`. */
+static bool price_summary(struct lod_market *m, struct lod_stall *stall, double plants)
+{
+	struct lod_points *points = &stall->points;
+	double price = m->price / stall->worth;
+	m->p->looks++;
+	do {
+		if (stall->open && open_share(m, stall, plants, stall->worth * lod_points_most(points, price)) >= 1)
+			return false;
+	} while (lod_points_step(points, price));
+	stall->position = lod_steps_position(&points->steps, price, 0);
+	buy(&stall->cost, &points->steps, stall->worth, stall->position);
+	stall->cost.fp *= points->steps.extra;
+	return true;
+}
+
+static struct lod_cost fine_cost(const struct lod_market *m, uint32_t n)
+{
+	const struct lod_node *node = &m->p->visible.nodes[n];
+	struct lod_cost fine = plants_cost(m, n);
+	for (uint32_t c = 0; c < node->child_count; c++)
+		add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1, 1);
+	return fine;
+}
+
+/* Children follow their parents. */
 static void price_stalls(struct lod_market *m)
 {
-	const struct lod_visible *visible = &m->p->visible;
-	for (uint32_t n = visible->node_count; n-- > 0;) {
-		const struct lod_node *node = &visible->nodes[n];
+	for (uint32_t n = m->p->visible.node_count; n-- > 0;) {
 		struct lod_stall *stall = &m->stalls[n];
+		struct lod_cost fine = stall->open ? fine_cost(m, n) : (struct lod_cost){ .fn = stall->worth };
+		double plants = stall->worth - paid(&fine, 1, m->price);
 		stall->cost = (struct lod_cost){ 0 };
-		stall->opened = false;
-		stall->share = 0;
-		if (stall->summary) {
-			m->p->looks++;
-			stall->position = lod_steps_position(&stall->steps, m->price / stall->worth, stall->position);
-			buy(&stall->cost, &stall->steps, stall->worth, stall->position);
-			stall->cost.fp *= stall->steps.extra;
-		} else {
+		stall->position = 0;
+		if (!stall->summary)
 			stall->cost.fn = stall->worth;
-		}
-		if (!stall->open)
-			continue;
-		struct lod_cost fine = plants_cost(m, n);
-		for (uint32_t c = 0; c < node->child_count; c++)
-			add_cost(&fine, &m->stalls[node->child_first + c].cost, 1, 1, 1);
-		stall->share = open_share(m, stall, &fine);
+		stall->share = stall->open;
+		if (stall->summary && price_summary(m, stall, plants) && stall->open)
+			stall->share = open_share(m, stall, plants, stall->worth - paid(&stall->cost, 1, m->price));
 		stall->opened = stall->share >= 0.5;
-		mix(stall, &fine);
+		if (stall->open)
+			mix(stall, &fine);
 	}
 }
 
@@ -533,6 +175,15 @@ static void widen(const struct lod_steps *steps, double worth, double *high, dou
 	}
 }
 
+static void widen_points(const struct lod_stall *stall, double *high, double *low)
+{
+	double first, last;
+	lod_points_prices(&stall->points, &first, &last);
+	*high = fmax(*high, first * stall->worth * LOD_STEPS_BLUR);
+	if (last > 0)
+		*low = fmin(*low, last * stall->worth / LOD_STEPS_BLUR);
+}
+
 void lod_market_prices(const struct lod_market *m, double *high, double *low)
 {
 	*high = 0;
@@ -541,7 +192,7 @@ void lod_market_prices(const struct lod_market *m, double *high, double *low)
 		widen(m->offers[i].steps, m->offers[i].worth, high, low);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->stalls[n].summary)
-			widen(&m->stalls[n].steps, m->stalls[n].worth, high, low);
+			widen_points(&m->stalls[n], high, low);
 }
 
 void lod_market_price(struct lod_market *m, double price)
@@ -576,7 +227,7 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 		}
 	} else if (stall->summary) {
 		cost = (struct lod_cost){ 0 };
-		buy(&cost, &stall->steps, 1, stall->position);
+		buy(&cost, &stall->points.steps, 1, stall->position);
 	}
 	return worth > 0 ? lod_odds_of(sight->shown, cost.fp / worth, cost.fn / worth) : lod_odds_of(sight->shown, 0, 0);
 }
@@ -602,7 +253,7 @@ enum eco_code lod_market_expect(struct lod_market *m, struct eco_prediction *pre
 static void settle_points(struct lod_stall *stall, double points)
 {
 	uint32_t whole = (uint32_t)stall->position;
-	const struct lod_amount *a = &stall->steps.amounts[whole];
+	const struct lod_amount *a = &stall->points.steps.amounts[whole];
 	double part = stall->position - whole, all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
 	stall->part[0] = stall->part[1] = (struct lod_amount){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
 	if (part > 0) {
@@ -612,7 +263,7 @@ static void settle_points(struct lod_stall *stall, double points)
 	stall->part[1] = stall->part[0];
 	stall->part[1].vertices = (uint64_t)all;
 	stall->part[1].price = LAST_PRICE;
-	stall->parts = (struct lod_steps){ stall->part, stall->part[1].vertices > stall->part[0].vertices ? 2 : 1, stall->steps.extra };
+	stall->parts = (struct lod_steps){ stall->part, stall->part[1].vertices > stall->part[0].vertices ? 2 : 1, stall->points.steps.extra };
 }
 
 void lod_market_settle(struct lod_market *m)
@@ -630,90 +281,12 @@ void lod_market_settle(struct lod_market *m)
 		node->state = stall->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0 ? LOD_SUMMARY : LOD_CLOSED;
 		if (node->state != LOD_OPEN)
 			node->left = 0;
+		if (node->points >= 1 && node->state == LOD_SUMMARY)         /* its amounts are for what is left of the budget to decide */
+			lod_points_all(&stall->points);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
 			settle_points(stall, node->points);
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			m->stalls[node->child_first + c].weight = plants;
 	}
 	lod_visible_recount(visible, m->p->gates);
-}
-
-/* ---- Making ---- */
-
-/* Tiles that are not opened are seen as wholes. */
-static enum eco_code add_tiles(struct lod_planning *p, struct eco_error *error)
-{
-	for (uint32_t n = 0; n < p->visible.node_count; n++) {
-		const struct lod_node *node = &p->visible.nodes[n];
-		double center[3];
-		struct lod_body body = { .area = node->area };
-		if (node->state != LOD_SUMMARY)
-			continue;
-		lod_visible_box(&p->visible, node, center, &body.across, &body.up);
-		body.crown_across = body.across;
-		body.crown_up = body.up;
-		struct lod_sight *sight = lod_screen_add(&p->screen, center, &body);
-		if (sight) {
-			sight->node = n;
-			sight->slot = ECO_NONE;
-		} else
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles in view", p->visible.node_count);
-	}
-	return ECO_OK;
-}
-
-enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, struct eco_error *error)
-{
-	const struct eco_scene *scene = p->scene;
-	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
-	*m = (struct lod_market){ .p = p };
-	m->lots = calloc(slots + 1, sizeof *m->lots);
-	m->scratch = calloc(slots + 1, sizeof *m->scratch);
-	m->counts = calloc(slots + 1, sizeof *m->counts);
-	m->stalls = calloc(nodes + 1, sizeof *m->stalls);
-	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
-	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
-	m->gates_most = malloc(scene->plant_count + 1u);
-	m->gates_held = calloc(scene->plant_count + 1u, sizeof *m->gates_held);
-	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->slot_of || !m->gates_most || !m->gates_held)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
-	memcpy(m->gates_most, p->gates, scene->plant_count);
-	for (uint32_t s = 0; s < slots; s++)
-		m->counts[s] = p->visible.slots[s].count;
-	for (uint32_t n = 0; n < nodes; n++)
-		m->stalls[n].open = p->visible.nodes[n].state == LOD_OPEN;
-	enum eco_code code = add_tiles(p, error);
-	if (!code)
-		code = lod_screen_shares(&p->screen, !p->input->ignore_occlusion, error);
-	if (code)
-		return code;
-	see_plants(m);
-	for (uint32_t s = 0; !code && s < slots; s++)
-		if (!p->visible.slots[s].cell)
-			code = make_lot(m, s, error);
-	see_cells(m);
-	for (uint32_t s = 0; !code && s < slots; s++)
-		if (p->visible.slots[s].cell)
-			code = make_lot(m, s, error);
-	if (!code)
-		code = make_stalls(m, error);
-	m->sharp = m->stalls[0].plants < SHARP_BELOW;
-	return code;
-}
-
-void lod_market_free(struct lod_market *m)
-{
-	for (uint32_t i = 0; i < m->block_count; i++)
-		free(m->blocks[i]);
-	free(m->blocks);
-	free(m->lots);
-	free(m->scratch);
-	free(m->counts);
-	free(m->stalls);
-	free(m->drawn_by);
-	free(m->offers);
-	free(m->slot_of);
-	free(m->gates_most);
-	free(m->gates_held);
-	*m = (struct lod_market){ 0 };
 }

@@ -16,7 +16,7 @@
 #define LOD_MARKET_H
 
 #include "lod/planning.h"
-#include "lod/summary.h"
+#include "lod/points.h"
 
 enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
 
@@ -55,7 +55,7 @@ struct lod_stall {                   /* a tile */
 	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
 	struct lod_summary_view look;
-	struct lod_steps steps;      /* of the summary */
+	struct lod_points points;    /* its summary's amounts */
 	double position;             /* at the last price */
 	struct lod_cost cost;        /* of the better choice */
 };
@@ -80,7 +80,17 @@ struct lod_market {
 enum eco_code lod_market_make(struct lod_market *market, struct lod_planning *p, struct eco_error *error);
 void lod_market_free(struct lod_market *market);
 
-/* Between these prices something changes: above the first nothing is bought, below the second all that gains. */
+/* Slots by plant and band of whole plants: the caller knows that there is one, else ECO_NONE. */
+static inline uint32_t lod_market_whole(const struct lod_market *market, uint32_t plant, uint8_t band)
+{
+	return market->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
+}
+
+/* Each cell of the plants of tiles that are open, as often as it is tallied, with the whole plant's lot that it belongs to. */
+typedef void (*lod_market_cell_fn)(struct lod_market *market, const struct lod_tally *tally, struct lod_lot *cell, struct lod_lot *whole);
+void lod_market_cells(struct lod_market *market, lod_market_cell_fn fn);
+
+/* Between these prices something changes: above the first nothing is bought, below the second nearly all that gains. */
 void lod_market_prices(const struct lod_market *market, double *high, double *low);
 
 /* Sets p->gates too. Price 0 takes every step. */

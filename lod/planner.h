@@ -17,7 +17,7 @@ enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
 
 struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t candidates;         /* steps that could be taken: of everything in view, from nothing to all of it */
-	uint64_t gains;              /* of these, whose gain was computed for this plan: what comes next of all that is drawn, and those of summaries */
+	uint64_t gains;              /* of these, whose gain was computed for this plan: what comes next of all that is drawn, and what prices asked of summaries */
 	uint64_t looks;              /* how often it was looked up which steps are worth a price: things in view x prices tried */
 	uint64_t places;             /* plants looked at one by one */
 	uint64_t cheapest;           /* optimiser: vertices of the cheapest step that is left and would gain; UINT64_MAX: every curve has ended */

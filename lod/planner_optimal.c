@@ -2,7 +2,7 @@
  *
  * Everything has an expected error, from its ladder's measured curve or its summary's, over the pixels of it that are seen. Seen shares
  * are found first, once and without looking at the budget (lod/share.h), and then held fixed: so the objective is a sum, and at a price
- * of a vertex each of its terms is minimised by itself (lod/market.h). Prices fall on a fixed grid until the budget is used: that
+ * of a vertex each of its terms is minimised by itself (lod/market.h). Of a fixed grid of prices the one is found that uses the budget: that
  * decides gates and open tiles. Then, for these, the price is found that uses the budget (lod/spend.h); where the next price's gates
  * and tiles leave less wrong with this budget, those are taken.
  *
@@ -21,7 +21,7 @@
 #define PRICES_PER_OCTAVE 2
 #define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
 #define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
-#define PRICES_PER_MARK 4
+#define PRICES_PER_MARK 4        /* between two whose pictures are looked at, at most */
 #define PRICE_TRIES 8            /* between two prices, for the one that uses the budget, ... */
 #define PRICE_SLACK 0.001        /* ... but for so much of it */
 #define SMALL_OFFERS 64u
@@ -53,17 +53,18 @@ static void begin_screen(struct lod_planning *p)
 
 struct level { double vertices, wrong; };                /* what a price comes to */
 
-struct mark { int index; struct level level; struct eco_prediction picture; };
+struct mark { int at; struct level level; struct eco_prediction picture; };
 
 struct descent {
 	struct lod_market *market;
 	int first, last;             /* indices of prices at which anything is bought, and beyond which nothing more gains */
-	struct mark from, to;        /* prices that are looked at whatever the budget, and between which it lies */
+	struct mark from, to;        /* the prices around the budget whose pictures are looked at */
 	int index;                   /* the last that fits the budget */
 	struct level here, next;     /* there, and at the price after it */
 };
 
 /* The price after the last that something gains at is 0. */
+static int index_of(const struct descent *d, int at) { return at <= d->last ? at : PRICE_COUNT; }
 static int index_after(const struct descent *d, int index) { return index < d->last ? index + 1 : PRICE_COUNT; }
 
 static void find_ends(struct descent *d)
@@ -78,70 +79,58 @@ static void find_ends(struct descent *d)
 		d->last++;
 }
 
-/* What comes after `level`: never fewer vertices, nor more that is wrong. */
-static struct level level_at(struct lod_market *m, int index, struct level level)
-{
-	lod_market_price(m, price_at(index));
-	level.vertices = fmax(level.vertices, m->cost.vertices);
-	level.wrong = fmin(level.wrong, m->cost.fp + m->cost.fn);
-	return level;
-}
+static double within(double value, double least, double most) { return value < least ? least : value > most ? most : value; }
 
-/* The picture at the market's price, but never a worse one than of fewer vertices. */
-static enum eco_code look_at(struct lod_market *m, struct eco_prediction *picture, struct eco_error *error)
-{
-	struct eco_prediction next;
-	enum eco_code code = lod_market_expect(m, &next, error);
-	if (!code && next.fp + next.fn < picture->fp + picture->fn)
-		*picture = next;
-	return code;
-}
+static double wrong_of(const struct eco_prediction *picture) { return picture->fp + picture->fn; }
 
-/* Down from mark to mark, until one does not fit. */
-static enum eco_code pass_marks(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
+/* What a price comes to, and its picture: neither worse than what is before it nor better than what is after. */
+static enum eco_code look_at(struct descent *d, int at, const struct mark *before, const struct mark *after, bool picture, struct mark *mark,
+	struct eco_error *error)
 {
 	struct lod_market *m = d->market;
 	enum eco_code code = ECO_OK;
-	d->to = (struct mark){ d->first - 1, { 0, m->stalls[0].worth }, { .fp = INFINITY } };
-	if (predicts) {
-		lod_market_price(m, price_at(0));
-		code = look_at(m, &d->to.picture, error);
-	}
-	do {
-		d->from = d->to;
-		for (int i = 0; i < PRICES_PER_MARK; i++)
-			d->to.index = index_after(d, d->to.index);
-		d->to.level = level_at(m, d->to.index, d->from.level);
-		if (predicts && !code)
-			code = look_at(m, &d->to.picture, error);
-	} while (!code && d->to.level.vertices <= (double)budget && d->to.index < PRICE_COUNT);
+	*mark = (struct mark){ .at = at, .picture = before->picture };
+	lod_market_price(m, price_at(index_of(d, at)));
+	mark->level.vertices = within(m->cost.vertices, before->level.vertices, after->level.vertices);
+	mark->level.wrong = within(m->cost.fp + m->cost.fn, after->level.wrong, before->level.wrong);
+	if (picture)
+		code = lod_market_expect(m, &mark->picture, error);
+	if (wrong_of(&mark->picture) > wrong_of(&before->picture))
+		mark->picture = before->picture;
+	if (wrong_of(&mark->picture) < wrong_of(&after->picture))
+		mark->picture = after->picture;
 	return code;
 }
 
-/* Then price by price. What a price comes to depends on the marks around it and on the view, not on the budget. */
+/* By halving what is between nothing and everything. What a price comes to depends on the marks around it and on the view, not on the
+ * budget. Most prices are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
 static enum eco_code descend(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
 {
+	const struct mark nothing = { .level = { 0, d->market->stalls[0].worth }, .picture = { .fp = INFINITY } };
+	const struct mark everything = { .level = { INFINITY, 0 } };
+	struct mark here = nothing, next = everything, middle;
 	find_ends(d);
-	enum eco_code code = pass_marks(d, budget, predicts, error);
-	d->index = d->from.index;
-	d->here = d->from.level;
-	if (d->to.level.vertices <= (double)budget) {
-		d->index = PRICE_COUNT;
-		d->here = d->next = d->to.level;
-		return code;
-	}
-	for (int next = index_after(d, d->index);; next = index_after(d, next)) {
-		d->next = d->to.level;
-		if (next < d->to.index) {
-			struct level level = level_at(d->market, next, d->here);
-			d->next.vertices = fmin(d->next.vertices, level.vertices);
-			d->next.wrong = fmax(d->next.wrong, level.wrong);
+	enum eco_code code = look_at(d, d->first - 1, &nothing, &everything, predicts, &here, error);
+	here.level = nothing.level;
+	if (!code)
+		code = look_at(d, d->last + 1, &here, &everything, predicts, &next, error);
+	d->from = here;
+	d->to = next;
+	if (next.level.vertices <= (double)budget)
+		d->from = here = next;
+	while (!code && next.at - here.at > 1) {
+		bool wide = next.at - here.at > PRICES_PER_MARK;
+		code = look_at(d, here.at + (next.at - here.at) / 2, &here, &next, predicts && wide, &middle, error);
+		*(middle.level.vertices <= (double)budget ? &here : &next) = middle;
+		if (wide) {
+			d->from = here;
+			d->to = next;
 		}
-		if (d->next.vertices > (double)budget)
-			return code;
-		d->index = next;
-		d->here = d->next;
 	}
+	d->index = index_of(d, here.at);
+	d->here = here.level;
+	d->next = next.level;
+	return code;
 }
 
 /* ---- The picture ---- */

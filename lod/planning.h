@@ -1,5 +1,5 @@
 /* Inside the planner: what its files share. By the rule that was asked for, planner_deussen.c with planner_fill.c, or planner_optimal.c with
- * market.c (what things gain and cost) and planner_spend.c (down to the last vertex) find the amounts; planner_emit.c writes
+ * market.c (what things gain and cost) and spend.c (down to the last vertex) find the amounts; planner_emit.c writes
  * the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
 #ifndef LOD_PLANNING_H
 #define LOD_PLANNING_H
