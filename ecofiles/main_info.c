@@ -108,10 +108,11 @@ static json_t *curve_json(const struct eco_scene *s, const struct eco_ladder *l)
 	return samples;
 }
 
-/* From where on full detail is within half a pixel of the model, in a picture of 1080 pixels over 45 degrees. */
-static double nearest_m(const struct eco_scene *s, uint32_t plant)
+/* From where on full detail is within half a pixel of the model, in a picture of 1080 pixels over 45 degrees. Lists whose elements are placed by
+ * shape are stored on a finer grid than their corners were rounded to: what `make` said counts. */
+static double nearest_m(const struct eco_scene *s, const json_t *meta, uint32_t plant)
 {
-	double most = 0;
+	double most = json_number_value(json_object_get(meta_plant(meta, plant), "half_a_pixel_m"));
 	for (uint32_t i = 0; i < s->list_count; i++)
 		if (s->lists[i].owner == plant && (s->lists[i].kind == ECO_LIST_TRIANGLES || s->lists[i].kind == ECO_LIST_LINES))
 			most = fmax(most, lod_grid_nearest_m(&s->lists[i], LOD_GRID_PIXEL_RAD));
@@ -135,7 +136,7 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 	const struct eco_anchor *whole = &s->anchors[p->anchor_first];
 	json_object_set_new(plant, "center_m", json_pack("[f,f,f]", (double)whole->center[0], (double)whole->center[1], (double)whole->center[2]));
 	json_object_set_new(plant, "radius_m", json_real((double)whole->radius));
-	json_object_set_new(plant, "half_a_pixel_m", json_real(nearest_m(s, id)));
+	json_object_set_new(plant, "half_a_pixel_m", json_real(nearest_m(s, meta, id)));
 	json_object_set_new(plant, "cells", json_integer(p->anchor_count - 1));
 	json_object_set_new(plant, "ladders", json_integer(p->ladder_count));
 	json_object_set_new(plant, "bytes", json_integer((json_int_t)t->plant_bytes[id]));
@@ -205,7 +206,7 @@ static void print_plants(const struct eco_scene *s, const struct totals *t, cons
 		const json_t *from = meta_plant(meta, i);
 		fprintf(out, "%-20.20s %6.2f m %10lld %10u %8lld %6u %5lld %6.2f m %9.2f %9s ", p->name, (double)p->height_m,
 			(long long)json_integer_value(json_object_get(from, "triangles_in")), p->triangles, (long long)dropped_sum(from),
-			p->anchor_count - 1, (long long)json_integer_value(json_object_get(from, "grid_bits")), nearest_m(s, i), (double)p->area,
+			p->anchor_count - 1, (long long)json_integer_value(json_object_get(from, "grid_bits")), nearest_m(s, meta, i), (double)p->area,
 			bytes_text(t->plant_bytes[i], text));
 		const char *organ;
 		json_t *stats;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/main_version.h"
+#include "lod/grid.h"
 
 static json_t *dropped_json(const struct make_plant *plant)
 {
@@ -43,6 +44,27 @@ static uint32_t grid_bits(const struct make_plant *plant)
 	return bits;
 }
 
+/* From where on rounding to grids moves nothing by more than half a pixel. */
+static double half_a_pixel_m(const struct lod_plant *plant)
+{
+	double most = 0;
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		if (plant->lists[i].list.kind == ECO_LIST_TRIANGLES || plant->lists[i].list.kind == ECO_LIST_LINES)
+			most = fmax(most, lod_grid_nearest_m(&plant->lists[i].list, LOD_GRID_PIXEL_RAD));
+	return most;
+}
+
+/* How many of a plant's searches converged, and did not end at their bound. */
+static json_t *searches_json(const struct lod_plant *plant)
+{
+	json_t *searches = json_object();
+	for (int i = 0; i < LOD_SOLVER_COUNT; i++)
+		if (plant->solved[i].runs)
+			json_object_set_new(searches, lod_solver_names[i], json_pack("{s:I, s:I}", "runs", (json_int_t)plant->solved[i].runs, "converged",
+				(json_int_t)plant->solved[i].converged));
+	return searches;
+}
+
 static const char *file_of(const char *path)
 {
 	const char *slash = strrchr(path, '/');
@@ -51,10 +73,11 @@ static const char *file_of(const char *path)
 
 static json_t *plant_json(const struct make_plant *plant)
 {
-	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:[f,f,f], s:f}", "name", plant->name, "model", file_of(plant->path),
+	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name", plant->name, "model", file_of(plant->path),
 		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in", (json_int_t)plant->built.triangles_in,
 		"triangles_stored", (json_int_t)plant->built.triangles_stored, "dropped", dropped_json(plant), "organs", organs_json(plant),
-		"grid_bits", (json_int_t)grid_bits(plant), "foot", plant->foot[0], plant->foot[1], plant->foot[2], "scale", plant->scale);
+		"grid_bits", (json_int_t)grid_bits(plant), "half_a_pixel_m", floor(half_a_pixel_m(&plant->built) * 1e4 + 0.5) / 1e4,
+		"searches", searches_json(&plant->built), "foot", plant->foot[0], plant->foot[1], plant->foot[2], "scale", plant->scale);
 }
 
 static json_t *rows_json(const struct make *m)

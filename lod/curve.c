@@ -65,6 +65,7 @@ struct organ_curve {                 /* ladders that share one curve */
 	double elements, full;       /* of all members; vertices */
 	struct sample samples[LOD_CURVE_SAMPLES_MAX];
 	uint32_t sample_count;
+	struct lod_solved solved;
 };
 
 /* ---- 2^(step/8) ---- */
@@ -518,6 +519,9 @@ static enum eco_code measure_curve(struct organ_curve *curve, struct progress *p
 		curve->sample_count = 0;
 	if (!code)
 		code = measure_ways(curve, progress, error);
+	for (uint32_t i = 0; i < curve->sample_count; i++)
+		if (curve->samples[i].free)
+			lod_solved_add(&curve->solved, curve->samples[i].step > STEP_LOW && curve->samples[i].step < STEP_HIGH);
 	smooth_steps(curve);
 	if (!code)
 		code = measure_errors(curve, progress, error);
@@ -593,6 +597,8 @@ static enum eco_code append(struct lod_plant *plant, const struct organ_curve *c
 	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
 	plant->curves = grown;
+	plant->solved[LOD_SOLVER_SCALE].runs += curve->solved.runs;
+	plant->solved[LOD_SOLVER_SCALE].converged += curve->solved.converged;
 	for (uint32_t i = 0; i < curve->member_count; i++) {
 		plant->ladders[curve->members[i]].curve_first = plant->curve_count;
 		plant->ladders[curve->members[i]].curve_count = curve->sample_count;
@@ -640,6 +646,7 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 	free(plant->curves);
 	plant->curves = NULL;
 	plant->curve_count = 0;
+	plant->solved[LOD_SOLVER_SCALE] = (struct lod_solved){ 0 };
 	for (uint32_t i = 0; i < plant->ladder_count; i++)
 		plant->ladders[i].curve_first = plant->ladders[i].curve_count = 0;
 	struct progress progress = { options, 0, 0 };

@@ -7,12 +7,16 @@
 #define LOD_GRID_BITS_MIN 12u
 #define LOD_GRID_BITS_MAX 18u
 #define LOD_GRID_LOSS 0.003          /* 1 - Q, worst of 8 views, 512 pixels high */
+#define LOD_GRID_NEAR_M 20.0         /* half a pixel is reached from here on at the latest, however large the plant (up to 18 bits) */
+
+/* The fewest bits that the model's grid may have: LOD_GRID_BITS_MIN, more where it is so large that LOD_GRID_NEAR_M asks for it. */
+uint32_t lod_grid_bits_least(const struct eco_model *model);
 
 /* Worst 1 - Q of the plant's full detail against the source model's own triangles: quantization, welding and whatever else was lost
  * on the way in. 0 for a model that covers nothing. */
 enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error);
 
-/* Takes a plant built with LOD_GRID_BITS_MIN bits and, where its loss is above LOD_GRID_LOSS, builds it again with the fewest bits
+/* Takes a plant built with lod_grid_bits_least bits and, where its loss is above LOD_GRID_LOSS, builds it again with the fewest bits
  * that stay below. Where more bits do not help, the loss is not the grid's and the coarser plant is kept. */
 enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error);

@@ -329,7 +329,7 @@ static void build(struct lod_build *b)
 	struct lod_arena *arena = &b->arena;
 	advance(b, 0);
 	enter(b, LOD_STAGE_ELEMENTS);
-	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : LOD_GRID_BITS_MIN, arena);
+	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : lod_grid_bits_least(b->model), arena);
 	lod_elements_turn_diagonals(&b->mesh, arena);
 	advance(b, 0.04);
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);

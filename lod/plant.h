@@ -13,6 +13,7 @@
 #include "ecofiles/chunk.h"
 #include "ecofiles/pack.h"
 #include "lod/order.h"
+#include "lod/solver.h"
 
 struct lod_list_draft {
 	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image, partner and palette_* are indices
@@ -38,6 +39,7 @@ struct lod_plant {
 	uint32_t *images;                    uint32_t image_count;      /* indices into the model's images that are used */
 	struct lod_organ_stats organ[ECO_ORGAN_COUNT];
 	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */
+	struct lod_solved solved[LOD_SOLVER_COUNT];  /* searches that this plant took */
 };
 
 /* Calls piece(pieces, i) once for each i below count, in any order and in as many threads as it likes; returns when all are done. */

@@ -73,6 +73,10 @@ void lod_plant_write(struct eco_writer *w, const struct lod_plant *plant)
 	eco_write_u32(w, plant->triangles_stored);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		eco_write_u32(w, plant->dropped[i]);
+	for (int i = 0; i < LOD_SOLVER_COUNT; i++) {
+		eco_write_u32(w, plant->solved[i].runs);
+		eco_write_u32(w, plant->solved[i].converged);
+	}
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		write_list(w, &plant->lists[i]);
 }
@@ -282,6 +286,10 @@ static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uin
 	plant->triangles_stored = eco_read_u32(r);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		plant->dropped[i] = eco_read_u32(r);
+	for (int i = 0; i < LOD_SOLVER_COUNT; i++) {
+		plant->solved[i].runs = eco_read_u32(r);
+		plant->solved[i].converged = eco_read_u32(r);
+	}
 	plant->lists = room(r, counts[3], eco_section_info[ECO_SECTION_LISTS].record_bytes, sizeof *plant->lists);
 	plant->list_count = plant->lists ? counts[3] : 0;
 	return plant->anchors && plant->ladders && plant->curves && plant->palette && plant->images && plant->lists && !r->failed;

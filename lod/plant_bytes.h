@@ -9,7 +9,7 @@
  *   u32 x 6      anchors, ladders, curves, lists, palette, images: how many there are
  *   .            PLANT record without a name, then ANCHORS, LADDERS, CURVES, PALETTE (3 bytes a colour), u32 an image
  *   .            per organ: u32 components, elements, triangles, f64 area
- *   u32 x .      triangles in, stored, dropped for each reason
+ *   u32 x .      triangles in, stored, dropped for each reason; per kind of search: runs, converged
  *   per list     LISTS record; u32 ends, elements, corners, primitives, values an element (extra_count); u8 1 where there is uv
  *                ends: a varint each, the difference to the end before
  *                u8 corners of each element

@@ -80,15 +80,19 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	const struct srv_stream_input *input = &stream->input;
 	const struct eco_scene *scene = &input->scene->pack->scene;
 	struct eco_request request = *input->request;
+	struct lod_planner_stats stats = { 0 };
 	struct lod_planner_input planner = { .scene = scene, .tables = input->scene->tables, .request = &request, .holdings = input->holdings,
 		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
-		.ignore_occlusion = input->ignore_occlusion };
+		.ignore_occlusion = input->ignore_occlusion, .stats = &stats };
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
 	request.vertices = vertices;
 	request.ground_px = ground_px;
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
+	if (!code)
+		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s", (unsigned long long)step->plan.vertices,
+			(unsigned long long)vertices, step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries");
 	if (!code)
 		code = needs_of(stream, step, error);
 	if (code) {

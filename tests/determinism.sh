@@ -12,7 +12,7 @@ mkdir -p "$out/packs"
 
 variant() { # NAME CC CXX OPT
 	name=$1
-	${MAKE:-make} --no-print-directory B="$out/$name" CC="$2" CXX="$3" OPT="$4" "$out/$name/ecopack" "$out/$name/bench/plans" >"$out/$name.log" 2>&1 || {
+	${MAKE:-make} --no-print-directory -j"$(nproc)" B="$out/$name" CC="$2" CXX="$3" OPT="$4" "$out/$name/ecopack" "$out/$name/ecoimage.so" "$out/$name/bench/plans" >"$out/$name.log" 2>&1 || {
 		tail -n 20 "$out/$name.log"
 		exit 1
 	}

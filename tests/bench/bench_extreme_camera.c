@@ -4,9 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_select.h"
+#include "lod/raster.h"
 #include "lod/vector.h"
 #include "lod/view.h"
 #include "tests/bench/bench_extreme_scene.h"
+#include "tests/bench/bench_fetch.h"
 
 #define SIDE 40.0                /* of the stand */
 
@@ -84,8 +87,11 @@ static void look_at_all(struct extreme *x, const struct shot *shots, size_t coun
 		double share = (double)look.covered / ((double)v->width * v->height);
 		extreme_must(x, shots[i].planned_only || share >= shots[i].least, "%s: %.1f %% of the picture are covered, at least %.1f %% should be", shots[i].name,
 			100 * share, 100 * shots[i].least);
-		extreme_say(x, "%s: %llu plants, %llu vertices, %.1f %% covered", shots[i].name, (unsigned long long)look.plants, (unsigned long long)look.vertices,
-			100 * share);
+		if (shots[i].planned_only)
+			extreme_say(x, "%s: %llu plants, %llu vertices", shots[i].name, (unsigned long long)look.plants, (unsigned long long)look.vertices);
+		else
+			extreme_say(x, "%s: %llu plants, %llu vertices, %.1f %% covered", shots[i].name, (unsigned long long)look.plants, (unsigned long long)look.vertices,
+				100 * share);
 	}
 	extreme_world_close(&world);
 }
@@ -250,16 +256,99 @@ static void wide(struct extreme *x)
 	look_at_all(x, shots, 2);
 }
 
+/* One cut for all plants that draw it; what is covered is all that is asked. */
+static bool draw_cut(struct lod_raster *raster, const struct view_store *store, const struct view_selection *s, uint32_t c)
+{
+	const struct eco_cut *cut = &view_store_plan(store)->cuts[c];
+	const struct view_list *list = view_store_list(store, cut->list);
+	size_t count = cut->end - cut->first;
+	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1), .color = malloc(4 * count + 1), .size = malloc(4 * count + 1) };
+	bool good = g.position && g.width && g.color && g.size;
+	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width, .area = list->list.unit_area * cut->scale,
+		.size = list->list.attributes & ECO_ATTR_SIZE ? g.size : NULL, .owner = 1 };
+	if (good)
+		lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &g);
+	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1] && good; m++) {
+		lod_raster_object(raster, &s->instances[s->members[m]].place);
+		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind == ECO_LIST_LINES ? lod_raster_lines : lod_raster_points)(raster, &batch);
+	}
+	free(g.position);
+	free(g.width);
+	free(g.color);
+	free(g.size);
+	return good;
+}
+
+/* What covers, and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7. */
+static bool silhouette(struct extreme *x, struct extreme_world *world, const struct eco_view *view, struct lod_raster *raster)
+{
+	struct eco_request request = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+	struct view_store_options options = { .images = true };
+	struct view_store *store = NULL;
+	struct view_selection s = { 0 };
+	struct eco_error error = { 0 };
+	struct lod_eye eye;
+	lod_eye_make(&eye, view);
+	bool good = extreme_good(x, view_store_new(&store, &options, &error), &error)
+		&& extreme_good(x, bench_fetch(NULL, world->scene, &request, store, &error), &error)
+		&& extreme_good(x, view_select_make(&s, store, &eye, &error), &error)
+		&& extreme_good(x, lod_raster_init(raster, &(struct lod_raster_options){ view->width, view->height, .silhouette = true }, &error), &error);
+	if (good) {
+		lod_raster_clear(raster);
+		lod_raster_camera(raster, &eye, world->scene->pack->scene.near_m);
+	}
+	for (uint32_t c = 0; c < s.cut_count && good; c++)
+		good = s.member_first[c] == s.member_first[c + 1] || extreme_must(x, draw_cut(raster, store, &s, c), "no memory");
+	view_select_free(&s);
+	view_store_free(store);
+	return good;
+}
+
+/* Blocks of 16 x 16 pixels of the largest picture against pixels of the small one: what is all covered, or not at all, is so there. */
+static void compare_blocks(struct extreme *x, const struct lod_raster *large, const struct lod_raster *small)
+{
+	uint32_t times = large->width / small->width, odd = 0;
+	uint64_t covered[2] = { 0 }, pixels = (uint64_t)small->width * small->height;
+	for (uint32_t i = 0; i < pixels; i++) {
+		const uint8_t *block = large->cover + ((size_t)(i / small->width) * large->width + i % small->width) * times;
+		uint32_t count = 0;
+		for (uint32_t k = 0; k < times * times; k++)
+			count += block[(size_t)(k / times) * large->width + k % times] != 0;
+		covered[0] += count;
+		covered[1] += small->cover[i] != 0;
+		odd += (count == 0 && small->cover[i]) || (count == times * times && !small->cover[i]);
+	}
+	double share = (double)covered[0] / ((double)pixels * times * times), coarse = (double)covered[1] / (double)pixels;
+	extreme_must(x, odd <= pixels / 10000, "%u blocks of the largest picture are unlike the pixels of a small one", odd);
+	extreme_must(x, share > 0.02 && fabs(share - coarse) < 0.005 * share, "%.3f %% covered in the largest picture, %.3f %% in a small one", 100 * share, 100 * coarse);
+	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks unlike", 100 * share, 100 * coarse, odd, (unsigned long long)pixels);
+}
+
+static void draw_largest(struct extreme *x, struct eco_view view)
+{
+	struct extreme_world world;
+	struct lod_raster large = { 0 }, small = { 0 };
+	bool good = open_shared(x, &world) && silhouette(x, &world, &view, &large);
+	view.width = view.height = 1024;
+	if (good && silhouette(x, &world, &view, &small))
+		compare_blocks(x, &large, &small);
+	lod_raster_free(&large);
+	lod_raster_free(&small);
+	extreme_world_close(&world);
+}
+
 static void images(struct extreme *x)
 {
 	static const uint32_t sizes[][2] = { { 1, 1 }, { 16384, 1 }, { 1, 16384 }, { 16384, 16384 } };
-	struct shot shots[4] = { { .name = "1 x 1" }, { .name = "16384 x 1" }, { .name = "1 x 16384" }, { .name = "16384 x 16384, planned only", .planned_only = true } };
+	struct shot shots[4] = { { .name = "1 x 1" }, { .name = "16384 x 1" }, { .name = "1 x 16384" }, { .name = "16384 x 16384, planned", .planned_only = true } };
 	for (int i = 0; i < 4; i++) {
 		shots[i].view = view_of(-26, -21, 6.5, 0, 0, 2);
 		shots[i].view.width = sizes[i][0];
 		shots[i].view.height = sizes[i][1];
 	}
 	look_at_all(x, shots, 4);
+	if (!x->failed && !x->quick)
+		draw_largest(x, shots[3].view);
 }
 
 static void all_behind(struct extreme *x)
@@ -362,7 +451,7 @@ static const struct extreme_case cases[] = {
 	{ "up along the direction", SOUND ": another up is taken", false, up_along },
 	{ "field of view 0.001 degrees", SOUND, false, narrow },
 	{ "field of view 179.9 degrees", SOUND, false, wide },
-	{ "pictures of 1 x 1 to 16384 x 16384", SOUND, false, images },
+	{ "pictures of 1 x 1 to 16384 x 16384", SOUND "; the largest: what it covers, against a small one", false, images },
 	{ "everything behind", "nothing is drawn, nothing predicted", false, all_behind },
 	{ "horizon along 4e6 tiles", "1e6 copies of a stand of four tiles: plans within the budget that use half of it at least", false, horizon },
 };

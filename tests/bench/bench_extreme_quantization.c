@@ -66,6 +66,68 @@ static double farthest(const struct eco_model *model, const struct eco_list *gri
 	return sqrt(most);
 }
 
+/* ---- Lists ---- */
+
+struct source { struct point at; uint32_t vertex; };     /* where a corner of the model is on the grid */
+
+static struct source *sources_of(const struct eco_model *model, const struct eco_list *grid)
+{
+	struct source *sources = malloc((model->vertex_count + 1ul) * sizeof *sources);
+	for (uint32_t v = 0; v < model->vertex_count && sources; v++) {
+		sources[v].vertex = v;
+		for (uint32_t k = 0; k < 3; k++)
+			sources[v].at.p[k] = (int32_t)floor(((double)model->position[3 * v + k] - grid->grid_origin[k]) / grid->grid_step[k] + 0.5);
+	}
+	if (sources)
+		qsort(sources, model->vertex_count, sizeof *sources, compare);
+	return sources;
+}
+
+/* How far a list's corners are from the nearest corner of the model that is at the same place of the grid. */
+static double list_error(const struct lod_list_draft *d, const struct eco_model *model, const struct source *sources)
+{
+	double most = 0;
+	for (uint32_t c = 0; c < d->elements.corner_count; c++) {
+		const int32_t *p = d->elements.position + 3 * (size_t)c;
+		const struct source *s = bsearch(p, sources, model->vertex_count, sizeof *sources, compare), *end = sources + model->vertex_count;
+		double best = INFINITY;
+		for (; s && s > sources && !compare(s - 1, p); s--)
+			;
+		for (; s && s < end && !compare(s, p); s++) {
+			double square = 0;
+			for (uint32_t k = 0; k < 3; k++) {
+				double off = d->list.grid_origin[k] + d->list.grid_step[k] * p[k] - (double)model->position[3 * s->vertex + k];
+				square += off * off;
+			}
+			best = fmin(best, square);
+		}
+		most = fmax(most, best);
+	}
+	return sqrt(most);
+}
+
+/* Each list of the model's own triangles, at the distance that is stated for it; returns how many there are. */
+static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model, double px[2])
+{
+	uint32_t count = 0;
+	struct source *sources = NULL;
+	px[0] = INFINITY;
+	px[1] = 0;
+	for (uint32_t i = 0; i < plant->list_count; i++) {
+		const struct lod_list_draft *d = &plant->lists[i];
+		if (d->list.kind != ECO_LIST_TRIANGLES || d->list.coder == ECO_CODER_FORM)
+			continue;
+		sources = sources ? sources : sources_of(model, &d->list);
+		double error = sources ? list_error(d, model, sources) / (lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD) : INFINITY;
+		extreme_must(x, error <= 0.5 * (1 + 1e-4), "%s: list %u is off by %.3f px where half a pixel is stated", plant->plant.name, i, error);
+		px[0] = fmin(px[0], error);
+		px[1] = fmax(px[1], error);
+		count++;
+	}
+	free(sources);
+	return count;
+}
+
 /* ---- Plants ---- */
 
 static void measure(struct extreme *x, struct soup *soup, const char *name, uint32_t bits, uint32_t lost_most)
@@ -93,7 +155,10 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 		extreme_must(x, lost <= lost_most, "%s: %u of %u corners are nowhere", name, lost, soup->model.vertex_count);
 		extreme_must(x, one_grid, "%s: lists of one plant are on grids that differ", name);
 		extreme_must(x, nearest <= 2.5 * (double)plant.anchors[0].radius, "%s: half a pixel only from %.3g m on", name, nearest);
-		extreme_say(x, "%s of %.3g m: steps of %.2g m, %.3f px at %.2g m", name, (double)plant.plant.height_m, grid->grid_step[0], px, nearest);
+		double lists[2];
+		uint32_t list_count = measure_lists(x, &plant, &soup->model, lists);
+		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: %.3f to %.3f px", name, (double)plant.plant.height_m,
+			plant.plant.anchor_count - 1, grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
 	}
 	free(points);
 	soup_free(soup);
@@ -106,6 +171,17 @@ static void scale_soup(struct soup *s, double factor, double shift)
 		s->model.position[i] = (float)(factor * (double)s->model.position[i] + (i % 3 == 0 ? shift : 0));
 }
 
+static double extent_of(const struct eco_model *model)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, most = 0;
+	for (uint32_t i = 0; i < 3 * model->vertex_count; i++) {
+		low[i % 3] = fmin(low[i % 3], (double)model->position[i]);
+		high[i % 3] = fmax(high[i % 3], (double)model->position[i]);
+		most = fmax(most, high[i % 3] - low[i % 3]);
+	}
+	return most;
+}
+
 static void usual(struct extreme *x)
 {
 	static const struct { const char *name; double factor; uint32_t leaves; } rows[] = { { "moss", 1e-3, 200 }, { "herb", 0.03, 200 }, { "tree", 1, 1500 },
@@ -114,6 +190,21 @@ static void usual(struct extreme *x)
 		struct soup s;
 		soup_tree(&s, rows[i].leaves, 0, false);
 		scale_soup(&s, rows[i].factor, 0);
+		measure(x, &s, rows[i].name, 0, 0);
+	}
+}
+
+/* Larger than what LOD_GRID_NEAR_M leaves to the coarsest grid, and divided into cells: all lists get more bits, so that half a pixel is reached from
+ * there on. (A grid for each cell costs more bytes than the same steps for all: lod/grid.c.) */
+static void tall(struct extreme *x)
+{
+	static const struct { const char *name; double factor; } rows[] = { { "30 m", 5 }, { "60 m", 10 }, { "120 m", 20 }, { "600 m", 100 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct soup s;
+		soup_tree(&s, x->quick ? 2500 : 9000, 0, false);
+		scale_soup(&s, rows[i].factor, 0);
+		extreme_must(x, lod_grid_bits_least(&s.model) == (uint32_t)fmax(LOD_GRID_BITS_MIN, ceil(log2(extent_of(&s.model) * sqrt(3) / (LOD_GRID_NEAR_M
+			* LOD_GRID_PIXEL_RAD)))), "%s: %u bits at least", rows[i].name, lod_grid_bits_least(&s.model));
 		measure(x, &s, rows[i].name, 0, 0);
 	}
 }
@@ -180,6 +271,7 @@ static void nearer(struct extreme *x)
 
 static const struct extreme_case cases[] = {
 	{ "plants of 6 mm to 108 m", HALF, false, usual },
+	{ "plants of 30 m to 600 m, with cells", HALF "; and is at most 20 m: all lists on one lattice, seams of cells closed", false, tall },
 	{ "a large plant with small leaves", HALF "; all its cells on one grid, so that seams stay closed", false, large },
 	{ "grids of 12 to 18 bits", HALF, false, every_grid },
 	{ "a model far from its own origin", HALF "; floats hold no more there: corners that meet in the source may", false, off_centre },
