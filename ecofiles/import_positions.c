@@ -336,6 +336,8 @@ static void remark(struct eco_positions *p, const struct eco_size_remarks *remar
 		count(p, ECO_KEPT_OPEN, buffer);
 	if (remarks->other_unit)
 		count(p, ECO_KEPT_OTHER_UNIT, buffer);
+	if (remarks->unread)
+		count(p, ECO_KEPT_UNREAD, buffer);
 	if (remarks->implausible)
 		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
 }

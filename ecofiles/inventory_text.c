@@ -35,7 +35,7 @@ static const char *skip_spaces(const char *text)
 bool eco_text_is_missing(const char *text)
 {
 	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none", "-", "--", "?", ".", "(null)", "<null>",
-		"\\n", "k.a.", "s/d", "unknown" };
+		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido", "desconhecido" };
 	char folded[16];
 
 	if (eco_text_fold(text, folded, sizeof folded) + 1 == sizeof folded)

@@ -99,6 +99,7 @@ enum eco_skip {
 	ECO_KEPT_RANGE,              /* a height, dbh or crown as a range: its middle */
 	ECO_KEPT_OPEN,               /* "> 101": its bound */
 	ECO_KEPT_OTHER_UNIT,         /* a value with a unit of its own, which counts */
+	ECO_KEPT_UNREAD,             /* a text that says no size: the next source, else the plant's own */
 	ECO_KEPT_IMPLAUSIBLE,        /* height > 150 m, dbh > 12 m, crown radius > 60 m */
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT

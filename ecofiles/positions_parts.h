@@ -44,7 +44,7 @@ void eco_levels_close(struct eco_levels *levels);
 
 /* ---- Sizes (positions_size.c) ---- */
 
-struct eco_size_remarks { bool range, open, other_unit, implausible; };
+struct eco_size_remarks { bool range, open, other_unit, unread, implausible; };
 
 /* Metres, to the millimetre, or NaN where this source gives none (implausible also above high_m): the text of its column, for a plant. */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant, double low_m, double high_m,

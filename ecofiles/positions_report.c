@@ -30,6 +30,7 @@ const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_RANGE] = "a size as a range",
 	[ECO_KEPT_OPEN] = "a size as a bound",
 	[ECO_KEPT_OTHER_UNIT] = "a size with a unit of its own",
+	[ECO_KEPT_UNREAD] = "a size that is not understood",
 	[ECO_KEPT_IMPLAUSIBLE] = "an implausible size",
 	[ECO_KEPT_DUPLICATE] = "kept at the place of an earlier plant",
 };
@@ -49,6 +50,7 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
+	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is taken",
 	[ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" another?",
 	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
 };

@@ -50,6 +50,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	if (size->kind == ECO_SIZE_DBH && (rule = rule_of(size, plant)) == NULL)
 		return NAN;
 	form = eco_text_size(text, decimal, &number, &unit_m);
+	remarks->unread |= form == ECO_FORM_NONE && !eco_text_is_missing(text);
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;

@@ -12,7 +12,7 @@
 
 static void words_for_nothing_are_known(void **state)
 {
-	static const char *const missing[] = { "", "  ", "NA", "n/a", "NaN", "NULL", "None", "-", "--", " ? ", "#N/A", "<Null>", "k.A.", "unknown", "\u00a0" };
+	static const char *const missing[] = { "", "  ", "NA", "n/a", "NaN", "NULL", "None", "-", "--", " ? ", "#N/A", "<Null>", "k.A.", "unknown", "n.d.", "Desconocido", "unbekannt", "\u00a0" };
 	static const char *const there[] = { "0", "oak", "no", "- -", "unknown oak", "a very long text that cannot be a word for nothing" };
 
 	(void)state;

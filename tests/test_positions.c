@@ -249,7 +249,7 @@ static void heights_come_from_the_first_source_that_has_one(void **state)
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\",\"unit\":\"ft\"},{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,\"rate\":0.004},7]," XY,
 		"oak 1 1 h3.81 / oak 2 2 h7.772 / oak 3 3 h12.41 / oak 4 4 h7 / oak 5 5 h30.785 / oak 6 6 h12.192 / oak 7 7 h9 / oak 8 8 h7",
 		"1  kept: a size as a range, its middle is taken (first in line 3: \"21 to 30\")|1  kept: a size as a bound, the bound is taken (first in line 6: \"> 101\")|"
-		"1  kept: a size with a unit of its own, which counts (first in line 8: \"9 m\")");
+		"1  kept: a size with a unit of its own, which counts (first in line 8: \"9 m\")|1  kept: a size that is not understood, the next source or the plant's own is taken (first in line 5: \"-1\")");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":{\"column\":\"d\",\"unit\":\"cm\"}," XY, "oak 1 1 h3 / oak 2 2 h3 / oak 3 3 h1 / oak 4 4 / oak 5 5 / oak 6 6 / "
 		"oak 7 7 / oak 8 8", "5  kept at their plant's own height: no usable one (first in line 5)");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":9.5,\"only\":{\"h\":\"0\"}," XY, "oak 8 8 h9.5", "1 plant");
