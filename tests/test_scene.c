@@ -169,7 +169,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"origin\": [0, 0, ]}", ":1:19:", "(no comma stands before a closing bracket)" },
 	{ "{\"name\": \"a\"\n \"crs\": 3}", ":2:6:", "(is a comma missing before it?)" },
 	{ "{\"name\": \"a\", // mine\n}", ":1:15:", "(JSON has no comments)" },
-	{ "ECOPACK1 and more", ":1:1:", "name the JSON file" },
+	{ "ECOPACK1 and more", ":1:1:", "not a JSON file" },
 	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
 	{ "\xef\xbb\xbf{\"name\": 3}", ":1:10:", "must be a text" },
 };
