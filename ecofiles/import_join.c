@@ -46,15 +46,24 @@ static bool take_memory(struct eco_model *m, const struct sums *s)
 
 /* ---- Axes ---- */
 
-/* From `from` to `to` up, both Y or Z, of coordinates that were turned to Z up as if `from` were right: undone and done again. */
+/* From `from` to `to` up, none of them FOUND, of coordinates that were turned to Z up as if `from` were right: undone and done again. */
 static void turn_point(enum eco_up from, enum eco_up to, double p[3])
 {
-	double y = p[1];
+	const double was[3] = { p[0], p[1], p[2] };
+	double file[3] = { was[0], was[1], was[2] };
 
 	if (from == to)
 		return;
-	p[1] = to == ECO_UP_Z ? p[2] : -p[2];
-	p[2] = to == ECO_UP_Z ? -y : y;
+	if (from == ECO_UP_Y)
+		memcpy(file, (double[]){ was[0], was[2], -was[1] }, sizeof file);
+	else if (from == ECO_UP_X)
+		memcpy(file, (double[]){ was[2], was[0], was[1] }, sizeof file);
+	if (to == ECO_UP_Y)
+		memcpy(p, (double[]){ file[0], -file[2], file[1] }, sizeof file);
+	else if (to == ECO_UP_X)
+		memcpy(p, (double[]){ file[1], file[2], file[0] }, sizeof file);
+	else
+		memcpy(p, file, sizeof file);
 }
 
 /* Coordinates as in the file are what a file of Z up is turned to. */
@@ -144,7 +153,7 @@ static void append(struct eco_model *m, const struct eco_model_frame *frame, str
 
 static const char *letter(enum eco_up up)
 {
-	return up == ECO_UP_Z ? "z" : "y";
+	return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y";
 }
 
 /* By the shape of the joined soup, which is as in its files, if that says enough; else by what the format usually means. */

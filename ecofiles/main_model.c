@@ -134,7 +134,7 @@ static const char *how_text(enum eco_how how)
 	}
 }
 
-static const char *up_text(enum eco_up up) { return up == ECO_UP_Z ? "z" : "y"; }
+static const char *up_text(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
 
 /* ---- As a plant of SCENE.json ---- */
 
@@ -430,9 +430,8 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 {
 	if (s->unit && !eco_unit_metres(s->unit, &s->options.unit_m))
 		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: the units are " ECO_UNITS, s->unit);
-	if (s->up && strcmp(s->up, "y") != 0 && strcmp(s->up, "z") != 0)
-		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: y or z, the axis of the file that points up", s->up);
-	s->options.up = !s->up ? ECO_UP_FOUND : *s->up == 'z' ? ECO_UP_Z : ECO_UP_Y;
+	if (s->up && !eco_up_of(s->up, &s->options.up))
+		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that points up", s->up);
 	s->options.paths = s->paths;
 	s->options.path_count = s->path_count;
 	s->options.warn = keep_note;
@@ -489,10 +488,10 @@ static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_model = { "model", "FILE... [--unit U] [--up y|z] [--height M] [--json] [--as-plant]",
+const struct main_command main_command_model = { "model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
 	"says what import sees in a model (several files make one plant), as SCENE.json would name it",
 	"      --unit U        unit of the files: " ECO_UNITS "\n"
-	"      --up y|z        axis of the files that points up\n"
+	"      --up x|y|z      axis of the files that points up\n"
 	"      --height M      height in metres to which it is scaled\n"
 	"      --json          for scripts\n"
 	"      --as-plant      only the lines for SCENE.json\n", run_model };

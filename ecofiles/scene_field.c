@@ -57,6 +57,18 @@ bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t byte
 	return *out != NULL || eco_json_no_memory(at);
 }
 
+bool eco_up_of(const char *name, enum eco_up *up)
+{
+	static const struct { const char *name; enum eco_up up; } axes[] = { { "x", ECO_UP_X }, { "y", ECO_UP_Y }, { "z", ECO_UP_Z } };
+
+	for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
+		if (strcmp(name, axes[i].name) == 0) {
+			*up = axes[i].up;
+			return true;
+		}
+	return false;
+}
+
 bool eco_unit_metres(const char *name, double *metres)
 {
 	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },

@@ -1,4 +1,4 @@
-/* Inside the scene reader: what its files share. Others take only eco_unit_metres. */
+/* Inside the scene reader: what its files share. Others take only eco_unit_metres and eco_up_of. */
 #ifndef ECO_SCENE_PARSE_H
 #define ECO_SCENE_PARSE_H
 
@@ -23,6 +23,8 @@ bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json 
 bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
 /* Metres in a unit of that name; false where there is none. */
 bool eco_unit_metres(const char *name, double *metres);
+/* "x", "y" or "z". */
+bool eco_up_of(const char *name, enum eco_up *up);
 
 /* Names end up in URLs, file names and messages: 1 to 63 bytes, no control characters. */
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);

@@ -141,10 +141,10 @@ static bool parse_up(const struct eco_json *at, enum eco_up *up)
 		return false;
 	if (name == NULL)
 		return true;
-	*up = strcmp(name, "y") == 0 ? ECO_UP_Y : strcmp(name, "z") == 0 ? ECO_UP_Z : ECO_UP_FOUND;
-	if (*up == ECO_UP_FOUND)
-		eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"y\" or \"z\": the axis of the file that points up");
-	return *up != ECO_UP_FOUND;
+	if (eco_up_of(name, up))
+		return true;
+	eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file that points up");
+	return false;
 }
 
 static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])

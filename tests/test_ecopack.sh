@@ -107,7 +107,7 @@ same greedy.eco "greedy is the default"
 # ---- What is in a model ----
 expect 2 'the model file is missing' model
 expect 2 'the units are m, cm, mm' model --unit parsec "$DIR/blade.obj"
-expect 2 'y or z' model --up x "$DIR/blade.obj"
+expect 2 'x, y or z' model --up w "$DIR/blade.obj"
 expect 0 'ecopack model FILE' model --help
 expect 0 'triangles +3, 3 kept' model "$DIR/blade.obj"
 expect 0 '"blade": \{"model": ".*blade.obj"' model "$DIR/blade.obj"

@@ -315,6 +315,8 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 }, { "w.dae", DAE("<up_axis>Z_UP</up_axis>"), ECO_UP_Z, 100 },
 		{ "w.fbx", FBX("1", "2", "1", "1"), ECO_UP_Z, 100 }, { "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_Y, 0 },
 		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 }, { "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Y, 0 },
+		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_X, 10 }, { "w.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_X, 10 },
+		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_X, 10 },
 	};
 
 	(void)state;
