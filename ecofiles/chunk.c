@@ -149,9 +149,14 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	payload->coder = eco_read_u8(&r);
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
-	if (r.failed || version != PAYLOAD_VERSION || reserved != 0)
+	if (r.failed || version != PAYLOAD_VERSION || (reserved != 0 && payload->coder != ECO_CODER_SHAPES))
 		return eco_fail(error, ECO_DAMAGED, "chunk: version %u of a payload of %zu bytes is unknown", version, size);
-	if (payload->stream_count < 1 || payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
+	if (payload->coder == ECO_CODER_SHAPES && payload->stream_count == 0 && size > r.at) {
+		payload->stream_count = 1;
+		payload->streams[0] = (struct eco_stream){ .zeros = reserved, .bytes = bytes + r.at, .size = size - r.at };
+		return ECO_OK;
+	}
+	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1 || payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
 		return eco_fail(error, ECO_DAMAGED, "chunk: %u streams", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
@@ -162,9 +167,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 		s->predictors = eco_read_u16(&r);
 		s->elements = eco_read_u32(&r);
 		s->size = eco_read_u32(&r);
-		if (r.failed || s->corners <= last_corners
-		    || (s->corners > ECO_CORNERS_MAX && (s->corners != ECO_STREAM_PLACINGS || payload->coder != ECO_CODER_SHAPES || flags)) || s->elements == 0
-		    || s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
+		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0 || s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
 			return eco_fail(error, ECO_DAMAGED, "chunk: record of stream %u is impossible", i);
 		s->wide = flags & 1;
 		s->shift = flags >> 1 & 7;
@@ -185,9 +188,9 @@ enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **byt
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
 	eco_write_u8(&w, PAYLOAD_VERSION);
 	eco_write_u8(&w, payload->coder);
-	eco_write_u8(&w, (uint8_t)payload->stream_count);
-	eco_write_u8(&w, 0);
-	for (uint32_t i = 0; i < payload->stream_count; i++) {
+	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? 0 : (uint8_t)payload->stream_count);
+	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? payload->streams[0].zeros : 0);
+	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 
 		eco_write_u8(&w, s->corners);

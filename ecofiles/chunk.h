@@ -3,8 +3,8 @@
  * Payload (all little-endian). BYTES: the file itself. Everything else:
  *   0   u8   1 (version)
  *   1   u8   coder (enum eco_coder)
- *   2   u8   stream count s, 1..5
- *   3   u8   0
+ *   2   u8   stream count s, 1..4, or 0 (SHAPES)
+ *   3   u8   0, or the bytes left off at the end (SHAPES)
  *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners ascending
  *   .   s Draco bitstreams, in that order, nothing after them
  *
@@ -16,15 +16,10 @@
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
  *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
  *             row before); flags and predictors 0.
- *   SHAPES    streams as of ELEMENTS for elements that are like no others, then one with corners = 7, elements = all of the chunk:
- *               u8 place_shift, size_shift, turn_bits, shapes - 1
- *               shapes     u8 corners; z position, 3 a corner; where the list has UV z u, v of corner 0, then differences to the corner before
- *               v placed   1..elements; if fewer than elements, a bit for each, from the low end of each byte: set, it is a row of the streams
- *                          of corners (whose rows follow each other in stored order)
- *               v columns  bit i: column i is in the Draco stream at the end (values or differences); the others follow, each of their
- *                          components packed: z low, u8 width (0..30), value - low in that many bits, filled up to a whole byte
- *               columns    kind (4 * shape + entry left out), centre (3), turn (3), size, extra values: one row for each placed element
- *             (v: varint, z: zigzag varint; what the values mean is in shape.h). Stored order is as of ELEMENTS.
+ *   SHAPES    no stream records (s = 0): the rest, followed by as many zeros as byte 3 says, is one range-coded stream of all elements in stored order, as of ELEMENTS, read by
+ *             eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c): a table of shapes, then for each element which shape it is,
+ *             how it is turned, its lengths, the step to its first corner along the curve, its extra values; or that it is none, and corners
+ *             and texture coordinates as what is left after predictions. What the values mean is in shape.h.
  * A chunk of an ELEMENTS list of triangles may say coder SHAPES: it does where that is smaller. A chunk of a MESH list may say coder
  * ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would lose or alter a triangle, or is larger.
  *

@@ -25,18 +25,14 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	return ECO_OK;
 }
 
-/* Of a SHAPES payload: the stream of placings speaks of every element. Corners and primitives are counted once it is decoded. */
-static enum eco_code check_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
-	struct eco_error *error)
+/* Of a SHAPES payload: nothing is declared but what the chunk's record says. Fans of n corners have n - 2 primitives. */
+static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct eco_payload *payload, uint32_t *corner_count, struct eco_error *error)
 {
-	const struct eco_stream *placings = &payload->streams[payload->stream_count - 1];
+	const uint64_t elements = chunk->element_count, most = (ECO_CORNERS_MAX - 2) * elements;
 
-	if (placings->corners != ECO_STREAM_PLACINGS || placings->elements != chunk->element_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk: placings of shapes are missing, or not of %u elements", chunk->element_count);
-	for (uint32_t i = 0; i + 1 < payload->stream_count; i++)
-		if (payload->streams[i].corners < 3 || (payload->streams[i].uv_shift != 0 && !(list->attributes & ECO_ATTR_UV)))
-			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i,
-				payload->streams[i].corners);
+	if (payload->coder != ECO_CODER_SHAPES || chunk->primitive_count < elements || chunk->primitive_count > most)
+		return eco_fail(error, ECO_DAMAGED, "chunk: %u leaves cannot have %u triangles", chunk->element_count, chunk->primitive_count);
+	*corner_count = (uint32_t)(chunk->primitive_count + 2 * elements);
 	return ECO_OK;
 }
 
@@ -49,7 +45,7 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 	uint64_t elements = 0, corners = 0, primitives = 0;
 
 	if (payload->coder == ECO_CODER_SHAPES && list->coder == ECO_CODER_ELEMENTS && list->kind == ECO_LIST_TRIANGLES)
-		return check_shapes(list, chunk, payload, error);
+		return check_shapes(chunk, payload, corner_count, error);
 	if (payload->coder != list->coder && !plain_mesh)
 		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder, list->coder);
 	if (list->coder == ECO_CODER_FORM && payload->stream_count != 1)
@@ -98,8 +94,10 @@ static enum eco_code allocate(const struct eco_list *list, const struct eco_chun
 	return ECO_OK;
 }
 
+struct place { uint32_t element, corner; };
+
 /* Where each stored row goes: its element in draw order, and that one's first corner. `places` come with the rows' corners in `corner`. */
-static bool find_places(struct eco_place_in *places, bool permuted, uint32_t ordinal, uint32_t row_count)
+static bool find_places(struct place *places, bool permuted, uint32_t ordinal, uint32_t row_count)
 {
 	uint32_t *order = malloc(row_count * sizeof *order);
 	uint32_t corner = 0;
@@ -109,10 +107,10 @@ static bool find_places(struct eco_place_in *places, bool permuted, uint32_t ord
 	if (permuted)
 		eco_chunk_permutation(ordinal, row_count, order);
 	for (uint32_t i = 0; i < row_count; i++) {
-		struct eco_place_in *place = &places[permuted ? order[i] : i];
+		struct place *place = &places[permuted ? order[i] : i];
 		uint32_t corners = place->corner;
 
-		*place = (struct eco_place_in){ i, corner };
+		*place = (struct place){ i, corner };
 		corner += corners;
 	}
 	free(order);
@@ -120,7 +118,7 @@ static bool find_places(struct eco_place_in *places, bool permuted, uint32_t ord
 }
 
 static enum eco_code decode_stream(const struct eco_list *list, const struct eco_payload *payload, const struct eco_stream *stream,
-	const struct eco_place_in *places, struct eco_elements *elements, struct eco_error *error)
+	const struct place *places, struct eco_elements *elements, struct eco_error *error)
 {
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
@@ -149,7 +147,7 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 {
 	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_FORM || list->coder == ECO_CODER_KD;
 	uint32_t row_count = elements->element_count, row = 0;
-	struct eco_place_in *places = malloc(row_count * sizeof *places), *next = places;
+	struct place *places = malloc(row_count * sizeof *places), *next = places;
 	enum eco_code code = ECO_OK;
 
 	for (uint32_t i = 0; places && i < payload->stream_count; i++)
@@ -167,78 +165,54 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 
 /* ---- Shapes ---- */
 
-/* The declared counts against what the placings say, and the corners of each element into `places`. */
-static enum eco_code count_shapes(const struct eco_chunk *chunk, const struct eco_shape_rows *rows,
-	struct eco_place_in *places, uint32_t *corner_count, struct eco_error *error)
+/* Element i of `stored` goes where places[i] says. */
+static void put_in_order(const struct eco_elements *stored, const struct place *places, struct eco_elements *elements)
 {
-	const uint8_t *corners = eco_shape_rows_corners(rows);
-	uint64_t primitives = 0, total = 0;
+	size_t from = 0, extra = elements->extra_count;
 
-	for (uint32_t i = 0; i < chunk->element_count; i++) {
-		places[i].corner = corners[i];
-		total += corners[i];
-		primitives += eco_corners_primitives(corners[i]);
+	for (uint32_t i = 0; i < stored->element_count; i++) {
+		size_t corners = stored->corners[i], corner = places[i].corner, element = places[i].element;
+
+		elements->corners[element] = stored->corners[i];
+		memcpy(elements->position + 3 * corner, stored->position + 3 * from, 3 * corners * sizeof *stored->position);
+		if (stored->uv)
+			memcpy(elements->uv + 2 * corner, stored->uv + 2 * from, 2 * corners * sizeof *stored->uv);
+		if (extra)
+			memcpy(elements->extra + extra * element, stored->extra + extra * i, extra * sizeof *stored->extra);
+		from += corners;
 	}
-	if (primitives != chunk->primitive_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %llu primitives instead of %u", (unsigned long long)primitives, chunk->primitive_count);
-	*corner_count = (uint32_t)total;
-	return ECO_OK;
 }
 
-/* Streams of corners hold, in stored order, the elements of as many corners that have no shape. */
-static enum eco_code give_soup(const struct eco_list *list, const struct eco_payload *payload, const struct eco_shape_rows *rows,
-	const struct eco_place_in *places, struct eco_elements *elements, struct eco_error *error)
-{
-	const uint8_t *corners = eco_shape_rows_corners(rows);
-	struct eco_place_in *own = malloc(elements->element_count * sizeof *own);
-	enum eco_code code = own ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u elements", elements->element_count);
-
-	for (uint32_t i = 0; code == ECO_OK && i + 1 < payload->stream_count; i++) {
-		uint32_t count = 0;
-
-		for (uint32_t k = 0; k < elements->element_count; k++)
-			if (corners[k] == payload->streams[i].corners && eco_shape_rows_soup(rows, k))
-				own[count++] = places[k];
-		code = decode_stream(list, payload, &payload->streams[i], own, elements, error);
-	}
-	free(own);
-	return code;
-}
-
+/* How many corners an element has is known when it is decoded, and where it goes when all are: they are moved once. */
 static enum eco_code decode_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
 	uint32_t ordinal, struct eco_elements *elements, struct eco_error *error)
 {
-	struct eco_place_in *places = malloc(chunk->element_count * sizeof *places);
-	struct eco_shape_rows *rows = NULL;
-	uint32_t corner_count = 0;
-	enum eco_code code = eco_shapes_decode(list, payload, &rows, error);
+	struct place *places = malloc(chunk->element_count * sizeof *places);
+	struct eco_elements stored = { 0 };
+	enum eco_code code = allocate(list, chunk, elements->corner_count, &stored, error);
 
 	if (code == ECO_OK && places == NULL)
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
 	if (code == ECO_OK)
-		code = count_shapes(chunk, rows, places, &corner_count, error);
-	if (code == ECO_OK)
-		code = allocate(list, chunk, corner_count, elements, error);
+		code = eco_shapes_decode(list, &payload->streams[0], &stored, error);
+	for (uint32_t i = 0; code == ECO_OK && i < chunk->element_count; i++)
+		places[i].corner = stored.corners[i];
 	if (code == ECO_OK && !find_places(places, true, ordinal, chunk->element_count))
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
 	if (code == ECO_OK)
-		code = eco_shape_rows_give(rows, places, elements, error);
-	if (code == ECO_OK)
-		code = give_soup(list, payload, rows, places, elements, error);
-	eco_shape_rows_free(rows);
+		put_in_order(&stored, places, elements);
+	eco_elements_free(&stored);
 	free(places);
 	return code;
 }
 
-/* All streams start as our encoder writes them, with the declared counts: checked before the first byte is decoded. */
+/* All streams of Draco start as our encoder writes them, with the declared counts: checked before the first byte is decoded. */
 static enum eco_code check_streams(const struct eco_payload *payload, struct eco_error *error)
 {
 	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;
 
-	for (uint32_t i = 0; i < payload->stream_count; i++) {
+	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
-		if (s->corners == ECO_STREAM_PLACINGS)       /* checks itself, bit by bit */
-			continue;
 		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3 ? eco_draco_mesh_start(s->bytes, s->size, s->elements)
 			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
 
@@ -263,7 +237,7 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 		code = check_payload(list, chunk, &payload, &corner_count, error);
 	if (code == ECO_OK)
 		code = check_streams(&payload, error);
-	if (code == ECO_OK && payload.coder != ECO_CODER_SHAPES)
+	if (code == ECO_OK)
 		code = allocate(list, chunk, corner_count, elements, error);
 	if (code == ECO_OK)
 		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal, elements, error)

@@ -19,7 +19,7 @@
 /* Where an input element is, in the order in which it will be stored. */
 struct stored {
 	uint8_t corners;
-	uint32_t key[3];             /* first corner, shifted to be unsigned */
+	uint32_t key[3];             /* first corner, from the least of the chunk on: steps along the curve then take few bits */
 	uint32_t element;            /* relative to the input's first */
 	size_t corner_at;            /* index of its first corner among all corners */
 };
@@ -133,6 +133,7 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	uint32_t count = input->end - input->first;
 	struct stored *stored = calloc(count, sizeof *stored);
 	size_t corner_at = 0;
+	int32_t low[3] = { 0 };
 
 	*out = stored;
 	if (stored == NULL)
@@ -153,9 +154,12 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 				input->ordinal, input->first + i, ECO_ROWS_VALUE_MAX);
 		stored[i] = (struct stored){ .corners = corners, .element = i, .corner_at = corner_at };
 		for (int axis = 0; axis < 3; axis++)
-			stored[i].key[axis] = (uint32_t)position[axis] + (1u << 28);
+			low[axis] = i == 0 || position[axis] < low[axis] ? position[axis] : low[axis];
 		corner_at += corners;
 	}
+	for (uint32_t i = 0; i < count; i++)
+		for (int axis = 0; axis < 3; axis++)
+			stored[i].key[axis] = (uint32_t)(e->position[3 * stored[i].corner_at + (size_t)axis] - low[axis]);
 	return ECO_OK;
 }
 
@@ -228,35 +232,27 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 	return ECO_OK;
 }
 
-/* ELEMENTS of which some are placed shapes, where that is smaller than `*bytes`. */
+/* ELEMENTS as placed shapes and corners, where that is smaller than `*bytes`. */
 static enum eco_code try_shapes(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
-	uint32_t count = input->end - input->first, left = 0;
-	struct eco_payload payload = { .coder = ECO_CODER_SHAPES }, placings = { .coder = ECO_CODER_SHAPES };
+	uint32_t count = input->end - input->first;
+	struct eco_payload payload = { .coder = ECO_CODER_SHAPES };
 	struct eco_placed_element *elements = malloc(count * sizeof *elements);
-	struct stored *rest = malloc(count * sizeof *rest);
-	bool *soup = malloc(count * sizeof *soup), fits = false;
 	uint8_t *smaller = NULL;
 	size_t smaller_size = 0;
-	enum eco_code code = elements && rest && soup ? ECO_OK
+	enum eco_code code = elements ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal, count);
 
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
 		elements[i] = (struct eco_placed_element){ stored[i].element, stored[i].corner_at };
 	if (code == ECO_OK)
-		code = eco_shapes_encode(input, elements, fmax(0, 8.0 * (double)*size - ECO_STREAM_BITS) / count, &placings, soup, &fits, error);
-	for (uint32_t i = 0; fits && i < count; i++)
-		if (soup[i])
-			rest[left++] = stored[i];
-	if (code == ECO_OK && fits && left > 0)
-		code = add_streams(&payload, input, rest, left, error);
-	if (code == ECO_OK && fits) {
-		payload.streams[payload.stream_count++] = placings.streams[0];
-		placings.stream_count = 0;
+		code = eco_shapes_encode(input, elements, 8.0 * (double)*size / count, &payload.streams[0], error);
+	if (code == ECO_OK) {
+		payload.stream_count = 1;
 		code = eco_payload_write(&payload, &smaller, &smaller_size, error);
 	}
-	if (code == ECO_OK && fits && smaller_size < *size) {
+	if (code == ECO_OK && smaller_size < *size) {
 		free(*bytes);
 		*bytes = smaller;
 		*size = smaller_size;
@@ -264,10 +260,7 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 	}
 	free(smaller);
 	free(elements);
-	free(rest);
-	free(soup);
 	eco_payload_free_streams(&payload);
-	eco_payload_free_streams(&placings);
 	return code;
 }
 

@@ -5,8 +5,7 @@
 #include "ecofiles/chunk.h"
 #include "ecofiles/chunk_rows.h"
 
-#define ECO_PAYLOAD_STREAMS_MAX 5u
-#define ECO_STREAM_PLACINGS 7u           /* `corners` of the stream of a SHAPES chunk that says how shapes are placed */
+#define ECO_PAYLOAD_STREAMS_MAX 4u
 
 struct eco_stream {
 	uint8_t corners;
@@ -14,6 +13,7 @@ struct eco_stream {
 	uint8_t uv_shift;
 	uint8_t shift;               /* of positions */
 	uint16_t predictors;
+	uint8_t zeros;               /* SHAPES: bytes at the end that are zero and not stored */
 	uint32_t elements;
 	const uint8_t *bytes;        /* of the payload when reading; malloc'ed when writing */
 	size_t size;
@@ -21,7 +21,7 @@ struct eco_stream {
 
 struct eco_payload {
 	uint8_t coder;
-	uint32_t stream_count;
+	uint32_t stream_count;       /* SHAPES: 1, of which only bytes, size and zeros are set */
 	struct eco_stream streams[ECO_PAYLOAD_STREAMS_MAX];
 };
 
@@ -40,26 +40,13 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 
 struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream);
 
-/* SHAPES, in chunk_shapes.c. `elements` in stored order; soup_bits: what one takes as corners, without the ECO_STREAM_BITS that a stream
- * of them takes besides. */
-#define ECO_STREAM_BITS 900.0
+/* SHAPES, in chunk_shapes.c. `elements` in stored order; soup_bits: what one takes as corners. The stream's bytes are malloc'ed. */
 struct eco_placed_element { uint32_t element; size_t corner_at; };
-/* Sets *fits to false, with ECO_OK, where no element has the shape of others. `soup` (count values): which elements are left to
- * streams of corners. Adds the stream of placings. */
 enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
-	struct eco_payload *payload, bool *soup, bool *fits, struct eco_error *error);
-/* Where each stored element goes among decoded ones. */
-struct eco_place_in { uint32_t element, corner; };
-struct eco_shape_rows;
-/* Decodes the stream of placings. corners[i]: of stored element i; soup[i]: whether it is in a stream of corners. */
-enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_payload *payload, struct eco_shape_rows **rows,
+	struct eco_stream *stream, struct eco_error *error);
+/* Fills the elements, whose counts say what is expected and whose arrays are allocated, in stored order. */
+enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored,
 	struct eco_error *error);
-const uint8_t *eco_shape_rows_corners(const struct eco_shape_rows *rows);
-bool eco_shape_rows_soup(const struct eco_shape_rows *rows, uint32_t stored);
-/* Writes the elements that are not soup to where they go. */
-enum eco_code eco_shape_rows_give(const struct eco_shape_rows *rows, const struct eco_place_in *places, struct eco_elements *elements,
-	struct eco_error *error);
-void eco_shape_rows_free(struct eco_shape_rows *rows);
 
 /* MESH, in chunk_mesh.c. Encoding sets *fits to false, with ECO_OK, where edgebreaker does not give back every triangle. */
 enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,

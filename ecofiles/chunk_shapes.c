@@ -1,607 +1,403 @@
-/* SHAPES: a chunk whose repeated elements are placed shapes. What is left over stays corners.
+/* SHAPES: the elements of a chunk as placed shapes, and what is left over as corners, all in one adaptively coded stream, as most chunks
+ * are small: where there are forty leaves, the frame of a second stream or a table of symbols costs more than what it holds.
  *
- * Stored order is that of ELEMENTS, so that forms of the elements need not know how these are coded. */
+ * Stored order is that of ELEMENTS, so that forms of the elements need not know how these are coded: along a Morton curve through their
+ * first corners. So not an element's centre is stored, but where that puts its first corner: the way along the curve from the element
+ * before, which takes log2(n!) bits less than n places would. Centres have other steps than corners, and the two orders may differ by a
+ * little; a step back is a rare symbol.
+ *
+ * One function codes and decodes: what is written is what is read. */
 #include "ecofiles/chunk.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/bytes.h"
 #include "ecofiles/chunk_payload.h"
-#include "ecofiles/shape.h"
+#include "ecofiles/chunk_shapes.h"
 
-#define USES_LEAST 3u            /* elements of one shape: for fewer its entry costs more than it saves */
-#define PLACING_COLUMNS 4u       /* kind, centre, turn, size; extra values follow */
-#define COLUMNS_MAX (PLACING_COLUMNS + ECO_ROWS_EXTRA_MAX)
+#define KEY_BITS 20u             /* of each axis, along the curve */
 #define UV_MAX ECO_ROWS_VALUE_MAX
-#define WIDTH_MAX 30u
-#define DRACO_HEAD 30u           /* bytes that a stream takes beside its columns */
-#define UNITS_SAMPLE 1024u       /* elements by which units are chosen */
+#define COARSE_MAX (ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT)
 
-/* The columns of placings. A kind is 4 * shape + which entry of the quaternion is left out. */
-struct columns {
-	struct eco_draco_column items[COLUMNS_MAX];
-	uint32_t count, rows;
-	int32_t *storage;
-};
-
-static enum eco_code columns_make(struct columns *c, uint32_t rows, uint32_t extra_count, struct eco_error *error)
+void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 {
-	static const uint8_t components[PLACING_COLUMNS] = { 1, 3, 3, 1 };
-	int32_t *at = c->storage = calloc((size_t)rows * (8 + extra_count), sizeof *at);
+	c->left = elements;
+	c->key = 0;
+	c->corners = 0;
+	memset(c->uv_before, 0, sizeof c->uv_before);
+	eco_bits_start(c->number, ECO_RANGE_NUMBER);
+	eco_bits_start(c->flat, ECO_RANGE_NUMBER);
+	eco_bits_start(c->kind, 128);
+	eco_bits_start(c->corner_count, 4);
+	eco_bits_start(&c->back, 1);
+	eco_bits_start(&c->above, 1);
+	eco_bits_start(c->up, ECO_STEPS_MODELLED);
+	eco_bits_start(c->down, ECO_STEPS_MODELLED);
+	eco_bits_start(c->way[0], sizeof c->way / sizeof c->way[0][0]);
+	eco_bits_start(c->roll, sizeof c->roll / sizeof c->roll[0]);
+	eco_bits_start(c->size[0], sizeof c->size / sizeof c->size[0][0]);
+	eco_bits_start(c->extra[0], sizeof c->extra / sizeof c->extra[0][0]);
+	eco_bits_start(c->corner[0], sizeof c->corner / sizeof c->corner[0][0]);
+	eco_bits_start(c->texture[0], sizeof c->texture / sizeof c->texture[0][0]);
+}
 
-	assert(extra_count <= ECO_ROWS_EXTRA_MAX);
-	if (c->storage == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u placed elements", rows);
-	c->rows = rows;
-	c->count = PLACING_COLUMNS + extra_count;
-	for (uint32_t i = 0; i < c->count; i++) {
-		c->items[i] = (struct eco_draco_column){ .values = at, .components = i < PLACING_COLUMNS ? components[i] : 1 };
-		at += (size_t)rows * c->items[i].components;
+/* ---- What the chunk's elements share ---- */
+
+/* A value that must be within [low, high]. */
+static int32_t code_number(struct eco_shapes_codec *c, struct eco_bit *models, int32_t value, int32_t low, int32_t high)
+{
+	int32_t v = eco_range_number(&c->range, models, value);
+
+	if (v < low || v > high) {
+		c->failed = true;
+		return low > 0 ? low : high < 0 ? high : 0;
 	}
-	return ECO_OK;
+	return v;
 }
 
-static void put_placing(const struct columns *c, uint32_t row, uint32_t shape, const struct eco_placing *p)
+static void code_span(struct eco_shapes_codec *c, struct eco_span *s)
 {
-	c->items[0].values[row] = (int32_t)(4 * shape + p->left);
-	for (uint32_t k = 0; k < 3; k++) {
-		c->items[1].values[3 * (size_t)row + k] = p->center[k];
-		c->items[2].values[3 * (size_t)row + k] = p->turn[k];
+	s->low = code_number(c, c->number, s->low, -ECO_ROWS_VALUE_MAX, ECO_ROWS_VALUE_MAX);
+	s->bits = (uint8_t)eco_range_raw(&c->range, 5, s->bits);
+	if (s->bits > 29)
+		c->failed = true;
+}
+
+/* Zeros at the end that all coordinates have. */
+static uint32_t common_shift(const struct eco_shapes *shapes)
+{
+	uint32_t any = 1u << 12;
+
+	for (uint32_t i = 0; i < shapes->count; i++)
+		for (uint32_t k = 0; k < 3u * shapes->items[i].corners; k++)
+			any |= (uint32_t)shapes->items[i].position[k];
+	return (uint32_t)__builtin_ctz(any);
+}
+
+static void code_shape(struct eco_shapes_codec *c, struct eco_shape *s, uint32_t shift)
+{
+	const int32_t most = ECO_SHAPE_COORDINATE_MAX >> shift;
+
+	s->corners = (uint8_t)(3 + eco_range_raw(&c->range, 2, s->corners - 3u));
+	for (uint32_t k = 0; k < 3u * s->corners; k++)
+		s->position[k] = code_number(c, k % 3 == 2 ? c->flat : c->number, s->position[k] / (1 << shift), -most, most) * (1 << shift);
+	for (uint32_t k = 0; c->uv && k < 2u * s->corners; k++) {
+		int32_t before = k < 2 ? 0 : s->uv[k - 2];
+
+		s->uv[k] = before + code_number(c, c->texture[k & 1], s->uv[k] - before, -UV_MAX - before, UV_MAX - before);
 	}
-	c->items[3].values[row] = p->size;
 }
 
-static struct eco_placing get_placing(const struct columns *c, uint32_t row, uint32_t *shape)
+static void code_shapes(struct eco_shapes_codec *c)
 {
-	struct eco_placing p = { .left = (uint8_t)(c->items[0].values[row] & 3), .size = c->items[3].values[row] };
+	struct eco_shapes *s = &c->shapes;
 
-	*shape = (uint32_t)c->items[0].values[row] / 4;
-	for (uint32_t k = 0; k < 3; k++) {
-		p.center[k] = c->items[1].values[3 * (size_t)row + k];
-		p.turn[k] = c->items[2].values[3 * (size_t)row + k];
-	}
-	return p;
-}
-
-/* ---- Packed columns ---- */
-
-/* The part of column values that one component has. */
-struct span { int32_t *values; uint32_t stride, rows; };
-
-static struct span span_of(const struct columns *c, uint32_t column, uint32_t component)
-{
-	return (struct span){ c->items[column].values + component, c->items[column].components, c->rows };
-}
-
-/* As many bits for each value as the largest needs, from the low end, each component from a new byte on. */
-static void pack_span(struct eco_writer *w, struct span s)
-{
-	int32_t low = s.values[0], high = low;
-	uint32_t width = 0, held = 0;
-	uint64_t bits = 0;
-
-	for (uint32_t i = 1; i < s.rows; i++) {
-		int32_t v = s.values[(size_t)s.stride * i];
-
-		low = v < low ? v : low;
-		high = v > high ? v : high;
-	}
-	while ((uint32_t)(high - low) >> width)
-		width++;
-	eco_write_zigzag(w, low);
-	eco_write_u8(w, (uint8_t)width);
-	for (uint32_t i = 0; i < s.rows && width; i++) {
-		bits |= (uint64_t)(uint32_t)(s.values[(size_t)s.stride * i] - low) << held;
-		for (held += width; held >= 8; held -= 8, bits >>= 8)
-			eco_write_u8(w, (uint8_t)bits);
-	}
-	if (held)
-		eco_write_u8(w, (uint8_t)bits);
-}
-
-/* Refuses bits that are set where no value is. */
-static bool unpack_span(struct eco_reader *r, struct span s)
-{
-	int64_t low = eco_read_zigzag(r);
-	uint32_t width = eco_read_u8(r), held = 0;
-	uint64_t bits = 0;
-
-	if (r->failed || width > WIDTH_MAX || low < -2 * ECO_ROWS_VALUE_MAX || low > 2 * ECO_ROWS_VALUE_MAX)
-		return false;
-	const uint8_t *bytes = eco_read_bytes(r, ((uint64_t)width * s.rows + 7) / 8);
-	for (uint32_t i = 0; bytes && i < s.rows; i++) {
-		for (; held < width; held += 8)
-			bits |= (uint64_t)*bytes++ << held;
-		int64_t v = low + (int64_t)(bits & ((1u << width) - 1));
-		if (v < -ECO_ROWS_VALUE_MAX || v > ECO_ROWS_VALUE_MAX)
-			return false;
-		s.values[(size_t)s.stride * i] = (int32_t)v;
-		bits >>= width;
-		held -= width;
-	}
-	return bytes != NULL && bits == 0;
-}
-
-/* ---- Encoding ---- */
-
-struct encoding {
-	const struct eco_chunk_input *input;
-	const struct eco_placed_element *elements;
-	uint32_t count, placed;
-	struct eco_shapes shapes;
-	uint32_t *of;                /* per stored element */
-	struct eco_placing *placing;
-	struct columns columns;
-};
-
-static bool find_shapes(struct encoding *c)
-{
-	size_t *at = malloc(c->count * sizeof *at);
-	uint32_t *by_element = malloc(c->count * sizeof *by_element);
-	bool good = at && by_element;
-
-	for (uint32_t i = 0; good && i < c->count; i++)
-		at[c->elements[i].element] = c->elements[i].corner_at;
-	good = good && eco_shapes_find(&c->shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at,
-		ECO_EXACT_SHIFT }, USES_LEAST, by_element);
-	for (uint32_t i = 0; good && i < c->count; i++)
-		c->of[i] = by_element[c->elements[i].element];
-	free(at);
-	free(by_element);
-	return good;
-}
-
-static uint32_t bit_length(uint32_t v)
-{
-	return v ? 32u - (uint32_t)__builtin_clz(v) : 0;
-}
-
-/* About how many bits a sample of the elements takes with the units in c->shapes. */
-static double cost_of(const struct encoding *c, double soup_bits)
-{
-	const struct eco_elements *e = c->input->elements;
-	uint32_t step = c->count / UNITS_SAMPLE + 1, placed = 0, left = 0, width = 0;
-	int32_t low[4], high[4];
-
-	for (uint32_t i = 0; i < c->count; i += step) {
-		struct eco_placing p;
-
-		if (c->of[i] == ECO_SHAPE_NONE)
+	s->count = (uint32_t)eco_range_raw(&c->range, 7, s->count);
+	if (s->count > ECO_SHAPES_MAX)
+		c->failed = true;
+	if (c->failed || s->count == 0)
+		return;
+	s->stretch = (uint8_t)eco_range_raw(&c->range, 2, s->stretch);
+	s->place_shift = (uint8_t)eco_range_raw(&c->range, 2, s->place_shift);
+	s->way_bits = (uint8_t)eco_range_raw(&c->range, 4, s->way_bits);
+	s->roll_bits = (uint8_t)eco_range_raw(&c->range, 4, s->roll_bits);
+	if (s->way_bits > ECO_SHAPE_TURN_BITS_MAX || s->roll_bits > ECO_SHAPE_TURN_BITS_MAX)
+		c->failed = true;
+	for (uint32_t i = 0; i < 3; i++) {
+		if (i > 0 && (s->stretch == ECO_STRETCH_NONE || (i == 2 && s->stretch != ECO_STRETCH_ALL)))
 			continue;
-		if (!eco_shape_fit(&c->shapes, &c->shapes.items[c->of[i]], e->exact + 3 * c->elements[i].corner_at, ECO_EXACT_SHIFT, &p)) {
-			left++;
-			continue;
-		}
-		for (int k = 0; k < 4; k++) {
-			int32_t v = k < 3 ? p.center[k] : p.size;
-
-			low[k] = placed && low[k] < v ? low[k] : v;
-			high[k] = placed && high[k] > v ? high[k] : v;
-		}
-		placed++;
+		s->size_shift[i] = (uint8_t)eco_range_raw(&c->range, 3, s->size_shift[i]);
+		code_span(c, &c->head.size[i]);
 	}
-	for (int k = 0; k < 4 && placed > 0; k++)
-		width += bit_length((uint32_t)(high[k] - low[k]));
-	return step * (placed * (width + 3.0 * (c->shapes.turn_bits + 1)) + left * soup_bits) + (left ? ECO_STREAM_BITS : 0);
+	uint32_t shift = (uint32_t)eco_range_raw(&c->range, 4, c->range.writer ? common_shift(s) : 0);
+
+	if (shift > 12)
+		c->failed = true;
+	for (uint32_t i = 0; i < s->count && !c->failed; i++)
+		code_shape(c, &s->items[i], shift);
 }
 
-/* Coarser units take fewer bits, and leave more elements to corners. From the finest that could be of use, one kind of unit after the
- * other is made coarser as long as that pays. */
-static void choose_units(struct encoding *c, double soup_bits)
+void eco_shapes_code_head(struct eco_shapes_codec *c)
 {
-	struct eco_shapes best = c->shapes;
-	double least = cost_of(c, soup_bits);
+	struct eco_shapes_head *h = &c->head;
 
-	for (bool better = true; better;) {
-		const struct eco_shapes from = best;
-
-		better = false;
-		for (int kind = 0; kind < 3; kind++) {
-			c->shapes = from;
-			if (kind == 0 ? from.turn_bits == 0 : kind == 1 ? from.size_shift > ECO_EXACT_SHIFT : from.place_shift >= ECO_EXACT_SHIFT)
-				continue;
-			c->shapes.turn_bits -= kind == 0;
-			c->shapes.size_shift += kind == 1;
-			c->shapes.place_shift += kind == 2;
-			double cost = cost_of(c, soup_bits);
-			if (cost < least) {
-				least = cost;
-				best = c->shapes;
-				better = true;
-			}
-		}
-	}
-	c->shapes = best;
+	h->sorted = eco_range_raw(&c->range, 1, h->sorted);
+	for (uint32_t i = 0; i < 3; i++)
+		h->first[i].low = code_number(c, c->number, h->first[i].low, -COARSE_MAX, COARSE_MAX);
+	h->first[0].bits = (uint8_t)eco_range_raw(&c->range, 5, h->first[0].bits);
+	if (h->first[0].bits > 29)
+		c->failed = true;
+	for (uint32_t i = 0; i < c->extra_count; i++)
+		code_span(c, &h->extra[i]);
+	h->predictors = (uint16_t)eco_range_raw(&c->range, 1, h->predictors != 0) ? (uint16_t)eco_range_raw(&c->range, 16, h->predictors) : 0;
+	for (uint32_t i = 0; i < 4; i++)
+		if ((h->predictors >> 4 * i & 15) >= ECO_ROWS_PREDICTORS)
+			c->failed = true;
+	if (!c->failed)
+		code_shapes(c);
 }
 
-static void place_all(struct encoding *c, bool *soup)
-{
-	const int32_t *exact = c->input->elements->exact;
+/* ---- Where elements are ---- */
 
-	for (uint32_t i = 0; i < c->count; i++) {
-		soup[i] = c->of[i] == ECO_SHAPE_NONE || !eco_shape_fit(&c->shapes, &c->shapes.items[c->of[i]],
-			exact + 3 * c->elements[i].corner_at, ECO_EXACT_SHIFT, &c->placing[i]);
-		c->placed += !soup[i];
-	}
+static uint64_t spread(uint64_t v)
+{
+	v = (v | v << 32) & 0x1f00000000ffff;
+	v = (v | v << 16) & 0x1f0000ff0000ff;
+	v = (v | v << 8) & 0x100f00f00f00f00f;
+	v = (v | v << 4) & 0x10c30c30c30c30c3;
+	return (v | v << 2) & 0x1249249249249249;
 }
 
-static enum eco_code fill_columns(struct encoding *c, const bool *soup, struct eco_error *error)
+static uint32_t gather(uint64_t v)
 {
-	const struct eco_elements *e = c->input->elements;
-	enum eco_code code = columns_make(&c->columns, c->placed, e->extra_count, error);
-
-	for (uint32_t i = 0, row = 0; code == ECO_OK && i < c->count; i++) {
-		uint32_t element = c->input->first + c->elements[i].element;
-
-		if (soup[i])
-			continue;
-		put_placing(&c->columns, row, c->of[i], &c->placing[i]);
-		for (uint32_t k = 0; k < e->extra_count; k++)
-			c->columns.items[PLACING_COLUMNS + k].values[row] = e->extra[(size_t)e->extra_count * element + k];
-		row++;
-	}
-	return code;
+	v &= 0x1249249249249249;
+	v = (v | v >> 2) & 0x10c30c30c30c30c3;
+	v = (v | v >> 4) & 0x100f00f00f00f00f;
+	v = (v | v >> 8) & 0x1f0000ff0000ff;
+	v = (v | v >> 16) & 0x1f00000000ffff;
+	return (uint32_t)(v | v >> 32) & 0x1fffff;
 }
 
-/* Values or differences, whichever is smaller; *good becomes false where Draco can code neither. */
-static enum eco_code choose(struct eco_draco_column *column, uint32_t rows, bool *good, size_t *least, struct eco_error *error)
+/* A count of at most `most`, each step with a model. */
+static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, uint32_t most, uint32_t value)
 {
-	int32_t low = column->values[0], high = low;
-	size_t size[2] = { SIZE_MAX, SIZE_MAX };
-	enum eco_code code = ECO_OK;
+	uint32_t n = 0;
 
-	for (size_t i = 0; i < (size_t)column->components * rows; i++) {
-		low = column->values[i] < low ? column->values[i] : low;
-		high = column->values[i] > high ? column->values[i] : high;
-	}
-	*good = *good && high <= ECO_DRACO_VALUE_MAX && low >= -ECO_DRACO_VALUE_MAX && high - low <= ECO_DRACO_VALUE_MAX;
-	for (int difference = 0; *good && difference < 2 && code == ECO_OK; difference++) {
-		uint8_t *bytes;
-
-		column->difference = difference;
-		code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, column, 1, rows, &bytes, &size[difference], error);
-		free(bytes);
-	}
-	column->difference = size[1] < size[0];
-	*least = size[1] < size[0] ? size[1] : size[0];
-	return code;
+	while (n < most && eco_range_bit(&c->range, &models[n < ECO_STEPS_MODELLED ? n : ECO_STEPS_MODELLED - 1], n < value))
+		n++;
+	return n;
 }
 
-static void pack_column(struct eco_writer *w, const struct columns *c, uint32_t column)
+/* From one key to the next: of n random ones the gaps are exponentially distributed, with a mean that both sides know. How many bits the gap
+ * has is coded from there, up or down, then the bits themselves. */
+static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key)
 {
-	for (uint32_t k = 0; k < c->items[column].components; k++)
-		pack_span(w, span_of(c, column, k));
-}
+	uint64_t end = (uint64_t)1 << bits, mean = (end - c->key) / c->left;
+	uint32_t usual = eco_bit_length(mean);
+	bool back = eco_range_bit(&c->range, &c->back, key < c->key);
+	uint64_t gap = back ? c->key - key : key - c->key;
+	uint32_t length = eco_bit_length(gap);
 
-/* The columns in `mask` through Draco, the others packed. */
-static enum eco_code write_mixed(struct eco_writer *w, const struct columns *c, uint32_t mask, struct eco_error *error)
-{
-	struct eco_draco_column coded[COLUMNS_MAX];
-	uint32_t count = 0;
-	uint8_t *bytes = NULL;
-	size_t size = 0;
-	enum eco_code code = ECO_OK;
-
-	eco_write_varint(w, mask);
-	for (uint32_t i = 0; i < c->count; i++)
-		if (mask >> i & 1)
-			coded[count++] = c->items[i];
-		else
-			pack_column(w, c, i);
-	if (count > 0)
-		code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, coded, count, c->rows, &bytes, &size, error);
-	if (code == ECO_OK)
-		eco_write_bytes(w, bytes, size);
-	free(bytes);
-	return code;
-}
-
-/* Draco's tables pay where rows are many and values repeat: none of the columns, those that gain by it, or all, whichever is smallest. */
-static enum eco_code write_columns(struct eco_writer *w, struct columns *c, struct eco_error *error)
-{
-	uint32_t all = (1u << c->count) - 1, gain = 0;
-	struct eco_writer best = { 0 };
-	enum eco_code code = ECO_OK;
-
-	for (uint32_t i = 0; i < c->count && code == ECO_OK; i++) {
-		struct eco_writer packed = { 0 };
-		bool good = true;
-		size_t size = 0;
-
-		code = choose(&c->items[i], c->rows, &good, &size, error);
-		pack_column(&packed, c, i);
-		if (good && size < packed.size + DRACO_HEAD)
-			gain |= 1u << i;
-		if (!good)
-			all = 0;
-		eco_writer_free(&packed);
-	}
-	const uint32_t masks[3] = { 0, gain, all };
-	for (int i = 0; i < 3 && code == ECO_OK; i++) {
-		struct eco_writer tried = { 0 };
-
-		code = write_mixed(&tried, c, masks[i], error);
-		if (best.bytes == NULL || tried.size < best.size) {
-			struct eco_writer worse = best;
-
-			best = tried;
-			tried = worse;
-		}
-		best.failed |= tried.failed;
-		eco_writer_free(&tried);
-	}
-	eco_write_bytes(w, best.bytes, best.size);
-	w->failed |= best.failed;
-	eco_writer_free(&best);
-	return code;
-}
-
-static void write_shapes(struct eco_writer *w, const struct eco_shapes *shapes, bool uv)
-{
-	eco_write_u8(w, shapes->place_shift);
-	eco_write_u8(w, shapes->size_shift);
-	eco_write_u8(w, shapes->turn_bits);
-	eco_write_u8(w, (uint8_t)(shapes->count - 1));
-	for (uint32_t i = 0; i < shapes->count; i++) {
-		const struct eco_shape *s = &shapes->items[i];
-
-		eco_write_u8(w, s->corners);
-		for (uint32_t k = 0; k < 3u * s->corners; k++)
-			eco_write_zigzag(w, s->position[k]);
-		for (uint32_t k = 0; uv && k < 2u * s->corners; k++)
-			eco_write_zigzag(w, s->uv[k] - (k < 2 ? 0 : s->uv[k - 2]));
-	}
-}
-
-/* One bit an element, from the low end: set where it is left to a stream of corners. */
-static void write_mask(struct eco_writer *w, const bool *soup, uint32_t count)
-{
-	for (uint32_t i = 0; i < count; i += 8) {
-		uint8_t bits = 0;
-
-		for (uint32_t k = 0; k < 8 && i + k < count; k++)
-			bits |= (uint8_t)(soup[i + k] << k);
-		eco_write_u8(w, bits);
-	}
-}
-
-static enum eco_code write_stream(struct encoding *c, struct eco_payload *payload, const bool *soup, struct eco_error *error)
-{
-	struct eco_writer w = { 0 };
-	enum eco_code code;
-
-	write_shapes(&w, &c->shapes, c->input->elements->uv != NULL);
-	eco_write_varint(&w, c->placed);
-	if (c->placed < c->count)
-		write_mask(&w, soup, c->count);
-	code = write_columns(&w, &c->columns, error);
-	if (code == ECO_OK && w.failed)
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u placed elements", c->placed);
-	if (code == ECO_OK)
-		payload->streams[payload->stream_count++] = (struct eco_stream){ .corners = ECO_STREAM_PLACINGS, .elements = c->count,
-			.bytes = w.bytes, .size = w.size };
+	if (eco_range_bit(&c->range, &c->above, length > usual))
+		length = usual + 1 + code_steps(c, c->up, bits - (usual < bits ? usual + 1 : bits), length - usual - 1);
 	else
-		eco_writer_free(&w);
-	return code;
+		length = usual - code_steps(c, c->down, usual, usual - length);
+	if (length > 62) {
+		c->failed = true;
+		return 0;
+	}
+	if (length > 0)
+		gap = (uint64_t)1 << (length - 1) | eco_range_raw(&c->range, length - 1, gap & (((uint64_t)1 << (length - 1)) - 1));
+	else
+		gap = 0;
+	if (back ? gap > c->key : gap >= end - c->key) {
+		c->failed = true;
+		return 0;
+	}
+	c->key = back ? c->key - gap : c->key + gap;
+	return c->key;
 }
 
-enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
-	struct eco_payload *payload, bool *soup, bool *fits, struct eco_error *error)
+/* Where the first corner is on the coarse grid, from head.first. */
+static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t first[3])
 {
-	struct encoding c = { .input = input, .elements = elements, .count = input->end - input->first };
-	enum eco_code code = ECO_OK;
+	uint32_t width = c->head.first[0].bits, bits = width < KEY_BITS ? width : KEY_BITS, rest = width - bits;
 
-	*fits = false;
-	c.of = malloc(c.count * sizeof *c.of);
-	c.placing = calloc(c.count, sizeof *c.placing);
-	if (c.of == NULL || c.placing == NULL || !find_shapes(&c))
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal, c.count);
-	if (code == ECO_OK && c.shapes.count > 0) {
-		choose_units(&c, soup_bits);
-		place_all(&c, soup);
-		*fits = c.placed > 0;
+	if (corners != c->corners)
+		c->key = 0;
+	c->corners = corners;
+	if (!c->head.sorted) {
+		for (uint32_t i = 0; i < 3; i++)
+			first[i] = (uint32_t)eco_range_raw(&c->range, width, first[i]);
+		return;
 	}
-	if (*fits)
-		code = fill_columns(&c, soup, error);
-	if (code == ECO_OK && *fits)
-		code = write_stream(&c, payload, soup, error);
-	eco_shapes_free(&c.shapes);
-	free(c.of);
-	free(c.placing);
-	free(c.columns.storage);
-	return code;
+	uint64_t key = code_key(c, 3 * bits, spread(first[0] >> rest) << 2 | spread(first[1] >> rest) << 1 | spread(first[2] >> rest));
+
+	for (uint32_t i = 0; i < 3; i++)
+		first[i] = gather(key >> (2 - i)) << rest | (uint32_t)eco_range_raw(&c->range, rest, first[i] & ((1u << rest) - 1));
+}
+
+/* ---- Elements ---- */
+
+/* Where a centre puts the first corner, in 2^place_shift: of the offset only, which both sides know. */
+static int64_t lead_of(const struct eco_shapes *s, const int32_t *offset, uint32_t axis)
+{
+	return ((int64_t)offset[axis] + (1 << s->place_shift >> 1)) >> s->place_shift;
+}
+
+void eco_shapes_first(const struct eco_shapes *s, const struct eco_placing *placing, const int32_t *offset, int64_t first[3], uint32_t rest[3])
+{
+	uint32_t finer = ECO_EXACT_SHIFT - s->place_shift;
+
+	for (uint32_t i = 0; i < 3; i++) {
+		int64_t from = placing->center[i] + lead_of(s, offset, i) + (1 << finer >> 1);
+
+		first[i] = from >> finer;
+		rest[i] = (uint32_t)(from & ((1 << finer) - 1));
+	}
+}
+
+static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const int32_t *offset)
+{
+	uint32_t finer = ECO_EXACT_SHIFT - c->shapes.place_shift, first[3] = { 0 }, rest[3] = { 0 };
+	int64_t at[3];
+
+	if (c->range.writer)
+		eco_shapes_first(&c->shapes, &l->placing, offset, at, rest);
+	for (uint32_t i = 0; i < 3 && c->range.writer; i++)
+		first[i] = (uint32_t)(at[i] - c->head.first[i].low);
+	code_first(c, l->corners, first);
+	for (uint32_t i = 0; i < 3; i++) {
+		int64_t from = (int64_t)first[i] + c->head.first[i].low;
+
+		rest[i] = (uint32_t)eco_range_raw(&c->range, finer, rest[i]);
+		from = from * (1 << finer) + rest[i] - (1 << finer >> 1) - lead_of(&c->shapes, offset, i);
+		if (from > 2 * (int64_t)ECO_ROWS_VALUE_MAX || from < -2 * (int64_t)ECO_ROWS_VALUE_MAX) {
+			c->failed = true;
+			return;
+		}
+		l->placing.center[i] = (int32_t)from;
+	}
+}
+
+static int32_t code_in_span(struct eco_shapes_codec *c, struct eco_bit *models, unsigned modelled, const struct eco_span *s, int32_t value)
+{
+	return s->low + (int32_t)eco_range_field(&c->range, models, modelled, s->bits, (uint32_t)(value - s->low));
+}
+
+static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
+{
+	const struct eco_shape *shape = &c->shapes.items[l->shape];
+	struct eco_placing *p = &l->placing;
+	uint32_t way = c->shapes.way_bits + 1u, sizes = c->shapes.stretch == ECO_STRETCH_NONE ? 1 : c->shapes.stretch == ECO_STRETCH_ALL ? 3 : 2;
+	int32_t offset[3 * ECO_CORNERS_MAX];
+
+	l->corners = shape->corners;
+	for (uint32_t i = 0; i < 2; i++)
+		p->way[i] = (int32_t)eco_range_field(&c->range, c->way[i], ECO_WAY_MODELLED, way, (uint32_t)p->way[i]);
+	p->roll = (int32_t)eco_range_field(&c->range, c->roll, ECO_FIELD_MODELLED, c->shapes.roll_bits + 2u, (uint32_t)p->roll);
+	for (uint32_t i = 0; i < sizes; i++)
+		p->size[i] = code_in_span(c, c->size[i], ECO_FIELD_MODELLED, &c->head.size[i], p->size[i]);
+	if (!eco_shape_turn(&c->shapes, shape, p, offset)) {
+		c->failed = true;
+		return;
+	}
+	code_center(c, l, offset);
+	if (!c->failed && !eco_shape_place(&c->shapes, p, offset, shape->corners, l->position))
+		c->failed = true;
+	memcpy(l->uv, shape->uv, sizeof l->uv);
+}
+
+static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
+{
+	uint32_t first[3];
+	int32_t at[3 * ECO_CORNERS_MAX];
+
+	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u) & 3));
+	for (uint32_t i = 0; i < 3u * l->corners && c->range.writer; i++)
+		at[i] = l->position[i] / (1 << ECO_EXACT_SHIFT);
+	for (uint32_t i = 0; i < 3; i++)
+		first[i] = c->range.writer ? (uint32_t)(at[i] - c->head.first[i].low) : 0;
+	code_first(c, l->corners, first);
+	for (uint32_t i = 0; i < 3u * l->corners; i++) {
+		uint32_t k = i / 3, predictor = k < 2 ? 0 : c->head.predictors >> 4 * (k - 2) & 15u;
+		int64_t v;
+
+		if (k == 0) {
+			v = (int64_t)first[i] + c->head.first[i].low;
+		} else {
+			int64_t guess = (int64_t)at[i % 3] + eco_rows_predict(predictor, at, k, i % 3);
+
+			v = guess + eco_range_number(&c->range, c->corner[k], c->range.writer ? (int32_t)(at[i] - guess) : 0);
+		}
+		if (v > COARSE_MAX || v < -COARSE_MAX) {
+			c->failed = true;
+			return;
+		}
+		at[i] = (int32_t)v;
+		l->position[i] = at[i] * (1 << ECO_EXACT_SHIFT);
+	}
+}
+
+/* Leaves have like textures, here or there in an image: what is left after the steps from corner to corner of the one before. */
+static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
+{
+	for (uint32_t i = 0; i < 2u * l->corners; i++) {
+		int64_t guess = i < 2 ? c->uv_before[i] : (int64_t)l->uv[i - 2] + c->uv_before[i] - c->uv_before[i - 2];
+		int64_t v = guess + eco_range_number(&c->range, c->texture[i & 1], c->range.writer ? (int32_t)(l->uv[i] - guess) : 0);
+
+		if (v > UV_MAX || v < -UV_MAX) {
+			c->failed = true;
+			return;
+		}
+		l->uv[i] = (int32_t)v;
+	}
+	memcpy(c->uv_before, l->uv, 2u * l->corners * sizeof *l->uv);
+}
+
+void eco_shapes_code_leaf(struct eco_shapes_codec *c, struct eco_leaf *l)
+{
+	uint32_t kinds = eco_bit_length(c->shapes.count);
+
+	l->shape = eco_range_tree(&c->range, c->kind, kinds, l->shape) & ((1u << kinds) - 1);
+	if (l->shape > c->shapes.count) {
+		c->failed = true;
+		return;
+	}
+	if (l->shape < c->shapes.count) {
+		code_placed(c, l);
+	} else {
+		code_corners(c, l);
+		if (c->uv && !c->failed)
+			code_texture(c, l);
+	}
+	for (uint32_t i = 0; i < c->extra_count && !c->failed; i++) {
+		l->extra[i] = code_in_span(c, c->extra[i], ECO_EXTRA_MODELLED, &c->head.extra[i], l->extra[i]);
+		if (l->extra[i] > ECO_ROWS_VALUE_MAX)
+			c->failed = true;
+	}
+	c->left--;
 }
 
 /* ---- Decoding ---- */
 
-struct eco_shape_rows {
-	uint32_t count, extra_count;
-	struct eco_shapes shapes;
-	uint8_t *corners;            /* per stored element */
-	bool *soup;
-	struct columns columns;
-};
-
-static bool read_shapes(struct eco_reader *r, struct eco_shapes *shapes, bool uv)
+enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored, struct eco_error *error)
 {
-	shapes->place_shift = eco_read_u8(r);
-	shapes->size_shift = eco_read_u8(r);
-	shapes->turn_bits = eco_read_u8(r);
-	shapes->count = eco_read_u8(r) + 1u;
-	if (r->failed || shapes->place_shift > 15 || shapes->size_shift > 15 || shapes->turn_bits > ECO_SHAPE_TURN_BITS_MAX)
-		return false;
-	for (uint32_t i = 0; i < shapes->count; i++) {
-		struct eco_shape *s = &shapes->items[i];
+	struct eco_shapes_codec *c = calloc(1, sizeof *c);
+	struct eco_shape *shapes = calloc(ECO_SHAPES_MAX, sizeof *shapes);
+	size_t corner = 0, primitives = 0;
 
-		s->corners = eco_read_u8(r);
-		if (r->failed || s->corners < 3 || s->corners > ECO_CORNERS_MAX)
-			return false;
-		for (uint32_t k = 0; k < 3u * s->corners; k++) {
-			int64_t v = eco_read_zigzag(r);
+	if (c == NULL || shapes == NULL) {
+		free(c);
+		free(shapes);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for its shapes");
+	}
+	c->shapes.items = shapes;
+	c->extra_count = stored->extra_count;
+	c->uv = (list->attributes & ECO_ATTR_UV) != 0;
+	eco_shapes_start(c, stored->element_count);
+	eco_range_read(&c->range, stream->bytes, stream->size);
+	eco_shapes_code_head(c);
+	for (uint32_t i = 0; i < stored->element_count && !c->failed; i++) {
+		struct eco_leaf l = { .shape = 0 };
 
-			if (r->failed || v < -ECO_SHAPE_COORDINATE_MAX || v > ECO_SHAPE_COORDINATE_MAX)
-				return false;
-			s->position[k] = (int32_t)v;
+		eco_shapes_code_leaf(c, &l);
+		if (c->failed || corner + l.corners > stored->corner_count) {
+			c->failed = true;
+			break;
 		}
-		for (uint32_t k = 0; uv && k < 2u * s->corners; k++) {
-			int64_t v = eco_read_zigzag(r);
-
-			if (r->failed || v < -2 * (int64_t)UV_MAX || v > 2 * (int64_t)UV_MAX)
-				return false;
-			v += k < 2 ? 0 : s->uv[k - 2];
-			if (v < -UV_MAX || v > UV_MAX)
-				return false;
-			s->uv[k] = (int32_t)v;
-		}
+		stored->corners[i] = l.corners;
+		memcpy(stored->position + 3 * corner, l.position, 3u * l.corners * sizeof *l.position);
+		if (c->uv)
+			memcpy(stored->uv + 2 * corner, l.uv, 2u * l.corners * sizeof *l.uv);
+		for (uint32_t k = 0; k < c->extra_count; k++)
+			stored->extra[(size_t)c->extra_count * i + k] = l.extra[k];
+		corner += l.corners;
+		primitives += l.corners - 2u;
 	}
-	return true;
-}
+	bool good = !c->failed && eco_range_end(&c->range) == stream->zeros && primitives == stored->primitive_count;
 
-/* As many elements are placed as stated, and no bit is set beyond the last element. */
-static bool read_mask(struct eco_reader *r, struct eco_shape_rows *rows, uint32_t placed)
-{
-	const uint8_t *bits = eco_read_bytes(r, (rows->count + 7) / 8);
-	uint32_t soup = 0;
-
-	for (uint32_t i = 0; bits && i < rows->count; i++)
-		soup += rows->soup[i] = bits[i / 8] >> i % 8 & 1;
-	return bits && soup == rows->count - placed && (rows->count % 8 == 0 || bits[rows->count / 8] >> rows->count % 8 == 0);
-}
-
-static enum eco_code read_columns(struct eco_reader *r, struct columns *c, struct eco_error *error)
-{
-	struct eco_draco_column coded[COLUMNS_MAX];
-	uint64_t mask = eco_read_varint(r);
-	uint32_t count = 0;
-	bool good = !r->failed && mask >> c->count == 0;
-
-	for (uint32_t i = 0; i < c->count; i++) {
-		if (mask >> i & 1)
-			coded[count++] = c->items[i];
-		for (uint32_t k = 0; good && !(mask >> i & 1) && k < c->items[i].components; k++)
-			good = unpack_span(r, span_of(c, i, k));
-	}
-	if (!good || r->failed || (count == 0 && r->at != r->size))
-		return eco_fail(error, ECO_DAMAGED, "chunk: columns of %u placings are cut short or impossible", c->rows);
-	return count == 0 ? ECO_OK
-		: eco_draco_decode_rows(ECO_DRACO_SEQUENTIAL, r->bytes + r->at, r->size - r->at, coded, count, c->rows, error);
-}
-
-/* Elements that are not placed have the corners of the streams, in their order: stored order ascends in corners. */
-static bool find_corners(struct eco_shape_rows *rows, const struct eco_payload *payload)
-{
-	uint32_t row = 0, stream = 0, taken = 0;
-
-	for (uint32_t i = 0; i < rows->count; i++) {
-		uint32_t shape = rows->soup[i] ? 0 : (uint32_t)rows->columns.items[0].values[row++] / 4;
-
-		if (shape >= rows->shapes.count)
-			return false;
-		rows->corners[i] = rows->shapes.items[shape].corners;
-		if (!rows->soup[i])
-			continue;
-		if (stream + 1 >= payload->stream_count)
-			return false;
-		rows->corners[i] = payload->streams[stream].corners;
-		if (++taken == payload->streams[stream].elements) {
-			taken = 0;
-			stream++;
-		}
-	}
-	return stream + 1 == payload->stream_count && taken == 0;
-}
-
-static enum eco_code decode_rows(const struct eco_list *list, const struct eco_payload *payload, struct eco_shape_rows *rows,
-	struct eco_error *error)
-{
-	const struct eco_stream *stream = &payload->streams[payload->stream_count - 1];
-	struct eco_reader r = { .bytes = stream->bytes, .size = stream->size };
-	enum eco_code code;
-
-	if (!read_shapes(&r, &rows->shapes, (list->attributes & ECO_ATTR_UV) != 0))
-		return eco_fail(error, ECO_DAMAGED, "chunk: its table of shapes is cut short or holds impossible values");
-	uint64_t placed = eco_read_varint(&r);
-	if (r.failed || placed < 1 || placed > rows->count || (placed < rows->count && !read_mask(&r, rows, (uint32_t)placed)))
-		return eco_fail(error, ECO_DAMAGED, "chunk: %llu placed elements of %u", (unsigned long long)placed, rows->count);
-	code = columns_make(&rows->columns, (uint32_t)placed, rows->extra_count, error);
-	if (code == ECO_OK)
-		code = read_columns(&r, &rows->columns, error);
-	if (code == ECO_OK && !find_corners(rows, payload))
-		code = eco_fail(error, ECO_DAMAGED, "chunk: an element has a shape that is not there, or streams of corners are not as long as stated");
-	return code;
-}
-
-enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_payload *payload, struct eco_shape_rows **out,
-	struct eco_error *error)
-{
-	struct eco_shape_rows *rows = *out = calloc(1, sizeof *rows);
-	enum eco_code code = ECO_OK;
-
-	if (rows) {
-		rows->count = payload->streams[payload->stream_count - 1].elements;
-		rows->extra_count = eco_list_extra_count(list);
-		rows->corners = malloc(rows->count);
-		rows->soup = calloc(rows->count, sizeof *rows->soup);
-		rows->shapes.items = calloc(ECO_SHAPES_MAX, sizeof *rows->shapes.items);
-	}
-	if (rows == NULL || rows->corners == NULL || rows->soup == NULL || rows->shapes.items == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for its shapes");
-	if (code == ECO_OK)
-		code = decode_rows(list, payload, rows, error);
-	if (code != ECO_OK) {
-		eco_shape_rows_free(rows);
-		*out = NULL;
-	}
-	return code;
-}
-
-const uint8_t *eco_shape_rows_corners(const struct eco_shape_rows *rows)
-{
-	return rows->corners;
-}
-
-bool eco_shape_rows_soup(const struct eco_shape_rows *rows, uint32_t stored)
-{
-	return rows->soup[stored];
-}
-
-enum eco_code eco_shape_rows_give(const struct eco_shape_rows *rows, const struct eco_place_in *places, struct eco_elements *e,
-	struct eco_error *error)
-{
-	uint32_t row = 0, number;
-
-	for (uint32_t i = 0; i < rows->count; i++) {
-		if (rows->soup[i])
-			continue;
-		struct eco_placing p = get_placing(&rows->columns, row, &number);
-		const struct eco_shape *shape = &rows->shapes.items[number];
-
-		if (!eco_shape_place(&rows->shapes, shape, &p, e->position + 3 * (size_t)places[i].corner))
-			return eco_fail(error, ECO_DAMAGED, "chunk: stored element %u is not placed anywhere", i);
-		if (e->uv)
-			memcpy(e->uv + 2 * (size_t)places[i].corner, shape->uv, 2 * sizeof *shape->uv * shape->corners);
-		for (uint32_t k = 0; k < e->extra_count; k++) {
-			int32_t v = rows->columns.items[PLACING_COLUMNS + k].values[row];
-
-			if (v < -ECO_ROWS_VALUE_MAX || v > ECO_ROWS_VALUE_MAX)
-				return eco_fail(error, ECO_DAMAGED, "chunk: an attribute of stored element %u is out of bounds", i);
-			e->extra[(size_t)e->extra_count * places[i].element + k] = v;
-		}
-		e->corners[places[i].element] = shape->corners;
-		row++;
-	}
-	return ECO_OK;
-}
-
-void eco_shape_rows_free(struct eco_shape_rows *rows)
-{
-	if (rows == NULL)
-		return;
-	eco_shapes_free(&rows->shapes);
-	free(rows->corners);
-	free(rows->soup);
-	free(rows->columns.storage);
-	free(rows);
+	eco_shapes_free(&c->shapes);
+	free(c);
+	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "chunk: its placed shapes are cut short or hold impossible values");
 }

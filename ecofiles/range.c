@@ -1,0 +1,156 @@
+/* Low and range as in LZMA's coder: low has 33 bits, the highest a carry into bytes that were held back. Probabilities have 16 bits, and range
+ * at least 24, so that a bit that is as likely as can be costs 1/700 bit. */
+#include "ecofiles/range.h"
+
+#include <assert.h>
+
+#define TOP (1u << 24)
+#define LEAST 48u                /* a probability never goes below so many 65536ths */
+#define SEEN_MAX 254u            /* older bits fade */
+
+void eco_bits_start(struct eco_bit *models, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		models[i] = (struct eco_bit){ 1u << 15, 0 };
+}
+
+void eco_range_write(struct eco_range *r, struct eco_writer *writer)
+{
+	*r = (struct eco_range){ .writer = writer, .range = UINT32_MAX, .start = writer->size };
+}
+
+static uint8_t next_byte(struct eco_range *r)
+{
+	return r->at < r->size ? r->bytes[r->at++] : (r->at++, 0);
+}
+
+void eco_range_read(struct eco_range *r, const uint8_t *bytes, size_t size)
+{
+	*r = (struct eco_range){ .range = UINT32_MAX, .bytes = bytes, .size = size };
+	for (int i = 0; i < 4; i++)
+		r->code = r->code << 8 | next_byte(r);
+}
+
+/* Bytes of 255 may become 0 by a carry, so they are only counted. Before the first byte there is nothing to carry into. */
+static void shift_low(struct eco_range *r)
+{
+	if ((uint32_t)r->low < 0xff000000u || r->low >> 32) {
+		uint8_t carry = (uint8_t)(r->low >> 32);
+
+		if (r->begun)
+			eco_write_u8(r->writer, (uint8_t)(r->first + carry));
+		for (; r->held > 0; r->held--)
+			eco_write_u8(r->writer, (uint8_t)(0xff + carry));
+		r->first = (uint8_t)(r->low >> 24);
+		r->begun = true;
+	} else {
+		r->held++;
+	}
+	r->low = (uint32_t)r->low << 8 & UINT32_MAX;
+}
+
+static void normalize(struct eco_range *r)
+{
+	while (r->range < TOP) {
+		r->range <<= 8;
+		if (r->writer)
+			shift_low(r);
+		else
+			r->code = r->code << 8 | next_byte(r);
+	}
+}
+
+bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
+{
+	uint32_t bound = (r->range >> 16) * m->zero;
+
+	if (!r->writer)
+		bit = r->code >= bound;
+	if (bit) {
+		if (r->writer)
+			r->low += bound;
+		else
+			r->code -= bound;
+		r->range -= bound;
+		m->zero = (uint16_t)(m->zero - (m->zero - LEAST) / (m->seen + 2u));
+	} else {
+		r->range = bound;
+		m->zero = (uint16_t)(m->zero + (65536u - LEAST - m->zero) / (m->seen + 2u));
+	}
+	m->seen += m->seen < SEEN_MAX;
+	normalize(r);
+	return bit;
+}
+
+uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
+{
+	uint64_t got = 0;
+
+	assert(bits <= 64);
+	while (bits > 0) {
+		unsigned take = bits < 16 ? bits : 16;
+		uint32_t v;
+
+		bits -= take;
+		r->range >>= take;
+		if (r->writer) {
+			v = (uint32_t)(value >> bits) & ((1u << take) - 1);
+			r->low += (uint64_t)r->range * v;
+		} else {
+			v = r->code / r->range;
+			v = v >> take ? (1u << take) - 1 : v;        /* only of bytes that nobody wrote */
+			r->code -= r->range * v;
+		}
+		got = got << take | v;
+		normalize(r);
+	}
+	return got;
+}
+
+uint32_t eco_range_tree(struct eco_range *r, struct eco_bit *models, unsigned bits, uint32_t value)
+{
+	uint32_t node = 1;
+
+	assert(bits <= 16);
+	while (bits-- > 0)
+		node = node << 1 | eco_range_bit(r, &models[node], value >> bits & 1);
+	return node;
+}
+
+uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned modelled, unsigned bits, uint32_t value)
+{
+	unsigned high = bits < modelled ? bits : modelled, low = bits - high;
+	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0) & ((1u << high) - 1);
+
+	return (uint32_t)((uint64_t)top << low | eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
+}
+
+int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t value)
+{
+	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
+
+	bits = eco_range_tree(r, models, 5, bits) & 31;
+	if (bits == 0)
+		return 0;
+	bool negative = eco_range_raw(r, 1, value < 0);
+	size = 1u << (bits - 1) | (uint32_t)eco_range_raw(r, bits - 1, size & ((1u << (bits - 1)) - 1));
+	return negative ? -(int32_t)size : (int32_t)size;
+}
+
+uint32_t eco_range_end(struct eco_range *r)
+{
+	if (!r->writer)
+		return r->at < r->size ? UINT32_MAX : (uint32_t)(r->at - r->size);
+	/* of the numbers that are left the one with the most zeros at its end */
+	uint64_t mask = UINT32_MAX;
+	uint32_t zeros = 0;
+
+	while (((r->low + mask) & ~mask) >= r->low + r->range)
+		mask >>= 1;
+	r->low = (r->low + mask) & ~mask;
+	for (int i = 0; i < 5; i++)
+		shift_low(r);
+	for (; zeros < 255 && r->writer->size > r->start && r->writer->bytes[r->writer->size - 1] == 0; zeros++)
+		r->writer->size--;
+	return zeros;
+}
