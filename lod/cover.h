@@ -23,4 +23,10 @@ struct lod_cover_options {
 enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage, const struct lod_cover_options *options,
 	struct lod_arena *arena, struct eco_error *error);
 
+/* missed[i]: so many of the views' pixels that all leaves cover are left uncovered by budget[i] leaves, at least, whichever they are; wood's
+ * do not count. For i in [0, budgets). A proof, not a choice: the linear relaxation, bounded by its Lagrangian. Directions in use by a list
+ * bound that list on them; a single one bounds every choice in that view. */
+enum eco_code lod_cover_least(uint64_t *missed, const uint32_t *budget, uint32_t budgets, const struct lod_foliage *foliage,
+	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error);
+
 #endif

@@ -248,18 +248,20 @@ static void redraw(struct ranking *r)
 		lod_crown_add(&r->crown, r->order[k], r->edges.edge[r->growth[r->order[k]]], r->views);
 }
 
-static double quality(const struct lod_crown_sum *s, double *p, double *recall)
+static double quality(const struct lod_crown_sum *s, bool wrong_pixels, double *p, double *recall)
 {
 	*p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
 	*recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
+	if (wrong_pixels)
+		return 1 - ((double)(s->wanted - s->right) + (double)s->wrong) / fmax(1, (double)s->wanted);
 	return 1 - sqrt((1 - *p) * (1 - *p) + (1 - *recall) * (1 - *recall));
 }
 
 /* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales keeps near: there a wrong pixel costs (1 - e) / (1 + e)
  * of what a right one brings. Taken where a trial ends instead, it swings from step to step. */
-static struct weights gradient(double reached)
+static struct weights gradient(const struct ranking *r, double reached)
 {
-	double e = (1 - reached) * 0.70710678;
+	double e = r->options->wrong_pixels ? 0 : (1 - reached) * 0.70710678;
 	return (struct weights){ WEIGHT, (int64_t)(WEIGHT * (1 - e) / (1 + e)), WEIGHT / SECOND };
 }
 
@@ -276,7 +278,7 @@ static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
 	make_heap(r);
 	pick(r, end);
 	struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
-	t.quality = quality(&sum, &t.precision, &t.recall);
+	t.quality = quality(&sum, r->options->wrong_pixels, &t.precision, &t.recall);
 	for (; r->picked > picked; r->taken[r->order[r->picked]] = false)
 		r->picked--;
 	return t;
@@ -299,7 +301,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 		if (r->stopped || scale == 1 || t.quality < best.quality - 0.002)
 			break;
 	}
-	r->weights = gradient(best.quality);
+	r->weights = gradient(r, best.quality);
 	return best_scale;
 }
 
@@ -328,7 +330,7 @@ static void fit_batch(void *pieces, uint32_t batch)
 static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 {
 	double scale = r->count * 1.0;
-	r->weights = gradient(0.5);
+	r->weights = gradient(r, 0.5);
 	while (r->picked < r->count) {
 		uint32_t end = next_end(r->count, r->picked);
 		lod_crown_set_level(&r->crown, end);

@@ -16,6 +16,8 @@ struct lod_rank_options {
 	const double (*directions)[3];       /* `views` of them; NULL: spread all around. For lists per sector of view */
 	uint32_t seed;
 	bool plain;                          /* neither growth codes nor simpler shapes: the order alone */
+	bool wrong_pixels;                   /* what counts is pixels that are wrong, as in Lee's table, not Q */
+	double from_share;                   /* prefixes below this share of the triangles are looked at no second time */
 	bool unscaled;                       /* for drawing at scale 1 throughout: most pixels covered by every prefix */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);

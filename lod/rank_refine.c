@@ -11,7 +11,10 @@
  * every code tried in the first .595 and .740, four .608 and .756 for half as much time again; weights halfway to the balance
  * Precision = Recall .588 and .731, all the way .595 and .738; a second layer that counts twice as much .601 and .750, a third as much .608
  * and .741; softer prices .603 and .744. Keys from .05 of the list on alone: .699 on the callistemon, as small lists are left with codes of
- * the large ones. A pine of 4,920 went from .78 to .80 and a coconut palm of 25,158 from .53 to .59 (mean over distances mostly near). */
+ * the large ones. A pine of 4,920 went from .78 to .80 and a coconut palm of 25,158 from .53 to .59 (mean over distances mostly near).
+ *
+ * Where wrong pixels are what counts, more sweeps go on to help: an aspen's over those of the best of Lee's three at 50, 30 and 10 % of the
+ * leaves, lists per sector of 3 degrees, .50 .52 .60 after 8, .48 .51 .60 after 20. */
 #include "lod/rank_refine.h"
 
 #include <math.h>
@@ -25,6 +28,7 @@
 #define KEY_LEAST 6u                     /* elements: shorter lists stay as they are */
 #define PLANES 4u                        /* bits of a pixel's count; one that is full stays so */
 #define SWEEPS 4u
+#define SWEEPS_WRONG_PIXELS 20u
 #define LOOKED 75000u                   /* elements: looks at them in all sweeps but the first */
 #define TOGETHER 64u                     /* elements that choose at once, each as if the others stayed */
 #define PIECE 8u
@@ -47,7 +51,7 @@ struct key {
 	const struct lod_crown_level *level;
 	uint64_t (**planes)[PLANES];         /* per view and word */
 	uint64_t *trial;             /* a view's words */
-	bool drawn;
+	bool drawn, wrong_pixels;
 };
 
 struct refine {
@@ -183,10 +187,17 @@ LOD_CLONES static void count_words(struct tally *tally, const uint64_t *covered,
 	}
 }
 
-/* 1 - Q; sets what pixels are worth. */
+/* 1 - Q, or the share of wrong pixels; sets what pixels are worth. Where wrong pixels count, those of keys that have few weigh more, halfway
+ * to where their logarithms would be summed: or long lists would pay for what short ones gain. */
 static double loss_of(const struct tally *tally, struct key *key)
 {
 	double covered = fmax(1, (double)(tally->right + tally->wrong)), all = fmax(1, (double)tally->wanted);
+	if (key->wrong_pixels) {
+		double lost = fmax(1, all - (double)tally->right + (double)tally->wrong);
+		key->right = key->wrong = 1 / sqrt(all * lost);
+		key->second = key->right * SECOND;
+		return lost / all;
+	}
 	double lost_p = (double)tally->wrong / covered, lost_r = 1 - (double)tally->right / all;
 	double lost = fmax(1e-6, sqrt(lost_p * lost_p + lost_r * lost_r));
 	key->right = lost_p / lost * (double)tally->wrong / covered / covered + lost_r / lost / all;
@@ -520,9 +531,10 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 			sum += triangles_of(r, r->in->order[i]);
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
-		if (i < KEY_LEAST || (r->key_count && i == key[-1].elements))
+		if (i < KEY_LEAST || key_share[share] < r->in->options->from_share || (r->key_count && i == key[-1].elements))
 			continue;
 		key->elements = i;
+		key->wrong_pixels = r->in->options->wrong_pixels;
 		key->budget = sum;
 		lod_crown_set_level(r->crown, i);
 		key->level = r->crown->level;
@@ -559,7 +571,8 @@ static void write_order(const struct refine *r, struct lod_arena *arena)
 
 static bool make_sweeps(struct refine *r)
 {
-	uint32_t more = LOOKED / r->count, sweeps = 1 + (more < SWEEPS - 1 ? more : SWEEPS - 1);
+	uint32_t most = (r->in->options->wrong_pixels ? SWEEPS_WRONG_PIXELS : SWEEPS) - 1, more = LOOKED / r->count;
+	uint32_t sweeps = 1 + (more < most ? more : most);
 	r->stretch = 1.25;
 	if (!run_keys(r, fit_scale, 0) || !run_keys(r, set_price, 0))
 		return false;
