@@ -8,7 +8,7 @@ BUILD=$1
 out=build/determinism
 rm -rf "$out/packs"
 mkdir -p "$out/packs"
-"$BUILD/ecopack" generate sunflowers --plants 12 -o "$out/scene" --quiet >/dev/null
+"$BUILD/ecopack" generate sunflowers --plants 12 --detail 0.2 -o "$out/scene" --quiet >/dev/null
 
 variant() { # NAME CC CXX OPT
 	name=$1

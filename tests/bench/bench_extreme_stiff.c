@@ -215,7 +215,7 @@ static void steps(struct extreme *x)
 {
 	struct tables t;
 	struct eco_plan plan = { 0 };
-	uint32_t count = 0, most = x->quick ? 12 : 200;
+	uint32_t count = 0, most = x->quick ? 12 : 4000;
 	uint64_t last = 0;
 	bool good = make_usual(x, &t);
 	for (uint32_t i = 0; i < most && good; i++) {
