@@ -17,7 +17,7 @@
 config ?= release
 B := build$(if $(filter-out release,$(config)),/$(config))
 
-PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev \
+PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev jq curl xz-utils
 
@@ -51,7 +51,18 @@ CFLAGS_ALL := -std=c11 $(OPT) $(COMMON) $(WARN) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(OPT) $(COMMON) $(CXXWARN) $(CXXFLAGS)
 
 comma := ,
-sources = $(filter-out $(1)/main_%.c,$(wildcard $(1)/*.c))
+# Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/module.h): ecofiles/NAME_*.c make ecoNAME.so.
+MODULE_NAMES := assimp cairo gdal image proj
+MODULES := $(MODULE_NAMES:%=$(B)/eco%.so)
+LIBS_MODULE_assimp := -lassimp
+LIBS_MODULE_cairo := -lcairo -lfreetype
+LIBS_MODULE_gdal := -lgdal
+LIBS_MODULE_image := -lOpenImageIO -lOpenImageIO_Util
+LIBS_MODULE_proj := -lproj
+of_module = $(wildcard ecofiles/$(1)_*.c ecofiles/$(1)_module.cpp)
+MODULE_SOURCES := $(foreach name,$(filter-out image,$(MODULE_NAMES)),$(call of_module,$(name)))
+
+sources = $(filter-out $(1)/main_%.c $(MODULE_SOURCES),$(wildcard $(1)/*.c))
 objects = $(patsubst %.c,$(B)/obj/%.o,$(1))
 
 LIB_ECO := $(B)/obj/libecofiles.a
@@ -59,7 +70,6 @@ LIB_DRACO := $(B)/obj/libdracoshim.a
 LIB_LOD := $(B)/obj/liblod.a
 LIB_SERVER := $(B)/obj/libserver.a
 LIB_VIEW := $(B)/obj/libview.a
-IMAGE_MODULE := $(B)/ecoimage.so
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
@@ -69,16 +79,18 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lassimp -lgdal -lproj -lmeshoptimizer -lseccomp -lcairo -lfreetype -lexpat
+LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng
+# what programs that test or measure call themselves
+LIBS_CHECK := -lassimp -lcairo -lgdal
 LIBS_SERVER := -lmicrohttpd
-LIBS_VIEW := -lcurl -lEGL -lepoxy
+LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng
 LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread
 
 .PHONY: all deps demo test determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(PROGRAMS) $(IMAGE_MODULE)
+all: $(PROGRAMS) $(MODULES)
 
 $(LIB_ECO): $(call objects,$(call sources,ecofiles))
 $(LIB_DRACO): $(B)/obj/ecofiles/draco_shim.o
@@ -89,16 +101,19 @@ $(LIB_VIEW): $(call objects,$(call sources,client-min))
 	@mkdir -p $(@D)
 	rm -f $@ && ar rcs $@ $^
 
-$(IMAGE_MODULE): $(B)/obj/ecofiles/image_module.o
-	$(CXX) $(OPT) -shared -o $@ $< -lOpenImageIO -Wl,--as-needed
+$(foreach name,$(filter-out image,$(MODULE_NAMES)),$(eval $(B)/eco$(name).so: $(call objects,$(call of_module,$(name)))))
+$(B)/ecoimage.so: $(B)/obj/ecofiles/image_module.o
+# a module has what it needs of ecofiles for itself; sanitizers leave their own functions open
+$(MODULES): $(B)/eco%.so: $(LIB_ECO)
+	$(CXX) $(OPT) -shared -o $@ $(filter %.o,$^) $(LIB_ECO) $(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) -lpng $(LIBS_CORE)
 
-$(B)/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
+$(B)/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/ecoserve: $(call objects,$(wildcard server/main_*.c)) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
-$(B)/ecoview: $(B)/obj/client-min/main_ecoview.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
+$(B)/ecoview: $(B)/obj/client-min/main_ecoview.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(B)/ecoimage.so
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
-$(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
+$(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(B)/ecoimage.so
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
@@ -106,25 +121,25 @@ $(B)/tests/test_make $(B)/tests/test_link $(B)/tests/test_cache $(B)/tests/test_
 $(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_extreme $(B)/tests/test_extreme_stiff $(B)/tests/test_extreme_plants: $(call objects,$(wildcard tests/bench/bench*.c))
 # Floating-point traps around lod/: these functions are entered through tests/traps.c.
 TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' tests/traps.c))
-$(B)/tests/test_%: $(B)/obj/tests/test_%.o $(B)/obj/tests/traps.o $(TEST_LIBS)
+$(B)/tests/test_%: $(B)/obj/tests/test_%.o $(B)/obj/tests/traps.o $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
-		$(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+		$(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
 # Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.
 ECOBENCH := $(call objects,tests/bench/ecobench.c $(wildcard tests/bench/bench*.c))
 BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench%,$(wildcard tests/bench/*.c)))
-$(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS)
+$(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $(ECOBENCH) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \
+	$(CC) $(OPT) -o $@ $(ECOBENCH) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
 		$(LIBS_DRACO) $(LIBS_CORE)
 # As little as it takes: `make determinism` builds it three times.
 $(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-$(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS)
+$(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) \
+	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
 		$(LIBS_DRACO) $(LIBS_CORE)
 
 # lod/ without any optimisation, in programs that must give the same: tests/test_determinism.sh.
@@ -132,14 +147,14 @@ O0 := $(patsubst %.c,$(B)/o0/%.o,$(call sources,lod))
 $(B)/o0/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS_ALL) -O0 -MMD -MP -c -o $@ $<
-$(B)/o0/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(O0) $(LIB_ECO) $(LIB_DRACO)
+$(B)/o0/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(O0) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
 # A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
-$(B)/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.o $(FUZZ_MAIN) $(TEST_LIBS)
+$(B)/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group \
 		$(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
@@ -201,7 +216,7 @@ determinism:
 	@$(MAKE) --no-print-directory all $(B)/bench/plans
 	@tests/determinism.sh $(B)
 
-layers: $(LIB_ECO) $(LIB_DRACO) $(LIB_LOD) $(LIB_SERVER) $(LIB_VIEW) $(B)/obj/ecofiles/image_module.o
+layers: $(LIB_ECO) $(LIB_DRACO) $(LIB_LOD) $(LIB_SERVER) $(LIB_VIEW) $(MODULES)
 	@tests/layers.sh $(B)
 
 headers:

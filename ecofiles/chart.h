@@ -7,7 +7,7 @@
  *   eco_chart_free(chart);
  *
  * Drawing never fails: what does not fit is clipped, and a lack of memory is said by eco_chart_png. Texts are UTF-8 (what is not is
- * shown as ?), in DejaVu Sans; numbers do not depend on the locale. cairo does the work; one thread a canvas. */
+ * shown as ?), in DejaVu Sans; numbers do not depend on the locale. cairo (ecocairo.so, see module.h) does the work; one thread a canvas. */
 #ifndef ECO_CHART_H
 #define ECO_CHART_H
 

@@ -18,6 +18,7 @@ double gen_terrain_height(const struct gen_terrain *terrain, double x, double y)
 
 /* Where the scenes lie: a place in UTM zone 32 north, so that coordinates look like a surveyor's. */
 #define GEN_CRS "EPSG:32632"
+#define GEN_EPSG 32632
 #define GEN_EASTING 691000.0
 #define GEN_NORTHING 5334000.0
 #define GEN_ALTITUDE 520.0

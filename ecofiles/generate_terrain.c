@@ -6,11 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <cpl_conv.h>
-#include <gdal.h>
-#include <ogr_srs_api.h>
-
 #include "ecofiles/generate_scenes.h"
+#include "ecofiles/module.h"
 
 static double lattice(uint64_t seed, int64_t x, int64_t y)
 {
@@ -36,35 +33,6 @@ double gen_terrain_height(const struct gen_terrain *t, double x, double y)
 		+ t->bump_m * gen_noise(t->seed + 1, x / t->bump_length_m + 0.37, y / t->bump_length_m + 0.61);
 }
 
-static enum eco_code write_raster(const float *samples, uint32_t side, double half_m, double step_m, const char *path,
-	struct eco_error *error)
-{
-	GDALAllRegister();
-	GDALDriverH driver = GDALGetDriverByName("GTiff");
-	OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
-	char *wkt = NULL;
-	GDALDatasetH raster = NULL;
-	enum eco_code code = ECO_OK;
-	if (!driver || OSRImportFromEPSG(crs, 32632) != OGRERR_NONE || OSRExportToWkt(crs, &wkt) != OGRERR_NONE)
-		code = eco_fail(error, ECO_NOT_FOUND, "GDAL cannot write GeoTIFF in %s: is proj-data installed?", GEN_CRS);
-	if (!code && !(raster = GDALCreate(driver, path, (int)side, (int)side, 1, GDT_Float32, NULL)))
-		code = eco_fail(error, ECO_IO, "%s: %s", path, CPLGetLastErrorMsg());
-	if (!code) {
-		/* samples are pixel centres; the first row is the northernmost */
-		double transform[6] = { GEN_EASTING - half_m - step_m / 2, step_m, 0, GEN_NORTHING + half_m + step_m / 2, 0, -step_m };
-		GDALSetGeoTransform(raster, transform);
-		GDALSetProjection(raster, wkt);
-		if (GDALRasterIO(GDALGetRasterBand(raster, 1), GF_Write, 0, 0, (int)side, (int)side, (void *)samples, (int)side, (int)side,
-				GDT_Float32, 0, 0) != CE_None)
-			code = eco_fail(error, ECO_IO, "%s: %s", path, CPLGetLastErrorMsg());
-	}
-	if (raster)
-		GDALClose(raster);
-	CPLFree(wkt);
-	OSRDestroySpatialReference(crs);
-	return code;
-}
-
 enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m, double step_m, const char *path,
 	struct eco_error *error)
 {
@@ -81,7 +49,9 @@ enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m
 			samples[(size_t)row * side + column] = (float)(floor((GEN_ALTITUDE + z) * 100 + 0.5) / 100);
 		}
 	}
-	enum eco_code code = write_raster(samples, side, half_m, step_m, beside, error);
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+	enum eco_code code = gdal ? gdal->raster_write(&(struct eco_raster){ .samples = samples, .side = side, .west = GEN_EASTING - half_m,
+		.north = GEN_NORTHING + half_m, .step_m = step_m, .epsg = GEN_EPSG }, beside, error) : ECO_NOT_FOUND;
 	free(samples);
 	if (!code && rename(beside, path) != 0)
 		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));

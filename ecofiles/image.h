@@ -1,9 +1,8 @@
 /* Pictures in and out: textures of models, PNG frames of the viewer.
  *
- * OpenImageIO does the work, in a module of its own (ecoimage.so) that is loaded when the first picture is asked for: linking it
- * would cost every program 200 ms and 131 MB at start. The module is ECO_IMAGE_MODULE if that is set (a path), else ecoimage.so in
- * the folder of the running executable, else in that folder's parent. Where it cannot be loaded every call here fails with
- * ECO_NOT_FOUND and says where it was looked for. All functions are thread-safe. */
+ * libpng does the work for PNG; for all other formats OpenImageIO does, in a module of its own (module.h) that is loaded when the first
+ * such picture is asked for: linking it would cost every program 200 ms and 131 MB at start. Where it cannot be loaded, calls fail
+ * with ECO_NOT_FOUND. All functions are thread-safe. */
 #ifndef ECO_IMAGE_H
 #define ECO_IMAGE_H
 
@@ -31,7 +30,7 @@ struct eco_pixels {
 	const uint8_t *bytes;
 };
 
-/* Encodes a PNG file; *bytes is malloc'ed. The same pixels give the same bytes. */
+/* Encodes a PNG file, as small as it gets without taking long; *bytes is malloc'ed. The same pixels give the same bytes. */
 enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 /* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);

@@ -1,5 +1,5 @@
-// ecoimage.so: OpenImageIO behind three C functions. Exceptions end here.
-#include "ecofiles/image_module.h"
+// ecoimage.so: OpenImageIO behind two C functions. Exceptions end here.
+#include "ecofiles/module.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
@@ -97,33 +97,6 @@ int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max
 	}
 }
 
-int encode_png(const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t channels, uint8_t **bytes, size_t *size, char *text,
-	size_t text_size)
-{
-	try {
-		std::vector<unsigned char> file;
-		Filesystem::IOVecOutput memory(file);
-		ImageSpec spec(int(width), int(height), int(channels), TypeDesc::UINT8);
-		auto output = ImageOutput::create("png", &memory);
-
-		if (!output)
-			return fail(text, text_size, OIIO::geterror());
-		spec.attribute("oiio:UnassociatedAlpha", 1);
-		if (!output->open("memory.png", spec) || !output->write_image(TypeDesc::UINT8, pixels) || !output->close())
-			return fail(text, text_size, output->geterror());
-		*bytes = static_cast<uint8_t *>(std::malloc(file.size() + 1));
-		if (*bytes == nullptr)
-			return fail(text, text_size, "out of memory");
-		std::memcpy(*bytes, file.data(), file.size());
-		*size = file.size();
-		return 0;
-	} catch (const std::exception &problem) {
-		return fail(text, text_size, problem.what());
-	} catch (...) {
-		return fail(text, text_size, "OpenImageIO failed");
-	}
-}
-
 // What `idiff -p` does: bytes as they are, its luminance and its field of view.
 int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
 	size_t text_size)
@@ -155,6 +128,4 @@ __attribute__((constructor)) static void start()
 	OIIO::attribute("exr_threads", -1);
 }
 
-extern "C" __attribute__((visibility("default"))) const struct eco_image_module eco_image_module = {
-	ECO_IMAGE_MODULE_VERSION, decode, encode_png, compare,
-};
+extern "C" ECO_MODULE_EXPORT const struct eco_image_module eco_image_module = { ECO_MODULE_VERSION, decode, compare };

@@ -1,9 +1,8 @@
-/* Inside the reader of ground: one raster as metres, on its own grid. Only in the child process. */
+/* Between the reader of ground and ecogdal.so, which does the work in a child process. */
 #ifndef ECO_IMPORT_GROUND_H
 #define ECO_IMPORT_GROUND_H
 
-#include <gdal.h>
-#include <ogr_srs_api.h>
+#include <stdint.h>
 
 #include "ecofiles/ground.h"
 
@@ -11,27 +10,12 @@
 #define GROUND_NOTES_MAX 24u
 #define GROUND_NOTE_BYTES 480u
 struct ground_notes { uint32_t count; char text[GROUND_NOTES_MAX][GROUND_NOTE_BYTES]; };
-void ground_note(struct ground_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-struct ground_raster {
-	const char *path;
-	GDALDatasetH file;
-	OGRSpatialReferenceH crs;    /* horizontal; NULL: that of the scene, which has none either */
-	char vertical[64];           /* datum that the file states; else empty */
-	double crs_unit_m;           /* of heights as the CRS says; 0: it does not */
-	double transform[6];         /* of its pixels */
-	int columns, rows;
-	bool direct;                 /* its pixels are the scene's metres, rows from the north or the south */
-	double low[2], high[2], step[2];     /* in the scene's CRS: outer bounds, size of a pixel */
+/* The child writes notes, the struct eco_ground, its samples. */
+struct eco_ground_job {
+	const struct eco_ground_options *options;
+	uint32_t side_max;
+	struct ground_notes notes;
 };
-
-/* Metres of one raster, averaged down to at most `columns` x `rows`, in its own order of rows; NaN where it has no height. */
-struct ground_samples {
-	float *metres;               /* owned */
-	uint32_t columns, rows;
-	double transform[6];
-};
-enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
-	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes, struct eco_error *error);
 
 #endif

@@ -3,7 +3,6 @@
 #include "ecofiles/import_model.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -12,27 +11,10 @@
 #include "ecofiles/guard.h"
 #include "ecofiles/image.h"
 #include "ecofiles/model_clean.h"
+#include "ecofiles/module.h"
 
 #define TRIANGLES_MAX 20000000u
 #define FILES_MAX 64u
-
-void eco_note(struct eco_notes *notes, const char *format, ...)
-{
-	va_list arguments;
-	size_t left = sizeof notes->text - notes->used;
-	int wanted;
-
-	va_start(arguments, format);
-	wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
-	va_end(arguments);
-	if (wanted < 0 || (size_t)wanted + 2 > left) {
-		notes->text[notes->used] = 0;
-		return;
-	}
-	notes->used += (size_t)wanted;
-	notes->text[notes->used++] = '\n';
-	notes->text[notes->used] = 0;
-}
 
 /* ---- From the child to the parent: counts, then arrays, as they lie in memory ---- */
 
@@ -173,15 +155,16 @@ static bool written_by_blender(const char *path)
 
 static enum eco_code read_with_assimp(struct head *head, const struct job *job, struct eco_error *error)
 {
+	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };
-	enum eco_code code = ECO_OK;
+	enum eco_code code = assimp != NULL ? ECO_OK : ECO_NOT_FOUND;
 
 	file.linear_colors = written_by_blender(job->path);
-	if (eco_path_ends_with(job->path, ".ply"))
+	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
 		code = eco_ply_prepare(&file, base, error);
 	if (code == ECO_OK)
-		code = eco_assimp_read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
+		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
 	for (int k = 0; k < 3; k++)
 		head->frame.base[k] += base[k];
 	free(file.bytes);

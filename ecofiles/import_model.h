@@ -19,7 +19,6 @@
 #define ECO_MODEL_PARTS_MAX (1u << 20)
 #define ECO_MODEL_FILE_MAX ((uint64_t)1 << 32)
 
-struct aiScene;
 struct eco_gltf;
 
 /* Sentences for the user that are not errors, one a line; what does not fit is left out. */
@@ -84,16 +83,7 @@ enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_fram
 enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
 
-/* What assimp reads: positions, uv from the top left, materials, parts and images; triangles_in and what assimp could not
- * triangulate are counted. Not cleaned. */
-enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
-	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
-
-/* Fills format, unit, up and convention of the frame; axes: from assimp's world to ours, rows of a matrix, unit included (Z up where
- * the format says its axes, else as in the file). */
-void eco_assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3]);
-
-/* OBJ with MTL. The same. */
+/* OBJ with MTL: positions, uv from the top left, materials, parts and images; triangles_in counts. Not cleaned. */
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
 
@@ -138,11 +128,6 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 void eco_images_end(struct eco_images *images);
 
 /* ---- Materials and colours ---- */
-
-/* Fills model->materials and images from the scene's materials; the material's colour is not in the image yet. `channel` receives the
- * uv set of each material's image, `invisible` whether alpha leaves nothing of it. */
-enum eco_code eco_assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t *channel, bool *invisible, struct eco_notes *notes, struct eco_error *error);
 
 /* A plant whose every material is fully transparent was meant to be opaque: exporters disagree whether 0 or 1 is that. Clears
  * `invisible` and notes it where it is set for all `count`. */

@@ -319,7 +319,7 @@ static void *work_on(void *ctx)
 		pthread_mutex_lock(&work->lock);
 		work->done++;
 		work->share[job.plant] = 1;
-		if (code) {
+		if (code && !(code == ECO_INTERRUPTED && work->stop)) {      /* who was stopped by another's failure has none of its own */
 			work->stop = true;
 			if (job.plant < work->failed) {
 				work->failed = job.plant;

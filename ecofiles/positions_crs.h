@@ -1,4 +1,5 @@
-/* From an inventory's coordinates to the scene's: PROJ, easting or longitude always first, and heights between vertical datums.
+/* From an inventory's coordinates to the scene's, by PROJ (proj_crs.c) where they are not the same metres already: easting or
+ * longitude always first, and heights between vertical datums.
  *
  *   eco_crs_open(&crs, &request, &error);            checks what can be checked without a coordinate
  *   eco_crs_convert(crs, xyz, &error);               for each place
@@ -30,5 +31,8 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
  * no way; *why says why. Fails only on the first place, for a grid that PROJ lacks. */
 enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converted, const char **why, struct eco_error *error);
 void eco_crs_close(struct eco_crs *crs);
+
+/* For messages: a code as it is, the name in quotes of WKT. Malloc'ed; NULL when memory ran out. */
+char *eco_crs_short_name(const char *crs);
 
 #endif

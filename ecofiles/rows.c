@@ -2,7 +2,6 @@
 #include "ecofiles/rows.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +10,7 @@
 
 #include "ecofiles/import_model.h"
 #include "ecofiles/model.h"
+#include "ecofiles/module.h"
 #include "ecofiles/phrase.h"
 #include "ecofiles/rows_formats.h"
 
@@ -43,38 +43,6 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 	eco_rows_list_columns(rows, there, sizeof there);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name, there,
 		rows->column_count == 1 ? " (is \"separator\" another?)" : "");
-}
-
-void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
-{
-	char text[400];
-
-	vsnprintf(text, sizeof text, format, arguments);
-	for (uint32_t i = 0; i < *count; i++)
-		if (strcmp(notes[i], text) == 0)
-			return;
-	if (*count < ECO_ROWS_NOTES_MAX && (notes[*count] = strdup(text)) != NULL)
-		++*count;
-}
-
-void eco_rows_note(struct eco_rows *rows, const char *format, ...)
-{
-	va_list arguments;
-
-	va_start(arguments, format);
-	eco_rows_add_note(rows->notes, &rows->note_count, format, arguments);
-	va_end(arguments);
-}
-
-void eco_rows_free_texts(struct eco_rows *rows)
-{
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		free(rows->columns[i]);
-	for (uint32_t i = 0; i < rows->note_count; i++)
-		free(rows->notes[i]);
-	free(rows->columns);
-	free(rows->fields);
-	free(rows->crs);
 }
 
 static bool has_extension(const char *path, const char *const *extensions)
@@ -145,6 +113,21 @@ static bool is_text(const struct head *head)
 	return head->size > 0 && memchr(head->bytes, 0, head->size) == NULL;
 }
 
+/* Without GDAL a text that nobody knows is a CSV. */
+static bool ogr_knows(const char *path)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, NULL);
+
+	return gdal != NULL && gdal->rows_knows(path);
+}
+
+static enum eco_code open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+
+	return gdal == NULL ? ECO_NOT_FOUND : gdal->rows_open(rows, source, error);
+}
+
 enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
 {
 	static const char *const csv_names[] = { "csv", "tsv", "txt", "psv", "dat", "asc", "", NULL }, *const tab[] = { "tab", NULL };
@@ -172,12 +155,12 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
 		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
-		code = eco_rows_open_ogr(rows, source, error);
+		code = open_ogr(rows, source, error);
 	else if (has_extension(source->path, csv_names) || (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
-		|| !eco_rows_ogr_knows(source->path))
+		|| !ogr_knows(source->path))
 		code = eco_rows_open_csv(rows, source->path, source->separator, error);
 	else
-		code = eco_rows_open_ogr(rows, source, error);
+		code = open_ogr(rows, source, error);
 	free(head);
 	if (code == ECO_OK && source->layer != NULL && strcmp((*rows)->where, "feature") != 0)
 		eco_rows_note(*rows, "it is one table; \"layer\" says nothing");

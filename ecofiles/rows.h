@@ -87,8 +87,6 @@ void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const c
  * end in LF or CRLF; a byte order mark is passed over, and so are empty lines; what is not UTF-8 is taken for Windows-1252. Memory:
  * one row. separator 0: found in the header. A column whose first value is a point as well-known text is the geometry. */
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error);
-/* What OGR opens. */
-enum eco_code eco_rows_open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
 /* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in files without, for each node that has a mesh. Columns: x, y, z
  * (metres, Z up), name (of the node, else of its mesh), mesh, yaw_deg (of the turn about the vertical), scale (the cube root of that of
  * volumes; none of quantized meshes), height_m (of the mesh, so placed; none where the file does not

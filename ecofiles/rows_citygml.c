@@ -463,7 +463,8 @@ static enum eco_code settle_crs(struct citygml *c, struct eco_error *error)
 {
 	char note[300];
 
-	eco_citygml_crs_settle(&c->crs, note, sizeof note);
+	if (eco_citygml_crs_settle(&c->crs, note, sizeof note, error) != ECO_OK)
+		return ECO_NOT_FOUND;
 	if (note[0] != 0)
 		eco_rows_note(&c->rows, "%s", note);
 	if (c->crs.code[0] == 0)

@@ -7,7 +7,4 @@
 /* Frees columns, fields, notes and crs; for a reader's `close`. */
 void eco_rows_free_texts(struct eco_rows *rows);
 
-/* Does a driver of OGR other than CSV's claim the file? */
-bool eco_rows_ogr_knows(const char *path);
-
 #endif

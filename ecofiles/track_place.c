@@ -1,10 +1,7 @@
-/* Degrees to metres through PROJ: to the scene's CRS, or to a plane of the track's own (azimuthal equidistant about its median, so that a
- * stray fix does not bend it), which serves where a track was recorded elsewhere and will be moved. */
-#include <proj.h>
-#include <stdio.h>
-#include <stdlib.h>
+/* Fixes in metres of the frame, converted where they are not (proj_track.c), and the steps in which their numbers were written. */
 #include <string.h>
 
+#include "ecofiles/module.h"
 #include "ecofiles/track_read.h"
 
 #define DEG 57.29577951308232
@@ -13,8 +10,8 @@
 
 struct placing {
 	const struct eco_track_frame *frame;
-	PJ_CONTEXT *context;
-	PJ *conversion;
+	const struct eco_proj_module *proj;
+	struct eco_track_path *path;         /* NULL: fixes are in the frame's metres already */
 	double shift[3];
 };
 
@@ -55,99 +52,25 @@ static void find_steps(struct eco_track *track)
 
 /* ---- CRS ---- */
 
-static bool is_metric(PJ_CONTEXT *context, const PJ *crs)
-{
-	double unit = 0;
-	PJ *flat = proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS ? proj_crs_get_sub_crs(context, crs, 0) : proj_clone(context, crs), *axes = NULL;
-	if (flat && proj_get_type(flat) == PJ_TYPE_BOUND_CRS) {
-		PJ *source = proj_get_source_crs(context, flat);
-		proj_destroy(flat);
-		flat = source;
-	}
-	if (flat && proj_get_type(flat) == PJ_TYPE_PROJECTED_CRS)
-		axes = proj_crs_get_coordinate_system(context, flat);
-	bool metric = axes && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, NULL, &unit, NULL, NULL, NULL) && fabs(unit - 1) < 1e-9;
-	proj_destroy(axes);
-	proj_destroy(flat);
-	return metric;
-}
-
-static enum eco_code check_crs(struct placing *p, const char *text, const char *whose, bool metric, struct eco_error *error)
-{
-	PJ *crs = proj_create(p->context, text);
-	bool known = crs && proj_is_crs(crs), good = known && (!metric || is_metric(p->context, crs));
-	proj_destroy(crs);
-	if (!known)
-		return eco_fail(error, ECO_BAD_INPUT, "%s CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", whose, text);
-	return good ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%s CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
-		"\"EPSG:32617\"", whose, text);
-}
-
-static enum eco_code convert_between(struct placing *p, const char *from, const char *to, struct eco_error *error)
-{
-	PJ *raw = proj_create_crs_to_crs(p->context, from, to, NULL);
-	p->conversion = raw ? proj_normalize_for_visualization(p->context, raw) : NULL;
-	proj_destroy(raw);
-	return p->conversion ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no conversion from \"%.80s\" to \"%.80s\": %.100s", from, to,
-		proj_context_errno_string(p->context, proj_context_errno(p->context)));
-}
-
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
-static enum eco_code own_plane(struct placing *p, const struct eco_track *track, struct eco_error *error)
-{
-	double center[2], *sorted = malloc(track->count * sizeof *sorted);
-	char plane[200];
-	if (!sorted)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	for (int axis = 0; axis < 2; axis++) {
-		for (uint32_t i = 0; i < track->count; i++)
-			sorted[i] = track->fixes[i].at[axis];
-		qsort(sorted, track->count, sizeof *sorted, by_value);
-		center[axis] = sorted[track->count / 2];
-	}
-	free(sorted);
-	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs", center[1], center[0]);
-	return convert_between(p, "EPSG:4326", plane, error);
-}
-
-static enum eco_code open_conversion(struct placing *p, const struct eco_track *track, struct eco_error *error)
+static enum eco_code open_path(struct placing *p, const struct eco_track *track, struct eco_error *error)
 {
 	const struct eco_track_frame *f = p->frame;
-	bool local = track->degrees && (f->local || !f->crs);
-	enum eco_code code = ECO_OK;
-	p->context = proj_context_create();
-	if (!p->context)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	proj_log_level(p->context, PJ_LOG_NONE);
-	if (!local && f->crs) {
-		code = check_crs(p, f->crs, "the scene's", true, error);
+	if (f->crs && !(track->degrees && f->local))
 		memcpy(p->shift, f->origin, sizeof p->shift);
-	}
-	if (!code && !track->degrees && f->track_crs) {
-		code = check_crs(p, f->track_crs, "the track's", false, error);
-		if (!code && !f->crs)
-			code = eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the scene is known: add --scene "
-				"SCENE.json, or --crs and --origin", f->track_crs);
-		return code ? code : convert_between(p, f->track_crs, f->crs, error);
-	}
-	if (code || !track->degrees)
-		return code;
-	return local ? own_plane(p, track, error) : convert_between(p, "EPSG:4326", f->crs, error);
+	if (!track->degrees && !f->crs && !f->track_crs)
+		return ECO_OK;
+	p->proj = eco_module(ECO_MODULE_PROJ, error);
+	return p->proj ? p->proj->track_open(&p->path, track, f, error) : ECO_NOT_FOUND;
 }
 
 /* ---- Fixes ---- */
 
 static bool convert(const struct placing *p, const double from[2], double to[2])
 {
-	PJ_COORD out = proj_trans(p->conversion, PJ_FWD, proj_coord(from[0], from[1], 0, 0));
-	to[0] = out.xy.x - p->shift[0];
-	to[1] = out.xy.y - p->shift[1];
-	return isfinite(to[0]) && isfinite(to[1]) && fabs(to[0]) < 1e9 && fabs(to[1]) < 1e9;
+	bool known = p->proj->track_convert(p->path, from, to);
+	for (int axis = 0; axis < 2; axis++)
+		to[axis] -= p->shift[axis];
+	return known && fabs(to[0]) < 1e9 && fabs(to[1]) < 1e9;
 }
 
 /* The bearing of true north in the grid, added to bearings. */
@@ -190,14 +113,14 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_fr
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	find_steps(track);
-	enum eco_code code = open_conversion(&p, track, error);
-	if (!code && p.conversion)
+	enum eco_code code = open_path(&p, track, error);
+	if (!code && p.path)
 		code = convert_all(&p, track, error);
 	for (uint32_t i = 0; !code && i < track->count; i++)
 		track->fixes[i].at[2] -= p.shift[2];
 	track->home[2] -= code ? 0 : p.shift[2];
 	track->degrees &= code != ECO_OK;
-	proj_destroy(p.conversion);
-	proj_context_destroy(p.context);
+	if (p.path)
+		p.proj->track_close(p.path);
 	return code;
 }

@@ -47,16 +47,30 @@ if [ -n "$(field bare 11)" ]; then
 	has ground 11 ground
 fi
 
-# ---- Libraries: the image module where there are images; the daemon has the same few whatever it serves ----
-for scene in bare leaves; do [ "$(field $scene 10)" = 0 ] || complain "$scene: the image module was loaded"; done
-for scene in textures cutouts ground everything; do [ "$(field $scene 10)" = 1 ] || complain "$scene: the image module was not loaded"; done
+# ---- Libraries: a module where a scene takes it; the same few of the daemon and of the viewer for all ----
+takes() { [ "$(field "$1" 10)" = "$2" ] || complain "$1: ecopack takes the modules '$(field "$1" 10)', not '$2'"; }
+for scene in bare leaves textures cutouts; do
+	takes $scene ""
+	[ "$(field $scene 12)" = "$(field bare 12)" ] || complain "$scene: ecopack maps $(field $scene 12) libraries, $(field bare 12) for bare lines"
+done
+takes ground gdal
+takes everything "assimp gdal image proj"
+[ "$(field bare 12)" -lt 20 ] || complain "ecopack maps $(field bare 12) libraries for bare lines"
 for scene in leaves textures cutouts ground everything; do
 	[ "$(field $scene 7)" = "$(field bare 7)" ] || complain "$scene: the daemon maps $(field $scene 7) libraries, $(field bare 7) for bare lines"
+	[ "$(field $scene 9)" = "$(field bare 9)" ] || complain "$scene: the viewer maps $(field $scene 9) libraries, $(field bare 9) for bare lines"
+	[ -z "$(field $scene 13)" ] || complain "$scene: the viewer loads the modules '$(field $scene 13)'"
 done
 
 # ---- Bytes: more is sent where more is drawn ----
 [ "$(field bare 5)" -lt "$(field leaves 5)" ] || complain "bare lines take as many bytes as leaves"
 [ "$(field leaves 5)" -lt "$(field cutouts 5)" ] || complain "flat leaves take as many bytes as leaves with textures"
 [ "$(field cutouts 5)" -lt "$(field ground 5)" ] || complain "the ground takes no bytes"
+
+# ---- Each feature takes its own module and no other ----
+BUILD=$BUILD sh tests/bench/needs.sh "$DIR" features >"$DIR/table.csv" 2>"$DIR/errors" || complain "no features: $(tail -n 3 "$DIR/errors")"
+for feature in "picture,image" "foreign,assimp" "table,proj" "layer,gdal proj"; do
+	grep -qx "$feature" "$DIR/table.csv" || complain "not '$feature', but '$(grep "^${feature%%,*}," "$DIR/table.csv")'"
+done
 
 exit $failed

@@ -1,11 +1,17 @@
 #!/bin/sh
 # What each feature of a scene costs, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
 # before, from bare lines to everything. BUILD is the folder of the programs, DIR where to work. Prints a CSV table.
+# With `features` after DIR: scenes of one feature each, and the modules that each takes.
+#
+# Which modules ecopack needs for a scene is found by giving it none (ECO_MODULES), then those that it asks for: what is not there cannot
+# be loaded. It loads most of them in a child process, which may write nothing that could be looked at.
 set -eu
 BUILD=${BUILD:-build}
 DIR=${1:?needs.sh DIR}
 mkdir -p "$DIR"
-export XDG_CACHE_HOME="$PWD/$DIR/xdg"
+mkdir -p "$DIR/xdg"
+XDG_CACHE_HOME=$(cd "$DIR/xdg" && pwd)
+export XDG_CACHE_HOME
 
 # ---- Models ----
 
@@ -67,6 +73,20 @@ MTL
 cp "$DIR/park/models/leaf.png" "$DIR/leaf.png"
 "$BUILD/ecopack" map "$DIR/park/scene.json" -o "$DIR/painted.png" --size 200 --quiet >/dev/null
 cp "$DIR/park/dem.tif" "$DIR/dem.tif"
+# a picture that is not PNG, and a model on it
+awk 'BEGIN { print "P3\n64 64\n255"; for (i = 0; i < 4096; i++) print 90 + i % 7 * 9, 60 + i % 5 * 8, 40 }' >"$DIR/bark.ppm"
+sed 's/plant\.mtl/rough.mtl/' "$DIR/painted.obj" >"$DIR/rough.obj"
+printf 'newmtl bark\nKd 0.35 0.28 0.22\nnewmtl painted\nmap_Kd bark.ppm\n' >"$DIR/rough.mtl"
+# a model in a format that has no reader of its own
+awk '/^v / { v[n++] = $2 " " $3 " " $4 } /^f / { $1 = NF - 1; for (i = 2; i <= NF; i++) $i--; f[m++] = $0 }
+	END { printf "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n", n
+		printf "element face %d\nproperty list uchar int vertex_indices\nend_header\n", m
+		for (i = 0; i < n; i++) print v[i]; for (i = 0; i < m; i++) print f[i] }' "$DIR/bare.obj" >"$DIR/bare.ply"
+# places in degrees: as a plain table, and in a format that OGR reads
+awk 'BEGIN { print "lon,lat"; for (i = 0; i < 9; i++) printf "%.6f,%.6f\n", 11.5671 + i * 0.00003, 48.1351 }' >"$DIR/places.csv"
+awk 'BEGIN { printf "{\"type\": \"FeatureCollection\", \"features\": ["; for (i = 0; i < 9; i++)
+	printf "%s{\"type\": \"Feature\", \"properties\": {}, \"geometry\": {\"type\": \"Point\", \"coordinates\": [%.6f, %.6f]}}", i ? ", " : "",
+		11.5671 + i * 0.00003, 48.1352; print "]}" }' >"$DIR/places.geojson"
 
 # ---- Scenes ----
 
@@ -75,12 +95,18 @@ instances() { awk -v plant="$1" -v count="$2" 'BEGIN { for (i = 0; i < count; i+
 
 scene() { printf '{"name": "%s", %s"plants": {"plant": {"model": "%s.obj"}}, "instances": [%s]}\n' "$1" "$3" "$2" "$(instances plant 100)" >"$DIR/$1.json"; }
 scene bare bare ''
+scene picture rough ''
+printf '{"name": "foreign", "plants": {"plant": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s]}\n' "$(instances plant 9)" >"$DIR/foreign.json"
+# rows NAME ENTRY: an inventory that has to be converted
+rows() { printf '{"name": "%s", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "plants": {"plant": {"model": "bare.obj"}}, "instances": [{%s, "plant": "plant"}]}\n' "$1" "$2" >"$DIR/$1.json"; }
+rows table '"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326"'
+rows layer '"from": "places.geojson"'
 scene leaves leafy ''
 scene textures painted ''
 scene cutouts cut ''
 scene ground cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, '
 printf '{"name": "block", "plants": {"plant": {"model": "cut.obj"}}, "instances": [%s]}\n' "$(instances plant 50)" >"$DIR/block.json"
-printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \
+printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}, "rough": {"model": "rough.obj"}, "foreign": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}, {"plant": "rough", "at": [8, -8]}, {"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326", "plant": "foreign"}, {"from": "places.geojson", "plant": "foreign"}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \
 	"$(instances plant 100)" >"$DIR/everything.json"
 cat >"$DIR/camera.json" <<'JSON'
 {"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, -16, 6], "target": [0, 10, 3], "up": [0, 0, 1], "fov_y_deg": 50}]}
@@ -96,15 +122,44 @@ libraries() {
 	rm -f "$DIR"/ld.*
 }
 
+# pack SCENE: with the fewest modules that it takes, whose names (without eco, .so) come to $modules
+pack() {
+	rm -rf "$DIR/modules" "$DIR/xdg"
+	mkdir -p "$DIR/modules"
+	modules=
+	while :; do
+		ECO_MODULES=$DIR/modules libraries "$BUILD/ecopack" make "$DIR/$1.json" -o "$DIR/$1.eco" --order combined >"$DIR/said" 2>&1 && done=1 || done=
+		missing=$(sed -n 's/.*eco\([a-z]*\)\.so, needed for.*/\1/p' "$DIR/said" | head -n 1)
+		[ -n "$missing" ] || break
+		[ ! -e "$DIR/modules/eco$missing.so" ] || break
+		cp "$BUILD/eco$missing.so" "$DIR/modules/"
+		modules="$modules${modules:+ }$missing"
+	done
+	[ -n "$done" ] || { cat "$DIR/said" >&2; exit 1; }
+	for module in $modules; do
+		ldd "$BUILD/eco$module.so" | sed -n 's/^[^=]*=> *\/.*\/\([^ ]*\) .*/\1/p'
+		echo "eco$module.so"
+	done | sort -u - "$DIR/libraries" >"$DIR/packer"
+	modules=$(echo "$modules" | tr ' ' '\n' | sort | tr '\n' ' ')
+}
+
 server=
 stop() { [ -z "$server" ] || { kill "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; }; server=; }
 trap stop EXIT
 
-echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,image module,shaders"
+if [ "${2-}" = features ]; then
+	for name in picture foreign table layer; do
+		pack "$name"
+		echo "$name,${modules% }"
+	done
+	exit
+fi
+
+echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,packer modules,shaders,packer libraries,viewer modules"
 budget=1000              # of bare lines; then as many as draw everything
 for name in bare leaves textures cutouts ground everything; do
-	libraries "$BUILD/ecopack" make "$DIR/$name.json" -o "$DIR/$name.eco" --order combined --quiet >/dev/null
-	image=$(grep -c '^ecoimage.so$' "$DIR/libraries" || true)
+	pack "$name"
+	packer=$(grep -c . "$DIR/packer")
 	sections=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '.needs | join(" ")')
 	lists=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '[.lists | to_entries[] | select(.value.lists > 0) | .key] | join(" ")' 2>/dev/null || echo "?")
 	started=$(date +%s%N)
@@ -116,11 +171,12 @@ for name in bare leaves textures cutouts ground everything; do
 	url=$(sed -n 's/.*\(127\.0\.0\.1:[0-9]*\).*/http:\/\/\1/p' "$DIR/ready" | head -n 1)
 	libraries "$BUILD/ecoview" "$url/v1/scenes/$name" --camera "$DIR/camera.json" --size 160x120 --vertices "$budget" -o "$DIR/$name" >/dev/null 2>&1
 	viewer=$(grep -c . "$DIR/libraries")
+	viewing=$(sed -n 's/^eco\(.*\)\.so$/\1/p' "$DIR/libraries" | tr '\n' ' ')
 	stream=$(jq '.frames[0].bytes' "$DIR/$name/report.json")
 	shaders=$(jq -r '.shaders | join(" ")' "$DIR/$name/report.json")
 	resident=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' /proc/$server/status)
 	mapped=$(sed -n 's/.* \(\/.*\.so[^ ]*\)$/\1/p' /proc/$server/maps | sort -u | wc -l)
 	stop
 	budget=20000
-	echo "$name,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,$image,$shaders"
+	echo "$name,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,${modules% },$shaders,$packer,${viewing% }"
 done

@@ -1,7 +1,7 @@
 /* What formats say of their axes and units, beside what assimp has made of it. As measured with assimp 5.2: Collada arrives Y-up and in
  * metres, whatever the file's; FBX as it is in the file, with its axes and unit beside it; 3DS turned from Z-up to Y-up; the others without
  * hint, most of them Y-up. */
-#include "ecofiles/import_model.h"
+#include "ecofiles/assimp_module.h"
 
 #include <assimp/scene.h>
 #include <math.h>
@@ -90,7 +90,7 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 	set_axes(axes, up_from_y, 1 / frame->unit_m);
 }
 
-void eco_assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3])
+void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3])
 {
 	const char *format = metadata_text(scene, "SourceAsset_Format"), *dot = strrchr(path, '.');
 	bool z = eco_path_ends_with(path, ".ply") || eco_path_ends_with(path, ".stl") || eco_path_ends_with(path, ".3ds");

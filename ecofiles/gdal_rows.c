@@ -18,6 +18,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "ecofiles/gdal_module.h"
 #include "ecofiles/rows_formats.h"
 
 #define LOOKED_AT 64                 /* features, for what their numbers can be */
@@ -46,7 +47,7 @@ static void quiet(void)
 	GDALAllRegister();
 }
 
-bool eco_rows_ogr_knows(const char *path)
+bool gdal_rows_knows(const char *path)
 {
 	GDALDriverH driver;
 
@@ -407,7 +408,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	return ECO_OK;
 }
 
-enum eco_code eco_rows_open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
 {
 	struct ogr_rows *r = calloc(1, sizeof *r);
 	enum eco_code code;

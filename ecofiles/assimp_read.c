@@ -1,7 +1,7 @@
 /* From assimp's scene to a soup. Node transforms are applied here, in double, as the tree is walked: assimp's own pre-transformation
  * would copy meshes, and round places far from the origin to floats. Polygons are split by polygon.c into exactly n - 2 triangles:
  * assimp's own clipper leaves some concave ones, and loses others. */
-#include "ecofiles/import_model.h"
+#include "ecofiles/assimp_module.h"
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
@@ -520,10 +520,10 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	if (channel == NULL || invisible == NULL)
 		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->file->path);
 	else
-		code = eco_assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
+		code = assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
 	if (code == ECO_OK) {
 		color_nameless(s->model, s->scene);
-		eco_assimp_frame(s->scene, s->file->path, frame, s->axes);
+		assimp_frame(s->scene, s->file->path, frame, s->axes);
 		code = reserve(s, frame, triangles_max, notes);
 	}
 	if (code == ECO_OK)
@@ -555,7 +555,7 @@ static const struct aiScene *import_scene(const struct eco_model_file *file, str
 	return scene;
 }
 
-enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
+static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct aiFileIO io = { stream_open, stream_close, (char *)file };
@@ -574,3 +574,5 @@ enum eco_code eco_assimp_read(struct eco_model *model, struct eco_model_frame *f
 	aiReleaseImport(scene);
 	return code;
 }
+
+ECO_MODULE_EXPORT const struct eco_assimp_module eco_assimp_module = { .version = ECO_MODULE_VERSION, .read = read_model };

@@ -6,7 +6,7 @@
  * that programs write (0, -9999, ...), and nearly everywhere where it meets another value, the step is many times what neighbours
  * usually differ by. A sea at 0 passes: its shores are gentle somewhere.
  */
-#include "ecofiles/import_ground.h"
+#include "ecofiles/gdal_ground.h"
 
 #include <cpl_error.h>
 #include <math.h>
