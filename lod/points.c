@@ -3,11 +3,15 @@
 
 #include <math.h>
 
+#include "lod/share.h"
+
 #define LAST_STEP 64             /* the last step of a summary gains this much less a vertex than all of them do: seldom less */
 
 static bool knows(const struct lod_points *points, uint32_t i) { return points->known >> i & 1; }
 
 static double error_of(const struct lod_points *points, uint32_t i) { return lod_steps_error(&points->steps, &points->samples[i]); }
+
+double lod_points_missed(double fn) { return fmax(0, (fn - LOD_OWNER_WORTH) / (1 - LOD_OWNER_WORTH)); }
 
 uint32_t lod_points_count(double points)
 {
@@ -22,7 +26,7 @@ static void compute(struct lod_points *points, uint32_t i)
 	struct lod_amount *sample = &points->samples[i];
 	struct eco_curve curve = lod_summary_curve(&points->view, points->part * (double)sample->vertices);
 	sample->fp = curve.fp;
-	sample->fn = curve.fn;
+	sample->fn = curve.fn + LOD_OWNER_WORTH * (1 - curve.fn);
 	points->known |= 1u << i;
 	++*points->gains;
 }

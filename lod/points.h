@@ -10,7 +10,8 @@
  *           ;                                                   then points.steps are at that price what all of them would be
  *   lod_points_all(&points)                                     at any price
  *
- * Errors and savings are over what is seen of the tile, and prices are divided by that. */
+ * Errors and savings are over what is seen of the tile, and prices are divided by that. What points cover counts as the wrong plant's
+ * (lod/share.h): `fn` of an amount is LOD_OWNER_WORTH of what they cover, and what they miss. */
 #ifndef LOD_POINTS_H
 #define LOD_POINTS_H
 
@@ -27,6 +28,9 @@ struct lod_points {
 	struct lod_steps steps;              /* the hull of those, and of nothing */
 	uint64_t *gains;                     /* counts those that were computed */
 };
+
+/* Of an amount's fn, what its points miss. */
+double lod_points_missed(double fn);
 
 /* How many samples there are of a summary of so many points, at least 1. */
 uint32_t lod_points_count(double points);

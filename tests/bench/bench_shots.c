@@ -58,7 +58,7 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
 uint32_t bench_shot_views(struct bench *bench, const char *scene, struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
 {
 	bool slow = strcmp(scene, "trees5000") == 0;
-	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 1 : 2, count = bench_scene_views(bench, scene, requests, wanted);
+	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 2 : 3, count = bench_scene_views(bench, scene, requests, wanted);
 	for (uint32_t i = 0; i < count; i++) {
 		requests[i].view.width = BENCH_SHOT_WIDTH;
 		requests[i].view.height = BENCH_SHOT_HEIGHT;
