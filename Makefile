@@ -84,7 +84,8 @@ LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng
 LIBS_CHECK := -lassimp -lcairo -lgdal
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng
-LINK := -Wl,--as-needed -Wl,--exclude-libs,ALL -ldl -pthread
+# In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
+LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
 .PHONY: all deps demo test determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:

@@ -154,12 +154,14 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 
 /* ---- What is no model ---- */
 
-struct packed { const char *magic; size_t bytes; const char *what, *command; };
+/* suffix: without it in the name, the command wants another form */
+struct packed { const char *magic; size_t bytes; const char *what, *command, *suffix, *otherwise; };
 
 static const struct packed packed[] = {
-	{ "\xfd" "7zXZ\0", 6, "xz", "xz -dk" }, { "\x1f\x8b", 2, "gzip", "gunzip -k" }, { "BZh", 3, "bzip2", "bunzip2 -k" },
-	{ "\x28\xb5\x2f\xfd", 4, "zstd", "zstd -d" }, { "7z\xbc\xaf\x27\x1c", 6, "7z", "7z x" }, { "Rar!\x1a\x07", 6, "rar", "unrar x" },
-	{ "PK\x03\x04", 4, "zip", "unzip" },
+	{ "\xfd" "7zXZ\0", 6, "xz", "xz -dk", ".xz", "xzcat" }, { "\x1f\x8b", 2, "gzip", "gunzip -k", ".gz", "zcat" },
+	{ "BZh", 3, "bzip2", "bunzip2 -k", ".bz2", "bzcat" }, { "\x28\xb5\x2f\xfd", 4, "zstd", "zstd -d", ".zst", "zstdcat" },
+	{ "7z\xbc\xaf\x27\x1c", 6, "7z", "7z x", "", "" }, { "Rar!\x1a\x07", 6, "rar", "unrar x", "", "" },
+	{ "PK\x03\x04", 4, "zip", "unzip", "", "" },
 };
 
 struct other { const char *extension, *says; };
@@ -179,14 +181,23 @@ static const struct other others[] = {
 	{ ".json", "not a model; glTF files end in .gltf or .glb" },
 };
 
+static enum eco_code refuse_packed(const char *path, const struct packed *p, struct eco_error *error)
+{
+	const char *name = eco_path_last(path);
+
+	if (eco_path_ends_with(path, p->suffix))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s %.100s", path, p->what, p->command, name);
+	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s <%.100s >unpacked-%.100s", path, p->what, p->otherwise,
+		name, name);
+}
+
 enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error)
 {
 	if (size == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", path);
 	for (size_t i = 0; i < sizeof packed / sizeof *packed; i++)
 		if (size >= packed[i].bytes && memcmp(head, packed[i].magic, packed[i].bytes) == 0 && !(holds_zip && packed[i].magic[0] == 'P'))
-			return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s %.100s", path, packed[i].what,
-				packed[i].command, eco_path_last(path));
+			return refuse_packed(path, &packed[i], error);
 	if (size >= 22 && memcmp(head, "version https://git-lfs", 22) == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a placeholder of Git LFS, not the file itself: git lfs pull fetches it", path);
 	while (size > 0 && (*head == ' ' || *head == '\t' || *head == '\n' || *head == '\r')) {

@@ -46,13 +46,12 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 
 #define ECO_ORGAN_FOUND 255u     /* no rule says which: lod/organ.h finds out */
 
-/* How the file's numbers were understood. */
-/* Axis of the file that points up; found: as the format says, else by shape, which is never X. */
+/* How the file's numbers were understood. Up: the axis of the file that points up; found: as the format says, else by shape, Y or Z. */
 enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
 enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
 struct eco_model_source {
 	char format[64];         /* of the first file, for people */
-	enum eco_up up;          /* Y or Z */
+	enum eco_up up;          /* not FOUND */
 	enum eco_how up_how;     /* given, format, shape, or the format's convention as the shape does not tell */
 	double unit_m;           /* metres per unit */
 	enum eco_how unit_how;   /* given, format, guessed from the height, or what makes height_m of it */
