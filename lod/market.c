@@ -105,8 +105,8 @@ static double open_share(const struct lod_market *m, const struct lod_stall *sta
 		return stall->held == LOD_HELD_OPEN;
 	if (m->sharp || !(plants > 0))
 		return plants > summary;
-	double share = 0.5 + (plants - summary) / (2 * GIVING_WAY * plants);
-	return share < 0 ? 0 : share > 1 ? 1 : share;
+	double share = 0.5 + (plants - summary) / (2 * GIVING_WAY * plants), least = 1 - stall->shut_most;
+	return share < least ? least : share > 1 ? 1 : share;
 }
 
 /* Points stand for the plants that are left, but no one knows which are whose: all stay until half of the plants are there. */

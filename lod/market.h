@@ -46,6 +46,7 @@ enum lod_held { LOD_HELD_NOT, LOD_HELD_OPEN, LOD_HELD_SHUT };
 struct lod_stall {                   /* a tile */
 	enum lod_held held;          /* the caller's: not for its price to decide */
 	bool open, summary;          /* its plants are known; it has a summary */
+	double shut_most;            /* so many of its plants may be left to its summary, as a share */
 	bool opened;                 /* at the last price: more than half */
 	double share;                /* at the last price: how far its summary has given way to its plants and children, 0 to 1 */
 	double weight;               /* and how far those above it have given way to it */

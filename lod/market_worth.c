@@ -304,9 +304,11 @@ static bool price_summary(struct lod_market *m, uint32_t n)
 	uint32_t list = p->scene->tiles[node->tile].summary;
 	double center[3], from_eye[3], across, up, square = 0;
 	lod_visible_box(&p->visible, node, center, &across, &up);
-	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, ... */
-	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0
-		&& node->distance > fmax(across, up);        /* ... but where the farthest are less than three times as far away as the nearest */
+	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, but where the farthest are less than
+	 * three times as far away as the nearest, and of full use only from twice as far on: so it goes little by little as a camera comes */
+	double apart = node->distance / fmax(across, up) - 1;
+	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0 && apart > 0;
+	stall->shut_most = fmin(1, apart);
 	if (!stall->summary)
 		return true;
 	for (int i = 0; i < 3; i++) {

@@ -8,6 +8,7 @@
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
 #define SEEN_LEAST 1e-5          /* cells of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
+#define HILL 1.0f                /* columns on either side of a foot, up to where ground may hide */
 #define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
 #define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
 
@@ -96,8 +97,9 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	}
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	double ahead = dot(eye->forward, d), closest = 0.25 * fmax(body->across, body->up);
+	double ahead = dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
 	bool beside = ahead <= closest;
+	double within = beside ? (ahead + size) / (closest + size) : 1, before = size > 0 ? ahead / closest - 1 : 1;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
 	double tall = lod_tilt_height(&tilt, body->across, body->up), high = lod_tilt_height(&tilt, body->crown_across, body->crown_up);
@@ -109,7 +111,8 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
 		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .foot = (float)(y + body->up * tilt.upright * rows),
-		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside };
+		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
+		.within = (float)(within > 0 ? within : 0), .before = (float)(before < 0 ? 0 : before < 1 ? before : 1) };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
 	sight->pixels = sight->opacity * sight->ellipse;
 	return sight;
@@ -203,19 +206,21 @@ static double show(const struct lod_screen *screen, const struct lod_sight *sigh
 		seen += (double)(height * sum);
 	}
 	double all = 4 * (double)sight->reach_x * (double)sight->reach_y;
-	return all > seen ? seen / all : 1;
+	return (all > seen ? seen / all : 1) * (double)sight->within;
 }
 
 static void dim(const struct lod_screen *screen, const struct lod_sight *sight, const struct light *light)
 {
 	float opaque = sight->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)sight->opacity))) : 1;
+	float clear_of = sight->opacity * sight->before;
+	opaque *= sight->before;
 	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
 	for (int r = down.first; r < down.end; r++) {
 		float *clear = light->clear + r * (int)screen->columns, *through = light->through + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r));
 		for (int c = across.first; c < across.end; c++) {
 			float part = height * inside(&across, c);
-			clear[c] *= 1 - part * sight->opacity;
+			clear[c] *= 1 - part * clear_of;
 			through[c] *= 1 - part * opaque;
 		}
 	}
@@ -233,7 +238,7 @@ static double alone(const struct lod_screen *screen, const struct lod_sight *sig
 	for (int r = down.first; r < down.end; r++) {
 		const float *row = clear + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r)), sum = 0;
-		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * sight->opacity : 0;
+		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * sight->opacity * sight->before : 0;
 		for (int c = across.first; c < across.end; c++) {
 			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
 			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
@@ -241,19 +246,33 @@ static double alone(const struct lod_screen *screen, const struct lod_sight *sig
 		seen += (double)(height * sum);
 	}
 	double all = 4 * AROUND * AROUND * (double)sight->reach_x * (double)sight->reach_y;
-	return all > seen ? seen / all : 1;
+	return (all > seen ? seen / all : 1) * (double)sight->within;
+}
+
+/* The row from which on ground hides it. From now on its foot hides, by a cell less so as not to hide its neighbours, and less and less beside it: so
+ * nothing changes at once where it crosses from one column to the next. Nor does it as a plant comes by. */
+static void look_down(const struct lod_screen *screen, struct lod_sight *sight, float *horizon)
+{
+	int last = (int)screen->columns - 1, column = (int)floorf(sight->x - 0.5f);
+	float rows = (float)screen->rows, part = sight->x - 0.5f - (float)column, foot = fminf(sight->foot + 1, rows);
+	if (column < -1 || column > last)
+		return;
+	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
+	float bottom = horizon[left] + part * (horizon[right] - horizon[left]);
+	sight->bottom = rows + sight->before * (bottom - rows);
+	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
+		float beside = fabsf(sight->x - 0.5f - (float)c) / HILL;
+		if (c >= 0 && c <= last && beside < 1)
+			horizon[c] = fminf(horizon[c], rows + sight->before * (1 - beside) * (foot - rows));
+	}
 }
 
 /* From the nearest to the farthest: what shows behind those before it; then it hides. */
 static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light)
 {
 	sight->bottom = (float)screen->rows;
-	if (screen->ground && !sight->beside && sight->x >= 0 && sight->x < (float)screen->columns) {
-		int column = (int)sight->x;
-		sight->bottom = light->horizon[column];
-		/* from now on its foot hides, by a cell less so as not to hide its neighbours */
-		light->horizon[column] = fminf(light->horizon[column], sight->foot + 1);
-	}
+	if (screen->ground && sight->before > 0)
+		look_down(screen, sight, light->horizon);
 	sight->share = (float)show(screen, sight, light->through);
 	if (!sight->beside)
 		dim(screen, sight, light);
@@ -311,7 +330,7 @@ static void cover(const struct lod_screen *screen, const struct lod_sight *sight
 	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
 	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++) {
-			float part = inside(&across, c) * fmaxf(0, inside(&down, r));
+			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * sight->before;
 			struct lod_odds *cell = &cells[r * (int)screen->columns + c];
 			cell->reference *= 1 - part * (1 - o.reference);
 			cell->drawn *= 1 - part * (1 - o.drawn);

@@ -43,6 +43,8 @@ struct lod_sight {
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
+	float within;                /* of one beside: 1 where it is still before the eye, less the farther back it stands, 0 where none of it is before */
+	float before;                /* of one near by: how much of it hides others; 0 where it is beside, 1 from twice as far before the eye on */
 };
 
 struct lod_screen {
