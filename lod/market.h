@@ -1,7 +1,7 @@
 /* What the planner can buy: for each slot the amounts of its ladders, for each tile its summary or its plants, and what all of it comes to
  * at a price (wrong pixels that a vertex must save).
  *
- *   lod_market_make(&market, p, &error);                 after lod_planning_open: worth, steps, tiles; nothing of it depends on the budget
+ *   lod_market_make(&market, p, &error);                 after lod_planning_open: worth and tiles; nothing of it depends on the budget
  *   lod_market_price(&market, price)                     the best at this price: gates, which tiles are open, wrong pixels, vertices
  *   lod_market_expect(&market, &prediction, &error)      the picture at that price
  *

@@ -296,7 +296,7 @@ static void measure_stalls(struct lod_market *m)
 	}
 }
 
-static bool price_summary(struct lod_market *m, uint32_t n)
+static bool measure_summary(struct lod_market *m, uint32_t n)
 {
 	struct lod_planning *p = m->p;
 	const struct lod_node *node = &p->visible.nodes[n];
@@ -357,7 +357,7 @@ static enum eco_code make_stalls(struct lod_market *m, struct eco_error *error)
 			stall->look.box += child->look.box;
 			stall->plants += child->plants;
 		}
-		if (!price_summary(m, n))
+		if (!measure_summary(m, n))
 			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles", visible->node_count);
 	}
 	return ECO_OK;

@@ -102,7 +102,15 @@ static enum eco_code look_at(struct descent *d, int at, const struct mark *befor
 	return code;
 }
 
-/* By halving what is between nothing and everything. What a price comes to depends on the marks around it and on the view, not on the
+/* The price to look at next: in the middle. But the dearest is only a bound: as long as nothing is bought there, much cheaper ones. */
+static int between_marks(const struct descent *d, const struct mark *here, const struct mark *next)
+{
+	int width = next->at - here->at;
+	bool bound = !(here->level.vertices > 0) && next->at <= d->last;
+	return here->at + (bound ? 3 * width / 4 : width / 2);
+}
+
+/* By dividing what is between nothing and everything. What a price comes to depends on the marks around it and on the view, not on the
  * budget. Most prices are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
 static enum eco_code descend(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
 {
@@ -120,7 +128,7 @@ static enum eco_code descend(struct descent *d, uint64_t budget, bool predicts, 
 		d->from = here = next;
 	while (!code && next.at - here.at > 1) {
 		bool wide = next.at - here.at > PRICES_PER_MARK;
-		code = look_at(d, here.at + (next.at - here.at) / 2, &here, &next, predicts && wide, &middle, error);
+		code = look_at(d, between_marks(d, &here, &next), &here, &next, predicts && wide, &middle, error);
 		*(middle.level.vertices <= (double)budget ? &here : &next) = middle;
 		if (wide) {
 			d->from = here;
