@@ -66,10 +66,9 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package %s installed?)", file,
 			modules[module].for_what, dlerror(), modules[module].package);
 	table = dlsym(handle, modules[module].symbol);
-	if (table == NULL || *table != ECO_MODULE_VERSION) {
-		dlclose(handle);
+	/* it stays mapped: libraries such as these do not stand being unloaded */
+	if (table == NULL || *table != ECO_MODULE_VERSION)
 		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: make builds it anew", path);
-	}
 	loaded[module] = table;
 	return ECO_OK;
 }

@@ -17,41 +17,21 @@
 #include "ecofiles/main_make.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/mix.h"
+#include "tests/scratch.h"
 
 #define PARTS 3u
 #define PLANTS 150u
 #define MOST 220u
 
-static char root[256], cache[300];
+static char cache[300];
 
 struct plant { double x, y; int kind; double scale; };
 static struct { struct plant plants[MOST]; uint32_t count; } parts[PARTS];
 
-static const char *in_root(const char *name)
-{
-	static char paths[16][512];
-	static int next;
-	char *path = paths[next++ % 16];
-	snprintf(path, 512, "%s/%s", root, name);
-	return path;
-}
-
-static FILE *open_text(const char *name)
-{
-	FILE *file = fopen(in_root(name), "wb");
-	assert_non_null(file);
-	return file;
-}
-
 static void write_model(const char *name, double height, int leaves)
 {
 	FILE *file = open_text(name);
-	for (int i = 0; i < leaves; i++) {
-		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7, z = (i * 71 % 100 - 50) / 100.0 * height * 0.7, y = height * (0.5 + i * 53 % 100 / 200.0);
-		double l = height / 15;
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2,
-			y - l / 4, z);
-	}
+	write_leaves(file, height, leaves);
 	fprintf(file, "v 0 0 0\nv 0.05 0 0\nv 0 %f 0\nf -3 -2 -1\n", height);
 	assert_int_equal(fclose(file), 0);
 }
@@ -130,16 +110,6 @@ static void make_parts(void)
 	make("part0.json", "part0.eco", true);
 	make("part1.json", "part1.eco", true);
 	make("part2.json", "part2.eco", true);
-}
-
-static char *read_all(const char *name, size_t *size)
-{
-	FILE *file = fopen(in_root(name), "rb");
-	assert_non_null(file);
-	char *bytes = malloc(1 << 24);
-	*size = fread(bytes, 1, 1 << 24, file);
-	fclose(file);
-	return bytes;
 }
 
 static bool same(const char *a, const char *b)
@@ -347,28 +317,11 @@ static void summaries_of_others_are_refused(void **state)
 	unlink(in_root("part1.eco"));
 }
 
-static void empty(const char *path)
-{
-	DIR *folder = opendir(path);
-	struct dirent *entry;
-	char name[800];
-	while (folder && (entry = readdir(folder))) {
-		snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
-		unlink(name);
-	}
-	if (folder)
-		closedir(folder);
-	rmdir(path);
-}
-
 static int set_up(void **state)
 {
 	(void)state;
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	snprintf(root, sizeof root, "build/tmp/link-%ld", (long)getpid());
+	scratch_open("link");
 	snprintf(cache, sizeof cache, "%s/cache", root);
-	mkdir(root, 0777);
 	main_progress_quiet(true);
 	write_model("a.obj", 4, 60);
 	write_model("b.obj", 1.5, 25);
@@ -379,8 +332,8 @@ static int set_up(void **state)
 static int clean_up(void **state)
 {
 	(void)state;
-	empty(cache);
-	empty(root);
+	scratch_remove(cache);
+	scratch_remove(root);
 	return 0;
 }
 

@@ -19,22 +19,11 @@
 #include "ecofiles/main_progress.h"
 #include "lod/view.h"
 #include "tests/pack_resign.h"
-
-static char root[256];
-
-static const char *in_root(const char *name)
-{
-	static char paths[8][512];
-	static int next;
-	char *path = paths[next++ % 8];
-	snprintf(path, 512, "%s/%s", root, name);
-	return path;
-}
+#include "tests/scratch.h"
 
 static void write_text(const char *name, const char *text)
 {
-	FILE *file = fopen(in_root(name), "wb");
-	assert_non_null(file);
+	FILE *file = open_text(name);
 	fputs(text, file);
 	assert_int_equal(fclose(file), 0);
 }
@@ -42,19 +31,13 @@ static void write_text(const char *name, const char *text)
 /* A stem of `height` and leaves around its top, Y up. */
 static void write_model(const char *name, double height, int leaves)
 {
-	FILE *file = fopen(in_root(name), "wb");
-	assert_non_null(file);
+	FILE *file = open_text(name);
 	double w = height / 40;
 	fputs("mtllib none.mtl\n", file);
 	for (int k = 0; k < 2; k++)
 		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", -w, k * height, -w, w, k * height, -w, w, k * height, w, -w, k * height, w);
 	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n", file);
-	for (int i = 0; i < leaves; i++) {
-		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7, z = (i * 71 % 100 - 50) / 100.0 * height * 0.7, y = height * (0.5 + i * 53 % 100 / 200.0);
-		double l = height / 15;
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2,
-			y - l / 4, z);
-	}
+	write_leaves(file, height, leaves);
 	assert_int_equal(fclose(file), 0);
 }
 
@@ -80,16 +63,6 @@ static struct eco_pack *made(const char *scene, const char *pack)
 	assert_int_equal(counts.damaged, 0);
 	assert_int_equal(eco_pack_open(&opened, in_root(pack), &error), ECO_OK);
 	return opened;
-}
-
-static char *read_all(const char *name, size_t *size)
-{
-	FILE *file = fopen(in_root(name), "rb");
-	assert_non_null(file);
-	char *bytes = malloc(1 << 24);
-	*size = fread(bytes, 1, 1 << 24, file);
-	fclose(file);
-	return bytes;
 }
 
 /* World position of every plant that stands directly in the outermost file. */
@@ -482,10 +455,7 @@ static void test_info_speaks_json(void **state)
 static int prepare(void **state)
 {
 	(void)state;
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	snprintf(root, sizeof root, "build/tmp/make-%ld", (long)getpid());
-	mkdir(root, 0777);
+	scratch_open("make");
 	main_progress_quiet(true);
 	write_model("a.obj", 4, 60);
 	write_model("b.obj", 1.5, 25);
@@ -494,14 +464,8 @@ static int prepare(void **state)
 
 static int clean_up(void **state)
 {
-	DIR *folder = opendir(root);
-	struct dirent *entry;
 	(void)state;
-	while (folder && (entry = readdir(folder)))
-		unlink(in_root(entry->d_name));
-	if (folder)
-		closedir(folder);
-	rmdir(root);
+	scratch_remove(root);
 	return 0;
 }
 
