@@ -33,7 +33,7 @@ static int64_t floor_eighth(int64_t v)
 }
 
 /* One coordinate of corner k, relative to corner 0. */
-int32_t eco_rows_predict(unsigned predictor, const int32_t *position, unsigned corner, unsigned axis)
+static int32_t predict(unsigned predictor, const int32_t *position, unsigned corner, unsigned axis)
 {
 	int64_t sum = 0;
 
@@ -141,7 +141,7 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 			int32_t v = column->values[3 * (size_t)row + axis];
 
 			if (k > 0)
-				v = plus(v, plus(element->position[axis], eco_rows_predict(predictor, element->position, k, axis)));
+				v = plus(v, plus(element->position[axis], predict(predictor, element->position, k, axis)));
 			element->position[3 * k + axis] = v;
 			good &= in_bounds(v);
 		}
@@ -184,7 +184,7 @@ static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corne
 
 			for (unsigned k = 1; k <= corner; k++)
 				position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
-			v = minus(position[3 * corner + axis], eco_rows_predict(predictor, position, corner, axis));
+			v = minus(position[3 * corner + axis], predict(predictor, position, corner, axis));
 			bits += bit_length(v < 0 ? 0u - (uint32_t)v : (uint32_t)v);
 		}
 	return bits;
@@ -225,7 +225,7 @@ static void take_predictions(struct eco_chunk_rows *rows)
 
 				for (unsigned k = 1; k < corner; k++)
 					position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
-				*v = minus(*v, eco_rows_predict(predictor, position, corner, axis));
+				*v = minus(*v, predict(predictor, position, corner, axis));
 			}
 	}
 }

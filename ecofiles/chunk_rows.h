@@ -54,9 +54,6 @@ struct eco_chunk_rows {
 	int32_t *storage;
 };
 
-/* What a predictor (below ECO_ROWS_PREDICTORS) says of one coordinate of corner k >= 1, relative to corner 0, by those before it. */
-int32_t eco_rows_predict(unsigned predictor, const int32_t *position, unsigned corner, unsigned axis);
-
 /* One element: arrays of the caller. `uv` may be NULL where the shape has none, as may `extra`. */
 struct eco_rows_element { int32_t *position, *uv, *extra; };
 

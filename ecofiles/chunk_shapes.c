@@ -24,9 +24,15 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 	c->left = elements;
 	c->key = 0;
 	c->corners = 0;
+	c->seen_count = 0;
 	memset(c->uv_before, 0, sizeof c->uv_before);
+	if (c->slots)
+		memset(c->slots, 0xff, ((size_t)c->slot_mask + 1) * sizeof *c->slots);
+	eco_bits_start(c->again, ECO_CORNERS_MAX);
+	eco_bits_start(c->back_bits, 32);
 	eco_bits_start(c->number, ECO_RANGE_NUMBER);
 	eco_bits_start(c->flat, ECO_RANGE_NUMBER);
+	eco_bits_start(c->simple, 8);
 	eco_bits_start(c->kind, 128);
 	eco_bits_start(c->corner_count, 4);
 	eco_bits_start(&c->back, 1);
@@ -117,6 +123,24 @@ static void code_shapes(struct eco_shapes_codec *c)
 		code_shape(c, &s->items[i], shift);
 }
 
+/* Most corners are predicted well by the two before, or by none. */
+const int8_t eco_shapes_simple[ECO_SIMPLE_WEIGHTS][2] = { { 0, 0 }, { 1, 0 }, { 1, -1 }, { 2, -1 } };
+
+static void code_weights(struct eco_shapes_codec *c, uint32_t m)
+{
+	struct eco_shapes_head *h = &c->head;
+
+	h->has[m] = eco_range_raw(&c->range, 1, h->has[m]);
+	for (uint32_t k = 2; h->has[m] && k < m + 3; k++) {
+		uint8_t simple = h->simple[m][k] = (uint8_t)eco_range_tree(&c->range, c->simple, 3, h->simple[m][k]) & 7;
+		int32_t *weight = h->weight[m][k];
+
+		for (uint32_t j = 0; j < k - 1; j++)
+			weight[j] = simple >= ECO_SIMPLE_WEIGHTS ? code_number(c, c->number, weight[j], -ECO_WEIGHT_MAX, ECO_WEIGHT_MAX)
+				: k - 2 - j > 1 ? 0 : eco_shapes_simple[simple][k - 2 - j] * (1 << ECO_WEIGHT_BITS);
+	}
+}
+
 void eco_shapes_code_head(struct eco_shapes_codec *c)
 {
 	struct eco_shapes_head *h = &c->head;
@@ -129,10 +153,8 @@ void eco_shapes_code_head(struct eco_shapes_codec *c)
 		c->failed = true;
 	for (uint32_t i = 0; i < c->extra_count; i++)
 		code_span(c, &h->extra[i]);
-	h->predictors = (uint16_t)eco_range_raw(&c->range, 1, h->predictors != 0) ? (uint16_t)eco_range_raw(&c->range, 16, h->predictors) : 0;
-	for (uint32_t i = 0; i < 4; i++)
-		if ((h->predictors >> 4 * i & 15) >= ECO_ROWS_PREDICTORS)
-			c->failed = true;
+	for (uint32_t m = 0; m < ECO_CORNERS_MAX - 2; m++)
+		code_weights(c, m);
 	if (!c->failed)
 		code_shapes(c);
 }
@@ -288,10 +310,70 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 	memcpy(l->uv, shape->uv, sizeof l->uv);
 }
 
+int64_t eco_shapes_predict(const struct eco_shapes_head *head, const int32_t *position, uint32_t corners, uint32_t k, uint32_t axis)
+{
+	int64_t sum = 1 << (ECO_WEIGHT_BITS - 1);
+
+	for (uint32_t j = 1; j < k; j++)
+		sum += (int64_t)head->weight[corners - 3][k][j - 1] * (position[3 * j + axis] - position[axis]);
+	return sum >> ECO_WEIGHT_BITS;
+}
+
+static uint32_t slot_of(const struct eco_shapes_codec *c, const int32_t at[3])
+{
+	uint32_t slot = ((uint32_t)at[0] * 0x9e3779b1u ^ (uint32_t)at[1] * 0x85ebca6bu ^ (uint32_t)at[2] * 0xc2b2ae35u);
+
+	slot = (slot ^ slot >> 15) & c->slot_mask;
+	while (c->slots[slot] != UINT32_MAX && memcmp(c->seen + 3 * (size_t)c->slots[slot], at, 3 * sizeof *at) != 0)
+		slot = (slot + 1) & c->slot_mask;
+	return slot;
+}
+
+static void remember(struct eco_shapes_codec *c, const int32_t at[3])
+{
+	if (c->slots)
+		c->slots[slot_of(c, at)] = c->seen_count;
+	memcpy(c->seen + 3 * (size_t)c->seen_count++, at, 3 * sizeof *at);
+}
+
+/* A corner that was there before: how long ago. False, with nothing known of it, where it was not. */
+static bool code_again(struct eco_shapes_codec *c, uint32_t k, int32_t at[3])
+{
+	uint32_t found = c->range.writer ? c->slots[slot_of(c, at)] : 0, ago = c->seen_count - found, bits = eco_bit_length(ago);
+
+	if (!eco_range_bit(&c->range, &c->again[k], found != UINT32_MAX))
+		return false;
+	bits = eco_range_tree(&c->range, c->back_bits, 5, bits) & 31;
+	ago = bits ? 1u << (bits - 1) | (uint32_t)eco_range_raw(&c->range, bits - 1, ago & ((1u << (bits - 1)) - 1)) : 0;
+	if (ago == 0 || ago > c->seen_count)
+		c->failed = true;
+	else
+		memcpy(at, c->seen + 3 * (size_t)(c->seen_count - ago), 3 * sizeof *at);
+	return true;
+}
+
+/* A corner by what a prediction from those before it misses. */
+static void code_corner(struct eco_shapes_codec *c, uint32_t corners, uint32_t k, int32_t *at)
+{
+	for (uint32_t axis = 0; axis < 3; axis++) {
+		int64_t guess = at[axis] + eco_shapes_predict(&c->head, at, corners, k, axis);
+
+		guess = guess > COARSE_MAX ? COARSE_MAX : guess < -COARSE_MAX ? -COARSE_MAX : guess;
+		int64_t v = guess + eco_range_number(&c->range, c->corner[k], c->range.writer ? (int32_t)(at[3 * k + axis] - guess) : 0);
+
+		if (v > COARSE_MAX || v < -COARSE_MAX) {
+			c->failed = true;
+			return;
+		}
+		at[3 * k + axis] = (int32_t)v;
+	}
+	remember(c, at + 3 * k);
+}
+
 static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t first[3];
-	int32_t at[3 * ECO_CORNERS_MAX];
+	int32_t at[3 * ECO_CORNERS_MAX] = { 0 };
 
 	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u) & 3));
 	for (uint32_t i = 0; i < 3u * l->corners && c->range.writer; i++)
@@ -299,24 +381,20 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 	for (uint32_t i = 0; i < 3; i++)
 		first[i] = c->range.writer ? (uint32_t)(at[i] - c->head.first[i].low) : 0;
 	code_first(c, l->corners, first);
-	for (uint32_t i = 0; i < 3u * l->corners; i++) {
-		uint32_t k = i / 3, predictor = k < 2 ? 0 : c->head.predictors >> 4 * (k - 2) & 15u;
-		int64_t v;
+	for (uint32_t i = 0; i < 3 && !c->failed; i++) {
+		int64_t v = (int64_t)first[i] + c->head.first[i].low;
 
-		if (k == 0) {
-			v = (int64_t)first[i] + c->head.first[i].low;
-		} else {
-			int64_t guess = (int64_t)at[i % 3] + eco_rows_predict(predictor, at, k, i % 3);
-
-			v = guess + eco_range_number(&c->range, c->corner[k], c->range.writer ? (int32_t)(at[i] - guess) : 0);
-		}
-		if (v > COARSE_MAX || v < -COARSE_MAX) {
-			c->failed = true;
-			return;
-		}
+		c->failed = v > COARSE_MAX || v < -COARSE_MAX;
 		at[i] = (int32_t)v;
-		l->position[i] = at[i] * (1 << ECO_EXACT_SHIFT);
 	}
+	if (c->failed)
+		return;
+	remember(c, at);
+	for (uint32_t k = 1; k < l->corners && !c->failed; k++)
+		if (!code_again(c, k, at + 3 * k))
+			code_corner(c, l->corners, k, at);
+	for (uint32_t i = 0; i < 3u * l->corners; i++)
+		l->position[i] = at[i] * (1 << ECO_EXACT_SHIFT);
 }
 
 /* Leaves have like textures, here or there in an image: what is left after the steps from corner to corner of the one before. */
@@ -367,7 +445,11 @@ enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_st
 	struct eco_shape *shapes = calloc(ECO_SHAPES_MAX, sizeof *shapes);
 	size_t corner = 0, primitives = 0;
 
-	if (c == NULL || shapes == NULL) {
+	if (c)
+		c->seen = malloc(3 * sizeof *c->seen * ((size_t)stored->corner_count + ECO_CORNERS_MAX));
+	if (c == NULL || c->seen == NULL || shapes == NULL) {
+		if (c)
+			free(c->seen);
 		free(c);
 		free(shapes);
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for its shapes");
@@ -398,6 +480,7 @@ enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_st
 	bool good = !c->failed && eco_range_end(&c->range) == stream->zeros && primitives == stored->primitive_count;
 
 	eco_shapes_free(&c->shapes);
+	free(c->seen);
 	free(c);
 	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "chunk: its placed shapes are cut short or hold impossible values");
 }

@@ -10,8 +10,9 @@
 #include "ecofiles/chunk_payload.h"
 #include "ecofiles/chunk_shapes.h"
 
-#define USES_LEAST 2u            /* elements of one shape: for fewer its entry costs more than it saves */
-#define UNITS_SAMPLE 256u        /* elements by which steps are chosen */
+#define USES_LEAST 4u            /* elements of one shape: for fewer its entry costs more than it saves */
+#define UNITS_SAMPLE 256u        /* elements by which steps and weights are chosen */
+#define FIT_ROUNDS 6
 
 struct encoding {
 	const struct eco_chunk_input *input;
@@ -161,26 +162,13 @@ static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing 
 static void place_all(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;
-	int32_t low[3] = { 0 }, high[3] = { 0 };
-	bool first = true;
 
 	for (uint32_t i = 0; i < e->count; i++) {
-		if (e->of[i] == ECO_SHAPE_NONE)
-			continue;
-		const struct eco_shape *shape = &c->shapes.items[e->of[i]];
+		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL : &c->shapes.items[e->of[i]];
 
-		if (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), ECO_EXACT_SHIFT, &e->placing[i]) || !in_spans(c, &e->placing[i], shape)) {
+		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), ECO_EXACT_SHIFT, &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
 			e->of[i] = ECO_SHAPE_NONE;
-			continue;
-		}
-		for (uint32_t k = 0; k < 3; k++)
-			widen(low, high, k, e->placing[i].size[k], first);
-		first = false;
 	}
-	for (uint32_t k = 0; k < 3; k++)
-		c->head.size[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
-	if (first)
-		c->shapes.count = 0;
 }
 
 static void measure_extra(struct encoding *e)
@@ -195,32 +183,134 @@ static void measure_extra(struct encoding *e)
 	}
 }
 
-/* Predictions of the corners of what is not placed: for each corner the one that leaves the fewest bits. */
-static void choose_predictors(struct encoding *e)
+/* ---- Predictions of the corners of what is not placed ---- */
+
+static bool is_left(const struct encoding *e, uint32_t i, uint32_t corners)
 {
-	e->codec.head.predictors = 0;
-	for (uint32_t k = 2; k < ECO_CORNERS_MAX; k++) {
-		uint64_t least = UINT64_MAX;
-		uint32_t best = 0;
+	return e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners;
+}
 
-		for (uint32_t predictor = 0; predictor < ECO_ROWS_PREDICTORS; predictor++) {
-			uint64_t bits = 0;
+/* Bits that corner k of those of so many corners takes with the weights in the head, and those themselves. */
+static double weight_cost(const struct encoding *e, uint32_t corners, uint32_t k, uint32_t step)
+{
+	const struct eco_shapes_head *h = &e->codec.head;
+	uint64_t bits = 0, own = 0;
 
-			for (uint32_t i = 0; i < e->count; i++)
-				for (uint32_t axis = 0; e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) > k && axis < 3; axis++) {
-					const int32_t *at = corner_of(e, i);
-					int64_t miss = (int64_t)at[3 * k + axis] - at[axis] - eco_rows_predict(predictor, at, k, axis);
+	for (uint32_t i = 0; i < e->count; i += step)
+		for (uint32_t axis = 0; is_left(e, i, corners) && axis < 3; axis++) {
+			const int32_t *at = corner_of(e, i);
+			int64_t miss = (int64_t)at[3 * k + axis] - at[axis] - eco_shapes_predict(h, at, corners, k, axis);
 
-					bits += eco_bit_length((uint64_t)(miss < 0 ? -miss : miss));
+			bits += eco_bit_length((uint64_t)(miss < 0 ? -miss : miss)) + (miss != 0);
+		}
+	for (uint32_t j = 0; h->simple[corners - 3][k] >= ECO_SIMPLE_WEIGHTS && j + 1 < k; j++)
+		own += 6 + eco_bit_length((uint64_t)abs(h->weight[corners - 3][k][j]));
+	return (double)bits * step + (double)own;
+}
+
+/* Solves a x = b for up to 4 unknowns, a symmetric and positive: Gauss's method, where pivots are not too small. */
+static bool solve(double a[4][4], double b[4], uint32_t n)
+{
+	for (uint32_t i = 0; i < n; i++) {
+		if (!(a[i][i] > 1e-9))
+			return false;
+		for (uint32_t r = i + 1; r < n; r++) {
+			double f = a[r][i] / a[i][i];
+
+			for (uint32_t k = i; k < n; k++)
+				a[r][k] -= f * a[i][k];
+			b[r] -= f * b[i];
+		}
+	}
+	for (uint32_t i = n; i-- > 0;) {
+		for (uint32_t k = i + 1; k < n; k++)
+			b[i] -= a[i][k] * b[k];
+		b[i] /= a[i][i];
+	}
+	return true;
+}
+
+/* Weights that make the sum of the misses small, not of their squares: most leaves may be images of one, and some be something else. */
+static bool fit_weights(struct encoding *e, uint32_t corners, uint32_t k, uint32_t step)
+{
+	int32_t *weight = e->codec.head.weight[corners - 3][k];
+	double x[4] = { 0 };
+
+	for (int round = 0; round < FIT_ROUNDS; round++) {
+		double a[4][4] = { { 0 } }, b[4] = { 0 };
+
+		for (uint32_t i = 0; i < e->count; i += step) {
+			const int32_t *at = corner_of(e, i);
+
+			for (uint32_t axis = 0; is_left(e, i, corners) && axis < 3; axis++) {
+				double d[5], miss, share;
+
+				for (uint32_t j = 1; j <= k; j++)
+					d[j - 1] = (double)at[3 * j + axis] - at[axis];
+				miss = d[k - 1];
+				for (uint32_t j = 0; j + 1 < k; j++)
+					miss -= x[j] * d[j];
+				share = round == 0 ? 1 : 1 / (fabs(miss) + 1);
+				for (uint32_t j = 0; j + 1 < k; j++) {
+					for (uint32_t l = 0; l + 1 < k; l++)
+						a[j][l] += share * d[j] * d[l];
+					b[j] += share * d[j] * d[k - 1];
 				}
-			if (bits < least) {
-				least = bits;
-				best = predictor;
 			}
 		}
-		e->codec.head.predictors |= (uint16_t)(best << 4 * (k - 2));
+		for (uint32_t j = 0; j + 1 < k; j++)
+			a[j][j] += 1e-3 + 1e-9 * a[j][j];
+		if (!solve(a, b, k - 1))
+			return false;
+		memcpy(x, b, sizeof x);
+	}
+	for (uint32_t j = 0; j + 1 < k; j++) {
+		if (!(fabs(x[j]) * (1 << ECO_WEIGHT_BITS) < ECO_WEIGHT_MAX))
+			return false;
+		weight[j] = (int32_t)floor(ldexp(x[j], ECO_WEIGHT_BITS) + 0.5);
+	}
+	return true;
+}
+
+static void choose_weight(struct encoding *e, uint32_t corners, uint32_t k)
+{
+	uint8_t *simple = &e->codec.head.simple[corners - 3][k], best_simple = 0;
+	int32_t *weight = e->codec.head.weight[corners - 3][k], best[ECO_CORNERS_MAX - 1] = { 0 };
+	uint32_t step = e->count / UNITS_SAMPLE + 1;
+	double least = INFINITY;
+
+	for (*simple = 0; *simple <= ECO_SIMPLE_WEIGHTS; ++*simple) {
+		memset(weight, 0, sizeof best);
+		for (uint32_t back = 0; *simple < ECO_SIMPLE_WEIGHTS && back < 2 && back + 2 <= k; back++)
+			weight[k - 2 - back] = eco_shapes_simple[*simple][back] * (1 << ECO_WEIGHT_BITS);
+		if (*simple == ECO_SIMPLE_WEIGHTS && !fit_weights(e, corners, k, step))
+			break;
+		double cost = weight_cost(e, corners, k, step);
+		if (cost < least) {
+			least = cost;
+			best_simple = *simple;
+			memcpy(best, weight, sizeof best);
+		}
+	}
+	*simple = best_simple;
+	memcpy(weight, best, sizeof best);
+}
+
+static void choose_weights(struct encoding *e)
+{
+	memset(e->codec.head.weight, 0, sizeof e->codec.head.weight);
+	for (uint32_t corners = 3; corners <= ECO_CORNERS_MAX; corners++) {
+		bool *has = &e->codec.head.has[corners - 3];
+
+		*has = false;
+		for (uint32_t i = 0; i < e->count && !*has; i++)
+			*has = is_left(e, i, corners);
+		for (uint32_t k = 2; *has && k < corners; k++)
+			choose_weight(e, corners, k);
 	}
 }
+
+/* ---- Writing ---- */
 
 static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
 {
@@ -256,56 +346,105 @@ static uint8_t write_all(struct encoding *e, struct eco_writer *w, bool sorted)
 	return (uint8_t)eco_range_end(&c->range);
 }
 
-/* In the order in which the chunk is stored, as steps along the curve or not, whichever is smaller. */
-static enum eco_code write_smaller(struct encoding *e, struct eco_stream *stream, struct eco_error *error)
+static void measure_sizes(struct encoding *e)
 {
-	struct eco_writer sorted = { 0 }, plain = { 0 };
+	int32_t low[3] = { 0 }, high[3] = { 0 };
+	bool first = true;
 
-	uint8_t sorted_zeros = write_all(e, &sorted, true), plain_zeros = write_all(e, &plain, false);
-
-	if (sorted.failed || plain.failed) {
-		eco_writer_free(&sorted);
-		eco_writer_free(&plain);
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u placed elements", e->count);
+	for (uint32_t i = 0; i < e->count; i++) {
+		for (uint32_t k = 0; k < 3 && e->of[i] != ECO_SHAPE_NONE; k++)
+			widen(low, high, k, e->placing[i].size[k], first);
+		first &= e->of[i] == ECO_SHAPE_NONE;
 	}
-	struct eco_writer *best = plain.size < sorted.size ? &plain : &sorted;
+	for (uint32_t k = 0; k < 3; k++)
+		e->codec.head.size[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
+}
 
-	*stream = (struct eco_stream){ .zeros = best == &plain ? plain_zeros : sorted_zeros, .bytes = best->bytes, .size = best->size };
-	best->bytes = NULL;
-	eco_writer_free(&sorted);
-	eco_writer_free(&plain);
-	return ECO_OK;
+/* Writes the chunk and keeps that in `stream` if it is the smallest so far. False: out of memory. */
+static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *stream)
+{
+	struct eco_writer w = { 0 };
+	uint8_t zeros = write_all(e, &w, sorted);
+	bool good = !w.failed;
+
+	if (good && (stream->bytes == NULL || w.size < stream->size)) {
+		free((void *)stream->bytes);
+		*stream = (struct eco_stream){ .zeros = zeros, .bytes = w.bytes, .size = w.size };
+		w.bytes = NULL;
+	}
+	eco_writer_free(&w);
+	return good;
+}
+
+/* With shapes of ever more elements, at last none: what a shape of few saves may be less than what its entry takes. In stored order, as steps along
+ * the curve or not. */
+static bool write_smallest(struct encoding *e, struct eco_stream *stream)
+{
+	static const uint32_t uses[] = { 1, 8, 24, UINT32_MAX };
+	bool good = true;
+
+	for (size_t i = 0; i < sizeof uses / sizeof *uses && good; i++) {
+		uint32_t before = e->codec.shapes.count;
+
+		eco_shapes_keep(&e->codec.shapes, e->of, e->count, uses[i]);
+		if (i > 0 && e->codec.shapes.count == before)
+			continue;
+		measure_sizes(e);
+		choose_weights(e);
+		good = write_and_keep(e, true, stream);
+		if (i == 0 && good)
+			good = write_and_keep(e, false, stream);
+	}
+	return good;
+}
+
+/* Room for all corners of the chunk, and twice as many slots at least. */
+static bool make_seen(struct encoding *e)
+{
+	struct eco_shapes_codec *c = &e->codec;
+	size_t corners = 0;
+
+	for (uint32_t i = 0; i < e->count; i++)
+		corners += corners_of(e, i);
+	c->slot_mask = 1;
+	while (c->slot_mask < 2 * corners)
+		c->slot_mask = c->slot_mask << 1 | 1;
+	c->seen = malloc(3 * corners * sizeof *c->seen);
+	c->slots = malloc(((size_t)c->slot_mask + 1) * sizeof *c->slots);
+	return c->seen && c->slots;
 }
 
 enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
 	struct eco_stream *stream, struct eco_error *error)
 {
 	struct encoding *e = calloc(1, sizeof *e);
-	enum eco_code code = ECO_OK;
+	bool good = e != NULL;
 
-	if (e) {
+	*stream = (struct eco_stream){ .size = 0 };
+	if (good) {
 		e->input = input;
 		e->elements = elements;
 		e->count = input->end - input->first;
 		e->of = malloc(e->count * sizeof *e->of);
 		e->placing = calloc(e->count, sizeof *e->placing);
+		good = e->of && e->placing && make_seen(e) && find_shapes(e);
 	}
-	if (e == NULL || e->of == NULL || e->placing == NULL || !find_shapes(e))
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal, input->end - input->first);
-	if (code == ECO_OK) {
+	if (good) {
 		measure_first(e);
 		if (e->codec.shapes.count > 0)
 			choose_steps(e, soup_bits);
 		place_all(e);
 		measure_extra(e);
-		choose_predictors(e);
-		code = write_smaller(e, stream, error);
+		good = write_smallest(e, stream);
 	}
 	if (e) {
 		eco_shapes_free(&e->codec.shapes);
+		free(e->codec.seen);
+		free(e->codec.slots);
 		free(e->of);
 		free(e->placing);
 	}
 	free(e);
-	return code;
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal,
+		input->end - input->first);
 }

@@ -6,7 +6,13 @@
 
 #define TOP (1u << 24)
 #define LEAST 48u                /* a probability never goes below so many 65536ths */
-#define SEEN_MAX 254u            /* older bits fade */
+#define SEEN_MAX 127u            /* older bits fade */
+
+/* How far a probability moves after n bits: 1 / (n + 2), in 1/65536. */
+#define R(n) 65536 / ((n) + 2)
+#define R4(n) R(n), R((n) + 1), R((n) + 2), R((n) + 3)
+#define R16(n) R4(n), R4((n) + 4), R4((n) + 8), R4((n) + 12)
+static const uint16_t share[SEEN_MAX + 1] = { R16(0), R16(16), R16(32), R16(48), R16(64), R16(80), R16(96), R16(112) };
 
 void eco_bits_start(struct eco_bit *models, size_t count)
 {
@@ -72,10 +78,10 @@ bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 		else
 			r->code -= bound;
 		r->range -= bound;
-		m->zero = (uint16_t)(m->zero - (m->zero - LEAST) / (m->seen + 2u));
+		m->zero = (uint16_t)(m->zero - ((uint32_t)(m->zero - LEAST) * share[m->seen] >> 16));
 	} else {
 		r->range = bound;
-		m->zero = (uint16_t)(m->zero + (65536u - LEAST - m->zero) / (m->seen + 2u));
+		m->zero = (uint16_t)(m->zero + ((65536u - LEAST - m->zero) * share[m->seen] >> 16));
 	}
 	m->seen += m->seen < SEEN_MAX;
 	normalize(r);

@@ -75,6 +75,8 @@ struct eco_shapes_input {
  * `uses` have. Steps are set as fine as could be of use. False: out of memory. */
 bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses, uint32_t *of);
 void eco_shapes_free(struct eco_shapes *shapes);
+/* Leaves out shapes of fewer than `uses` of the `count` elements, and numbers the others anew. Returns the elements that have one. */
+uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count, uint32_t uses);
 
 /* How to place the shape so that no corner is further from `exact` than rounding to the coarse grid could move it. */
 bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, uint32_t coarse_shift,

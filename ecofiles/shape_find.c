@@ -494,8 +494,7 @@ static uint32_t match(const struct finder *f, struct eco_shapes *shapes, uint32_
 	return s;
 }
 
-/* Leaves out shapes of few elements and numbers the others anew. Returns the elements that have one. */
-static uint32_t keep_used(struct eco_shapes *shapes, uint32_t *of, uint32_t count, uint32_t uses)
+uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count, uint32_t uses)
 {
 	uint32_t used[ECO_SHAPES_MAX] = { 0 }, number[ECO_SHAPES_MAX], kept = 0, having = 0;
 	for (uint32_t i = 0; i < count; i++)
@@ -528,7 +527,7 @@ static double find_with(const struct finder *f, struct eco_shapes *shapes, uint8
 		of[f->by_size[place]] = s;
 		found += s != ECO_SHAPE_NONE && shapes->count == before;
 	}
-	uint32_t having = keep_used(shapes, of, f->count, uses);
+	uint32_t having = eco_shapes_keep(shapes, of, f->count, uses);
 	return share[stretch] * having - 0.7 * shapes->count;
 }
 

@@ -1,4 +1,5 @@
-/* Shapes that repeat: found whatever their turn and size, placed no further off than rounding would put them, and refused when damaged. */
+/* Shapes that repeat: found whatever their turn, size and stretch, placed no further off than rounding would put them, and refused when
+ * damaged; and what is coded beside them. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -157,21 +158,104 @@ static void leaves_of_one_shape_are_placed(void **unused)
 		}
 }
 
-static void leaves_that_are_all_different_stay_corners(void **unused)
+/* What is not placed comes back where its rounded corners say, on the finer grid. */
+static void compare_corners(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
+{
+	size_t from[LEAVES + 1] = { 0 }, corner = 0;
+	for (uint32_t i = 0; i < LEAVES; i++)
+		from[i + 1] = from[i] + c->corners[i];
+	for (uint32_t i = 0; i < LEAVES; corner += out->corners[i++])
+		for (uint32_t k = 0; k < 3u * out->corners[i]; k++)
+			assert_int_equal(out->position[3 * corner + k], c->position[3 * from[order[i]] + k] * (1 << ECO_EXACT_SHIFT));
+}
+
+/* Encodes and decodes; returns the share of the bytes that plain corners take. */
+static double share_of(struct crown *c, bool corners_only)
+{
+	uint32_t order[LEAVES];
+	uint8_t *bytes, *soup;
+	size_t size, soup_size;
+	struct eco_elements out;
+	int32_t *exact = c->elements.exact;
+	encode(c, &bytes, &size, order);
+	assert_int_equal(bytes[1], ECO_CODER_SHAPES);
+	assert_int_equal(decode(c, bytes, size, &out), ECO_OK);
+	compare(c, &out, order);
+	if (corners_only)
+		compare_corners(c, &out, order);
+	eco_elements_free(&out);
+	c->elements.exact = NULL;
+	encode(c, &soup, &soup_size, NULL);
+	assert_int_equal(soup[1], ECO_CODER_ELEMENTS);
+	c->elements.exact = exact;
+	free(bytes);
+	free(soup);
+	return (double)size / (double)soup_size;
+}
+
+static void leaves_that_are_all_different_are_corners(void **unused)
 {
 	(void)unused;
 	static struct crown crown;
-	uint32_t order[LEAVES];
-	uint8_t *bytes;
-	size_t size;
-	struct eco_elements out;
-	make_crown(&crown, 60, 1);
-	encode(&crown, &bytes, &size, order);
-	assert_int_equal(bytes[1], ECO_CODER_ELEMENTS);
-	assert_int_equal(decode(&crown, bytes, size, &out), ECO_OK);
-	compare(&crown, &out, order);
-	eco_elements_free(&out);
-	free(bytes);
+	for (double steps = 30; steps < 3000; steps *= 10) {
+		make_crown(&crown, steps, 1);
+		assert_true(share_of(&crown, true) < 0.97);
+	}
+}
+
+/* Quads of a jittered net, each corner in up to four of them. */
+static void corners_that_leaves_share_are_stored_once(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static int32_t knots[21][21][3];
+	const uint32_t side = 20, around[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+	make_crown(&crown, 100, 1);
+	for (uint32_t y = 0; y <= side; y++)
+		for (uint32_t x = 0; x <= side; x++)
+			for (uint32_t a = 0; a < 3; a++)
+				knots[y][x][a] = (int32_t)((a == 0 ? x : a == 1 ? y : 0) * 300 + uniform() * 250);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		crown.corners[i] = 4;
+		for (uint32_t k = 0; k < 4; k++)
+			for (uint32_t a = 0; a < 3; a++) {
+				int32_t v = knots[i / side + around[k][1]][i % side + around[k][0]][a];
+				crown.position[12 * i + 3 * k + a] = v;
+				crown.exact[12 * i + 3 * k + a] = v * (1 << ECO_EXACT_SHIFT);
+				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
+			}
+	}
+	crown.elements.corner_count = 4 * LEAVES;
+	crown.elements.primitive_count = 2 * LEAVES;
+	assert_true(share_of(&crown, true) < 0.65);
+}
+
+/* Flat leaves of one outline, sheared and stretched at will: three corners say where the others are. */
+static void images_of_one_leaf_take_three_corners(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static const double flat[4][2] = { { 0, 0 }, { 1, .6 }, { 2.3, .1 }, { .9, -.5 } };
+	make_crown(&crown, 100, 1);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		double axis[3][3];
+		for (int a = 0; a < 3; a++) {
+			axis[0][a] = uniform() * 2000 - 1000;
+			axis[1][a] = uniform() * 2000 - 1000;
+			axis[2][a] = uniform() * 32768;
+		}
+		crown.corners[i] = 4;
+		for (uint32_t k = 0; k < 4; k++)
+			for (uint32_t a = 0; a < 3; a++) {
+				double v = axis[2][a] + flat[k][0] * axis[0][a] + flat[k][1] * axis[1][a];
+				crown.exact[12 * i + 3 * k + a] = (int32_t)floor(v + 0.5);
+				crown.position[12 * i + 3 * k + a] = (int32_t)floor(v / 8 + 0.5);
+				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
+			}
+	}
+	crown.elements.corner_count = 4 * LEAVES;
+	crown.elements.primitive_count = 2 * LEAVES;
+	assert_true(share_of(&crown, true) < 0.85);
 }
 
 /* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
@@ -338,7 +422,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(leaves_of_one_shape_are_placed),
-		cmocka_unit_test(leaves_that_are_all_different_stay_corners),
+		cmocka_unit_test(leaves_that_are_all_different_are_corners),
+		cmocka_unit_test(corners_that_leaves_share_are_stored_once),
+		cmocka_unit_test(images_of_one_leaf_take_three_corners),
 		cmocka_unit_test(forms_belong_to_placed_leaves),
 		cmocka_unit_test(damage_is_refused_or_harmless),
 		cmocka_unit_test(leaves_that_are_stretched_are_placed),
