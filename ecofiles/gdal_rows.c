@@ -397,7 +397,8 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	quiet();
 	CPLErrorReset();
 	if (lacks_part(source->path, "shx"))
-		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is not beside it; copy all of them (.shp, .shx, .dbf, "
+		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is not beside it; copy all of "
+			"them (.shp, .shx, .dbf, "
 			".prj, .cpg)", r->path);
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");

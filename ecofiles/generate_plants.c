@@ -39,7 +39,8 @@ static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const stru
 		struct gen_v3 face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7), gen_mul(gen_random_way(random), 0.6));
 		double size = gen_random_in(random, 0.8, 1.15);
 		uint32_t shade = shade_of(shoot->light, f->shades, random);
-		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade, .at = gen_mad(shoot->at, way, length * t), .along = along, .face = face, .length = f->leaf_m * size,
+		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade,
+			.at = gen_mad(shoot->at, way, length * t), .along = along, .face = face, .length = f->leaf_m * size,
 			.width = f->width_m * size, .bend = 0.18, .shape = f->shape });
 	}
 }
@@ -205,7 +206,8 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 		bool old = i >= 23;
 		gen_frond(mesh, &(struct gen_frond){ .at = gen_mad(points[RINGS - 1], gen_v3(0, 0, 1), 0.1 - 0.25 * age), .azimuth_deg = 137.5 * i,
 			.elevation_deg = old ? -35 : 78 - 82 * age, .sink_deg = old ? 50 : 70 + 20 * age, .length = gen_random_in(random, 2.5, 3.1),
-			.leaflet = 0.72, .width = 0.062 / detail_of(mesh), .pairs = (uint32_t)(34 * detail_of(mesh) + 0.5), .rib = rib, .leaf = old ? dry : leaf, .shades = old ? 2 : 5,
+			.leaflet = 0.72, .width = 0.062 / detail_of(mesh), .pairs = (uint32_t)(34 * detail_of(mesh) + 0.5), .rib = rib,
+			.leaf = old ? dry : leaf, .shades = old ? 2 : 5,
 			.rib_radius = 0.024, .shape = GEN_LEAF_BLADE }, random);
 	}
 }
@@ -300,7 +302,8 @@ static void grow_blades(struct gen_mesh *mesh, uint8_t leaf, uint32_t shades, ui
 		double r = sqrt(gen_random_unit(random)), azimuth = 137.5 * i;
 		struct gen_v3 out = gen_heading(azimuth + gen_random_in(random, -40, 40), 0);
 		gen_leaf(mesh, (uint8_t)(leaf + shade_of(gen_random_unit(random), shades, random)), &(struct gen_leaf){
-			.at = gen_mul(gen_heading(azimuth, 0), spread * r), .along = gen_add(gen_v3(0, 0, 1), gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
+			.at = gen_mul(gen_heading(azimuth, 0), spread * r),
+			.along = gen_add(gen_v3(0, 0, 1), gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
 			.face = gen_mul(out, -1), .length = height * gen_random_in(random, 0.55, 1.05), .width = width,
 			.bend = gen_random_in(random, 0.1, 0.55), .shape = GEN_LEAF_BLADE });
 	}

@@ -215,7 +215,8 @@ static void print_forest(FILE *out, const char *const names[])
 {
 	gen_print_head(out, "forest", 128);
 	gen_print_plants(out, names);
-	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", \"species\": \"species\",\n"
+	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", "
+		"\"species\": \"species\",\n"
 		"     \"map\": {", out);
 	for (size_t i = 0; i < SPECIES; i++)
 		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", forest_species[i].code, forest_species[i].plant);

@@ -123,7 +123,8 @@ static void print_scene(FILE *out, const struct stand_kind *kind, const char *co
 {
 	gen_print_head(out, kind->name, kind->tile);
 	gen_print_plants(out, names);
-	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", \"species\": \"plant\",\n"
+	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \""
+		GEN_CRS "\", \"species\": \"plant\",\n"
 		"     \"map\": {", out);
 	for (uint32_t i = 0; names[i]; i++)
 		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", names[i], names[i]);

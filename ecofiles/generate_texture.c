@@ -1,5 +1,6 @@
-/* Leaves painted for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by alpha, a midrib, side veins, a little unevenness. What lies outside a leaf keeps a
- * leaf's colour, so that no dark fringe appears where a renderer filters. */
+/* Leaves painted for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by alpha, a midrib, side
+ * veins, a little unevenness. What lies outside a leaf keeps a leaf's colour, so that no dark fringe appears where a renderer
+ * filters. */
 #include "ecofiles/generate_plants.h"
 
 #include <math.h>

@@ -99,8 +99,9 @@ void eco_gltf_apply(const double matrix[16], const double point[3], double out[3
 
 /* Is the scene there that a viewer would show: the default, or the first where the file names none? */
 bool eco_gltf_has_scene(const struct eco_gltf *doc);
-/* Calls visit(ctx, node, world) for each node of that scene, or, where it is not there, below all roots, parents first; hidden nodes (KHR_node_visibility) are passed over with all below. A node below several parents is
- * visited for each. Stops at the first status other than ECO_OK. */
+/* Calls visit(ctx, node, world) for each node of that scene, or, where it is not there, below all roots, parents first; hidden
+ * nodes (KHR_node_visibility) are passed over with all below. A node below several parents is visited for each. Stops at the first
+ * status other than ECO_OK. */
 typedef enum eco_code eco_gltf_visit(void *ctx, uint32_t node, const double world[16]);
 enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error);
 

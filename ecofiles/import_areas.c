@@ -169,7 +169,8 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 	for (size_t i = 0; i < count; i++)
 		most = fmax(most, raster->height_m[i]);
 	if (full == 0 && most > BYTE_FULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the value that means the whole density", spec->path, most,
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the value that means the whole "
+			"density", spec->path, most,
 			most);
 	if (full == 0 && most > 1)
 		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states another", most);
@@ -199,7 +200,8 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	enum eco_code code;
 
 	code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
-		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note, .ctx = input }, error);
+		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note,
+		.ctx = input }, error);
 	if (code != ECO_OK)
 		return code;
 	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows, .west_m = raster.x_m - raster.step_x_m / 2,

@@ -166,10 +166,11 @@ static const struct packed packed[] = {
 
 struct other { const char *extension, *says; };
 
+#define NO_SURFACES "a point cloud: it has no surfaces; make a mesh of it first"
+
 static const struct other others[] = {
 	{ ".mtl", "a library of materials, not a model: name the OBJ file, which names its library itself" },
-	{ ".las", "a point cloud: it has no surfaces; make a mesh of it first" }, { ".laz", "a point cloud: it has no surfaces; make a mesh of it first" },
-	{ ".e57", "a point cloud: it has no surfaces; make a mesh of it first" }, { ".pcd", "a point cloud: it has no surfaces; make a mesh of it first" },
+	{ ".las", NO_SURFACES }, { ".laz", NO_SURFACES }, { ".e57", NO_SURFACES }, { ".pcd", NO_SURFACES },
 	{ ".usd", "USD is not read: export GLB or OBJ" }, { ".usda", "USD is not read: export GLB or OBJ" },
 	{ ".usdc", "USD is not read: export GLB or OBJ" }, { ".usdz", "USD is not read: export GLB or OBJ" },
 	{ ".skp", "SketchUp's own format is not read: export GLB, Collada or OBJ" },

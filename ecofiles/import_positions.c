@@ -276,7 +276,8 @@ static void note_far(struct eco_positions *p)
 	if (p->good_places == 0 || p->nearest_m <= FAR_M)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
-		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their coordinates swapped: x is easting "
+		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their "
+			"coordinates swapped: x is easting "
 			"or longitude, y is northing or latitude", p->nearest_m / 1000);
 	else
 		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",

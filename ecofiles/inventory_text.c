@@ -208,12 +208,14 @@ static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.
 	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 }, { "\"", 0.0254 }, { "\u2033", 0.0254 },
 	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
 
-static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.", "environ", "etwa", "c.", "~", "\u2248", "between", "zwischen",
+static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.", "environ", "etwa", "c.",
+	"~", "\u2248", "between", "zwischen",
 	"entre", "from", "von", "de", "(", "[" };
 static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
 static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least", "plus de", "mehr als", "über", "ab", ">=", ">",
 	"\u2265" };
-static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als", "unter", "bis", "tot", "<=", "<",
+static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als",
+	"unter", "bis", "tot", "<=", "<",
 	"\u2264" };
 static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus", "und mehr" };
 

@@ -170,7 +170,8 @@ static void print_summary(const struct camera_options *o, const struct eco_track
 		printf(", %" PRIu64 " in other parts", r->other_parts);
 	if (skipped)
 		printf(", %" PRIu64 " without a usable one", skipped);
-	printf("\n  %.1f s, %.1f m long, %.2f m/s on average, at most %.2f\n", length_s, f->length_m, length_s > 0 ? f->length_m / length_s : 0, e.fastest);
+	printf("\n  %.1f s, %.1f m long, %.2f m/s on average, at most %.2f\n", length_s, f->length_m,
+		length_s > 0 ? f->length_m / length_s : 0, e.fastest);
 	printf("  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", e.low[0], e.high[0], e.low[1], e.high[1], e.low[2], e.high[2]);
 	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", o->output, s->count,
 		s->count == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);

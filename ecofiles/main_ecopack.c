@@ -95,7 +95,8 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 	static const char *inputs[LINK_PARTS_MAX];
 	struct link_options link = { .parts = inputs };
 	uint64_t jobs = 0;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &link.pack, 0, 0, 0, NULL }, { "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { 0 } };
+	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &link.pack, 0, 0, 0, NULL },
+		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { 0 } };
 	enum eco_code code = main_arguments(argc, argv, "link", options, "a pack to be linked", inputs, LINK_PARTS_MAX, &link.count, error);
 	if (!code && !link.pack)
 		code = eco_fail(error, ECO_BAD_USAGE, "ecopack link: -o OUT.eco is missing");
@@ -107,7 +108,8 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_link = { "link", "A.eco B.eco ... -o OUT.eco", "packs that were built apart become one, each where its origin is",
+const struct main_command main_command_link = { "link", "A.eco B.eco ... -o OUT.eco",
+	"packs that were built apart become one, each where its origin is",
 	"  -o, --output PATH   the pack to write\n"
 	"      --jobs N        threads; as many as there are processors if not given\n"
 	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has some.\n", run_link };

@@ -128,7 +128,8 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 		const struct eco_ladder *l = &s->ladders[i];
 		if (l->anchor == p->anchor_first)
 			json_array_append_new(ladders, json_pack("{s:s, s:b, s:f, s:f, s:o}", "organ", eco_organ_names[l->organ], "far",
-				l->flags & ECO_LADDER_FAR ? 1 : 0, "importance", (double)l->importance, "area_m2", (double)l->area, "curve_share_scale_fp_fn", curve_json(s, l)));
+				l->flags & ECO_LADDER_FAR ? 1 : 0, "importance", (double)l->importance, "area_m2", (double)l->area,
+				"curve_share_scale_fp_fn", curve_json(s, l)));
 	}
 	json_object_set_new(plant, "name", json_string(p->name));
 	json_object_set_new(plant, "triangles", json_integer(p->triangles));

@@ -57,7 +57,8 @@ static enum eco_code same_frame(struct link *l, struct link_part *part)
 {
 	const char *crs = json_string_value(json_object_get(part->meta, "crs")), *first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
 	if ((crs == NULL) != (first == NULL) || (crs && strcmp(crs, first) != 0))
-		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path, crs ? crs : "plain metres",
+		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path,
+			crs ? crs : "plain metres",
 			l->parts[0].path, first ? first : "plain metres");
 	return ECO_OK;
 }
@@ -382,9 +383,10 @@ static json_t *rows_json(const struct link *l)
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
-	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator", "ecopack " ECO_VERSION, "order", order, "name",
-		l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"), "eco_files", sum_of(l, NULL, NULL, "eco_files") + 1,
-		"instances", (json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
+	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator", "ecopack " ECO_VERSION,
+		"order", order, "name", l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
+		"eco_files", sum_of(l, NULL, NULL, "eco_files") + 1, "instances", (json_int_t)l->m.scene.tiles[0].instance_count,
+		"tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);

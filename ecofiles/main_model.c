@@ -306,7 +306,8 @@ static void print_text(const struct seen *s)
 		printf("%s  note: %s\n", i ? "" : "\n", s->notes[i]);
 	printf("\nIn SCENE.json:\n");
 	print_plant(s);
-	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": \"left out\"}, {\"size\": [0, 0.01], \"is\": \"foliage\"}, "
+	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": \"left out\"}, {\"size\": "
+		"[0, 0.01], \"is\": \"foliage\"}, "
 		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0] ? s->model.materials[0].name : "bark*");
 }
 

@@ -169,7 +169,8 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 	if (code != ECO_OK)
 		return code;
 	if (h->to != NULL && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count in metres, as scenes do; take its twin in metres, such "
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count in metres, as scenes do; "
+			"take its twin in metres, such "
 			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical : proj_get_name(h->to));
 	has_from = h->from != NULL || h->from_ellipsoid;
 	has_to = h->to != NULL || h->to_ellipsoid;

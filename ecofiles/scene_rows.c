@@ -377,7 +377,8 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 	/* what a file itself says of its CRS is seen when it is opened; columns never say it */
 	if (source->crs == NULL || spec->crs != NULL || spec->x == NULL)
 		return true;
-	eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": \"%.80s\", or \"EPSG:4326\" for degrees",
+	eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "
+		"\"%.80s\", or \"EPSG:4326\" for degrees",
 		source->crs, source->crs);
 	return false;
 }

@@ -142,9 +142,9 @@ struct eco_track_report {
 /* In this order: stamps that cannot be (years from the others) are forgotten; a file written backwards is turned; stamps that run back
  * are forgotten if few, sorted if the file is unsorted, else the clock was set back and goes on; equal stamps are spread; unknown ones
  * are interpolated. A step much faster than the track's own speeds (and its recordings' rounding) is a jump: the fixes beyond are
- * dropped if the track comes back within a few; a short one gets time to be glided over; else the track is split into parts. Repeated positions become one, two where
- * the camera stands. at[2] becomes the height asked for, missing ones interpolated. Times then count from 0 and ascend. Errors: no such
- * part; nothing left. track->home goes along. */
+ * dropped if the track comes back within a few; a short one gets time to be glided over; else the track is split into parts.
+ * Repeated positions become one, two where the camera stands. at[2] becomes the height asked for, missing ones interpolated. Times
+ * then count from 0 and ascend. Errors: no such part; nothing left. track->home goes along. */
 enum eco_code eco_track_clean(struct eco_track *track, const struct eco_cleaning *cleaning, struct eco_track_report *report,
 	struct eco_error *error);
 

@@ -416,7 +416,8 @@ static enum eco_code split_parts(struct eco_track *track, struct places *p, uint
 	return code;
 }
 
-static enum eco_code drop_jumps(struct eco_track *track, const struct eco_cleaning *cleaning, struct eco_track_report *report, struct eco_error *error)
+static enum eco_code drop_jumps(struct eco_track *track, const struct eco_cleaning *cleaning, struct eco_track_report *report,
+	struct eco_error *error)
 {
 	struct places p = { .track = track, .untimed = report->untimed };
 	double *scratch = malloc((track->count + 1) * sizeof *scratch);

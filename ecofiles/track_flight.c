@@ -367,7 +367,8 @@ static enum eco_code make_samples(struct work *w, struct eco_error *error)
 	return ECO_OK;
 }
 
-enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing, struct eco_error *error)
+enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing,
+	struct eco_error *error)
 {
 	struct work w = { .flight = flight, .track = track, .smoothing = smoothing };
 	uint32_t speeds;

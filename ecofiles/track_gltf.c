@@ -305,7 +305,8 @@ static enum eco_code read_camera(struct eco_track *track, struct chain *chain, c
 	if (code)
 		return code;
 	if (cameras > 1 && !in->options->node)
-		eco_track_note(track, "it has %u cameras; the one of node \"%.60s\" is taken (--node NAME for another)", cameras, eco_gltf_text(json, "name"));
+		eco_track_note(track, "it has %u cameras; the one of node \"%.60s\" is taken (--node NAME for another)", cameras,
+			eco_gltf_text(json, "name"));
 	if (moving > 1)
 		eco_track_note(track, "%u animations move this camera; the first of each kind is taken", moving);
 	return add_poses(track, chain, axes, error);

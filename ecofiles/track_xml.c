@@ -59,7 +59,8 @@ static void add(struct xml *x, const struct eco_fix *fix, enum kind kind)
 static void append(struct xml *x, struct list *list, double value)
 {
 	if ((list->count & (list->count - 1)) == 0) {
-		double *grown = list->count < 3 * ECO_TRACK_FIXES_MAX ? realloc(list->values, (list->count ? 2 * (size_t)list->count : 1) * sizeof *grown) : NULL;
+		size_t room = list->count ? 2 * (size_t)list->count : 1;
+		double *grown = list->count < 3 * ECO_TRACK_FIXES_MAX ? realloc(list->values, room * sizeof *grown) : NULL;
 		if (!grown) {
 			stop(x, eco_fail(x->error, ECO_NO_MEMORY, "no memory for %u values", list->count));
 			return;

@@ -7,10 +7,10 @@
  *   lod_ground_corner(&c, &r, seam, &x, &y);                          which sample a corner of a cell is drawn at
  *
  * A tile's error is the largest vertical distance between its triangles and those of the full detail, measured at every sample, not
- * estimated. Inside its border it is stored as exactly as that deserves; at the border exactly, as others share that. A tile is replaced by its children while its error may show as more than the tolerance. Seams: a tile that touches a
- * coarser one draws the samples of that border at the nearest sample that the other has too. Both then draw the very same vertices there,
- * so that there is neither a gap nor a skirt to hide one, whatever the levels are. Next to such a border the error is up to the
- * neighbour's.
+ * estimated. Inside its border it is stored as exactly as that deserves; at the border exactly, as others share that. A tile is
+ * replaced by its children while its error may show as more than the tolerance. Seams: a tile that touches a coarser one draws the
+ * samples of that border at the nearest sample that the other has too. Both then draw the very same vertices there, so that there
+ * is neither a gap nor a skirt to hide one, whatever the levels are. Next to such a border the error is up to the neighbour's.
  *
  * ECO_GROUND_PX, the tolerance: plants stand on the full detail, so that a stem is off the ground drawn by up to so much. Measured
  * from eye level to 900 m above on fractal ground of 1025 x 1025 samples, rougher than any real one, against its full detail: at

@@ -15,10 +15,10 @@
  *
  * What is thick is a crown or fruit modelled as a hull, or else a thing: a stump, a stout trunk, a pot, a rock. Things stand on the
  * ground with most of the plant above them, or are brown and all there is: brown lumps above the ground are crowns in autumn. Soil is a
- * level sheet that is neither green nor one of many. Things count as wood: never pruned into holes nor scaled into balloons. A plant of nothing but green tubes is a herb, all foliage.
- * Names decide between hull and thing where they say so. Measured on 28 models from seven sources: without names less than 1 % of any
- * model's area is found otherwise, and wrong names on what is clear change nothing; they are for rocks, logs, buds and what has no
- * colours.
+ * level sheet that is neither green nor one of many. Things count as wood: never pruned into holes nor scaled into balloons. A
+ * plant of nothing but green tubes is a herb, all foliage. Names decide between hull and thing where they say so. Measured on 28
+ * models from seven sources: without names less than 1 % of any model's area is found otherwise, and wrong names on what is clear
+ * change nothing; they are for rocks, logs, buds and what has no colours.
  *
  * Rules of the scene file (eco_model.organ) win over all of this, for exactly the triangles that they name: components end where the
  * rule changes. */

@@ -35,9 +35,9 @@ struct lod_texels {
 void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena);
 
 /* Mean colour of the opaque texels under the triangle (all texels where not a cut-out), times the material's colour. Returns the
- * share that is opaque; where it is 0, rgb is the mean of all that is opaque in the image. The texture is a function of steps: it is integrated exactly along each of
- * 64 to 1024 evenly spread rows of the triangle, one a texel if it is between. So nothing depends on how large a triangle is or how often
- * the texture repeats on it. */
+ * share that is opaque; where it is 0, rgb is the mean of all that is opaque in the image. The texture is a function of steps: it
+ * is integrated exactly along each of 64 to 1024 evenly spread rows of the triangle, one a texel if it is between. So nothing
+ * depends on how large a triangle is or how often the texture repeats on it. */
 double lod_texels_mean(struct lod_texels *texels, const uint8_t tint[3], const int32_t uv[6], uint8_t rgb[3]);
 
 #endif

@@ -36,7 +36,8 @@ struct srv_store { struct srv_scene *scenes; uint32_t count; };
 void srv_store_init(struct srv_store *store);
 void srv_store_free(struct srv_store *store);            /* responses must have been dropped (server/answer.h) */
 
-/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
+/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else srv_name_of_file. Names are
+ * [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error);
 /* The same with an open pack, which the store owns from then on, also on failure. */
 enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error);
