@@ -77,11 +77,11 @@ enum what { METHOD, LEAST, FIXED };
 static const struct { enum what what; enum bench_lee_width width; enum bench_lee_method method; bool scaled; const char *key, *name,
 	*bars[LEE_SHARES]; } contests[] = {
 	{ METHOD, LEE_NARROW, LEE_SECTOR, true, "lee_ratio", "lists per 1.5-degree sector (scaled)", { "<= 0.5", "<= 0.5", "<= 0.5", "<= 0.6" } },
-	{ METHOD, LEE_WIDE, LEE_SECTOR, true, "lee_wide_ratio", "lists per 11.5-degree sector (scaled)", { "", "", "", "" } },
+	{ METHOD, LEE_WIDE, LEE_SECTOR, true, "lee_wide_ratio", "lists per 12-degree sector (scaled)", { "", "", "", "" } },
 	{ METHOD, LEE_NARROW, LEE_BEST, true, "lee_best", "ours for the very view (scaled)", { "", "", "", "" } },
 	{ METHOD, LEE_NARROW, LEE_SECTOR, false, "lee_unscaled_ratio", "lists per 1.5-degree sector (unscaled)",
 		{ "<= 0.5", "<= 0.5", "<= 0.5", "<= 0.6" } },
-	{ METHOD, LEE_WIDE, LEE_SECTOR, false, "lee_unscaled_wide_ratio", "lists per 11.5-degree sector (unscaled)", { "", "", "", "" } },
+	{ METHOD, LEE_WIDE, LEE_SECTOR, false, "lee_unscaled_wide_ratio", "lists per 12-degree sector (unscaled)", { "", "", "", "" } },
 	{ METHOD, LEE_NARROW, LEE_BEST, false, "lee_unscaled_best", "ours for the very view (unscaled)", { "", "", "", "" } },
 	{ LEAST, LEE_NARROW, LEE_BEST, false, "lee_unscaled_least", "least possible for the very view (unscaled)", { "", "", "", "" } },
 	{ METHOD, LEE_NARROW, LEE_STATIC, true, "lee_static", "one list (scaled)", { "", "<= 0.8", "<= 0.7", "<= 0.75" } },
