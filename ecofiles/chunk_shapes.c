@@ -269,11 +269,12 @@ static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const in
 	for (uint32_t i = 0; i < 3 && c->range.writer; i++)
 		first[i] = (uint32_t)(at[i] - c->head.first[i].low);
 	code_first(c, l->corners, first);
+	uint32_t all = (uint32_t)eco_range_raw(&c->range, 3 * finer, rest[0] | rest[1] << finer | rest[2] << 2 * finer);
+
 	for (uint32_t i = 0; i < 3; i++) {
 		int64_t from = (int64_t)first[i] + c->head.first[i].low;
 
-		rest[i] = (uint32_t)eco_range_raw(&c->range, finer, rest[i]);
-		from = from * (1 << finer) + rest[i] - (1 << finer >> 1) - lead_of(&c->shapes, offset, i);
+		from = from * (1 << finer) + (all >> i * finer & ((1u << finer) - 1)) - (1 << finer >> 1) - lead_of(&c->shapes, offset, i);
 		if (from > 2 * (int64_t)ECO_ROWS_VALUE_MAX || from < -2 * (int64_t)ECO_ROWS_VALUE_MAX) {
 			c->failed = true;
 			return;

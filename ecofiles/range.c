@@ -92,6 +92,8 @@ uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
 {
 	uint64_t got = 0;
 
+	if (bits == 0)
+		return 0;
 	assert(bits <= 64);
 	while (bits > 0) {
 		unsigned take = bits < 16 ? bits : 16;

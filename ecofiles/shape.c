@@ -22,9 +22,9 @@ static void unit_of(const int64_t v[3], int64_t axis[3])
 {
 	int64_t length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
 	uint32_t shift = ((uint32_t)__builtin_clzll((unsigned long long)length2) - 2) / 2;      /* so that the root has 30 bits */
-	int64_t length = root_floor(length2 * ((int64_t)1 << 2 * shift));
+	int64_t length = root_floor(length2 * ((int64_t)1 << 2 * shift)), inverse = ((int64_t)1 << 61) / length;
 	for (int i = 0; i < 3; i++)
-		axis[i] = v[i] * ((int64_t)1 << AXIS_BITS) * ((int64_t)1 << shift) / length;
+		axis[i] = (v[i] * ((int64_t)1 << shift) * inverse) >> (61 - AXIS_BITS);
 }
 
 /* Of the unfolded octahedron: the middle square, turned by 45 degrees, is the upper half. */
