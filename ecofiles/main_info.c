@@ -236,6 +236,8 @@ static void print_ground(const struct eco_scene *s, FILE *out)
 		list->grid_step[2], s->ground_count, root->level + 1u);
 }
 
+static const char *ending(uint64_t count) { return count == 1 ? "" : "s"; }
+
 static void print_info(const struct eco_pack *pack, const struct totals *t, const json_t *meta, FILE *out)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -244,8 +246,9 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	const char *crs = json_string_value(json_object_get(meta, "crs"));
 	char text[32], id[33];
 	id_text(&pack->id, id);
-	fprintf(out, "%s: %" PRIu64 " plants of %u kinds in %u tiles (%" PRIu64 " leaves), %" PRIu64 " nested placements, %s\n", s->name,
-		root->instance_count, s->plant_count, s->tile_count, t->leaves, t->placed, bytes_text(pack->map_size, text));
+	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s in %u tile%s (%" PRIu64 " undivided), %" PRIu64 " nested placement%s, %s\n", s->name,
+		root->instance_count, ending(root->instance_count), s->plant_count, ending(s->plant_count), s->tile_count, ending(s->tile_count),
+		t->leaves, t->placed, ending(t->placed), bytes_text(pack->map_size, text));
 	fprintf(out, "id %s\ncrs %s, origin [%.3f, %.3f, %.3f], near plane %g m\n", id, crs ? crs : "none (plain metres)",
 		json_number_value(json_array_get(origin, 0)), json_number_value(json_array_get(origin, 1)),
 		json_number_value(json_array_get(origin, 2)), s->near_m);
