@@ -62,7 +62,7 @@ enum eco_ladder_flag {
 
 /* A sequence of cut sets over the lists of one organ at one anchor, in ascending vertices:
  *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one an element), simple (one
- *           triangle or quad an element) and triangles; all but the triangles may be absent. Coarse forms give way to finer ones from
+ *           triangle an element) and triangles; all but the triangles may be absent. Coarse forms give way to finer ones from
  *           the front: elements [0,f) of the finer form with the elements [f,e) of the coarser one, until f = e.
  *           Which e a share of vertices has is in the curve (`reach`).
  *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])

@@ -68,6 +68,13 @@ void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const str
 			seen->corner[i][k] -= seen->center[k];
 }
 
+void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye *eye)
+{
+	double half = sqrt(area) / 2, wide = half / eye->tan_x, tall = half / eye->tan_y;
+	*seen = (struct lod_fan_seen){ .fan = { NULL, NULL, 4, NULL }, .center = { seen->center[0], seen->center[1], seen->center[2] },
+		.corner = { { -wide, -tall, 0 }, { wide, -tall, 0 }, { wide, tall, 0 }, { -wide, tall, 0 } }, .way = 1 };
+}
+
 /* ---- Filling ---- */
 
 struct point { int32_t x, y; };          /* 1/256 pixel from the top left */

@@ -29,6 +29,9 @@ struct lod_fan_seen {
 };
 void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const struct lod_eye *eye);
 
+/* Puts the point that stands for it in its place: a square that faces the eye, of `area` at edge 1, in square metres, about the same middle. */
+void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye *eye);
+
 /* Rows y .. y + rows of 64-bit words word .. word + words of a picture. */
 struct lod_footprint {
 	uint32_t y, rows, word, words;

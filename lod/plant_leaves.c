@@ -1,5 +1,5 @@
 /* Leaves and flowers: one order, and several forms of each element. A point at the middle of what can be seen of it, as large as that;
- * where a group is one of blades, a line too; a simpler triangle or quad, where elements have more triangles than that; and the fan
+ * where a group is one of blades, a line too; one triangle, where elements have more than that; and the fan
  * itself. Coarse forms give way to finer ones from the front of the order (struct eco_ladder).
  *
  * Deussen 2002, 4.1, has two points a triangle, all of one size. A leaf of four triangles then takes eight vertices before anything
@@ -276,30 +276,24 @@ void lod_leaves_represent(struct lod_build *b)
 
 /* ---- Ladders ---- */
 
-/* All of a list have as many corners: a triangle's last corner is repeated where the others have four. ECO_NONE where that draws no
- * fewer vertices than the elements themselves. */
+/* ECO_NONE where that draws hardly fewer vertices than the elements themselves. */
 static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count, const uint8_t *growth)
 {
 	uint64_t full = 0;
-	uint32_t corners = 3;
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < count; i++)
 		full += b->elements.items[items[i]].corners - 2u;
-		corners = b->simple[items[i]].corners > corners ? b->simple[items[i]].corners : corners;
-	}
-	if ((corners - 2u) * SIMPLE_GAIN * count > (double)full)
+	if (SIMPLE_GAIN * count > (double)full)
 		return ECO_NONE;
 	struct lod_facet *facet = lod_arena_take(&b->arena, count, sizeof *facet);
 	const struct lod_facet **facets = lod_arena_take(&b->arena, count, sizeof *facets);
 	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_quad *quad = &b->simple[items[i]];
-		for (uint32_t k = 0; k < corners; k++)
-			for (int a = 0; a < 3; a++)
-				facet[i].corner[k][a] = (int32_t)floor((quad->corner[k < quad->corners ? k : quad->corners - 1u][a] - b->mesh.origin[a])
-					/ b->mesh.step + 0.5);
+		const struct lod_simple *simple = &b->simple[items[i]];
+		for (int k = 0; k < 9; k++)
+			facet[i].corner[k / 3][k % 3] = (int32_t)floor((simple->corner[k / 3][k % 3] - b->mesh.origin[k % 3]) / b->mesh.step + 0.5);
 		memcpy(facet[i].rgb, b->point[items[i]].rgb, sizeof facet[i].rgb);
 		facets[i] = &facet[i];
 	}
-	return lod_draft_facets(&b->draft, triangles, facets, corners, growth);
+	return lod_draft_facets(&b->draft, triangles, facets, 3, growth);
 }
 
 static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32_t count)

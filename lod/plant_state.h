@@ -40,7 +40,7 @@ struct lod_build {
 	double *area;
 	uint32_t *order;             /* by group, in each the one worth most first */
 	uint8_t *growth;             /* codes, and simpler forms: of the greedy order; else NULL */
-	struct lod_quad *simple;
+	struct lod_simple *simple;
 	struct lod_line *blade;      /* of groups of blades */
 	double *blade_error;
 	struct lod_point *point;

@@ -98,16 +98,25 @@ void lod_crown_set_level(struct lod_crown *crown, uint32_t count)
 	crown->level = &crown->levels[k];
 }
 
-void lod_crown_set_scale(struct lod_crown_edges *edges, double scale)
+void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool points)
 {
 	for (uint32_t c = 0; c < ECO_GROWTHS; c++) {
-		double wanted = sqrt(eco_growth(c, (float)scale)), edge = 1;
+		double wanted = sqrt(eco_growth(points ? ECO_GROWTH_PLAIN : c, (float)scale)), edge = 1;
 		uint32_t step = 0;
 		for (; step + 1 < LOD_CROWN_EDGES && edge * HALF_STEP < wanted; step++)
 			edge *= STEP;
 		edges->step[c] = (uint16_t)step;
 		edges->edge[c] = edge;
 	}
+}
+
+void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points)
+{
+	const struct lod_eye *eye = &crown->level->sights.eyes[view];
+	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
+	lod_fan_see(seen, &fan, eye);
+	if (points)
+		lod_fan_point(seen, crown->foliage->area[element] / 2, eye);
 }
 
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
@@ -122,11 +131,10 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
 	struct lod_gain *gain)
 {
-	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
 	memset(gain, 0, count * sizeof *gain);
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
-		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
+		lod_crown_see(crown, &seen, element, v, crown->points);
 		for (uint32_t i = 0; i < count; i++)
 			lod_fan_gain(&seen, edge[i], crown->level->sights.pixels, &crown->level->canvas[v], &gain[i]);
 	}
@@ -134,11 +142,10 @@ void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const doubl
 
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
 {
-	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
 	struct lod_fan_seen seen;
 	struct lod_footprint print;
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
-		lod_fan_see(&seen, &fan, &crown->level->sights.eyes[v]);
+		lod_crown_see(crown, &seen, element, v, crown->points);
 		if (lod_fan_cover(&print, &seen, edge, crown->level->sights.pixels))
 			lod_footprint_add(&print, &crown->level->canvas[v]);
 	}

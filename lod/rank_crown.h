@@ -20,6 +20,7 @@ struct lod_crown_level {
 struct lod_crown {
 	const struct lod_foliage *foliage;
 	const struct lod_mask **cutout;          /* per element, or NULL */
+	bool points;                             /* gains are of the points that stand for elements */
 	uint32_t views, level_count;
 	struct lod_crown_level levels[LOD_CROWN_LEVELS];     /* the smallest pictures first */
 	struct lod_crown_level *level;           /* the one that is used now */
@@ -40,7 +41,11 @@ void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
  * the same edge then, and need but one look. */
 #define LOD_CROWN_EDGES 512u
 struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; };        /* the same step: the same edge; below LOD_CROWN_EDGES */
-void lod_crown_set_scale(struct lod_crown_edges *edges, double scale);
+/* `points`: points follow the scale alike, whatever the code. */
+void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool points);
+
+/* An element in a view, as it is drawn: itself or a point. */
+void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points);
 
 /* Some of the views: every `stride`th, from `first` on. */
 struct lod_crown_views { uint32_t first, stride; };

@@ -3,7 +3,7 @@
  * Greedy picking cannot take back: who was picked early stays, with the code that was best then. Here the list is looked at where it is cut
  * at some keys. Each key has its own pictures, its scale and what a right and a wrong pixel are worth there (Q's gradient). Elements come in
  * turn, some sweeps long: of the codes and of the keys beside its own an element takes those that bring most, summed over all keys that
- * draw it, less a price per triangle. Prices hold each key's number of triangles where it was. Pictures count how often a pixel is covered,
+ * draw it, less a price per triangle (at keys of points: per point). Prices hold each key's number of triangles where it was. Pictures count how often a pixel is covered,
  * so that an element can be thought away.
  *
  * An aspen of 2,896 leaves and a callistemon of 4,361, saved against Cook at equal Q (mean over uniform distances), other views than those
@@ -24,7 +24,7 @@
 #include "lod/bits.h"
 #include "lod/sort.h"
 
-#define KEYS 14u
+#define KEYS 20u
 #define KEY_LEAST 6u                     /* elements: shorter lists stay as they are */
 #define PLANES 4u                        /* bits of a pixel's count; one that is full stays so */
 #define SWEEPS 4u
@@ -40,11 +40,15 @@
 #define STIFF 20.0                       /* how a price answers to a share of triangles too many */
 #define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
 
-static const double key_share[KEYS] = { 0.004, 0.012, 0.03, 0.06, 0.1, 0.15, 0.22, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9 };
+/* Share of the triangles; and whether leaves are points there. Those are what a pack draws of the list's beginning (lod/curve.c). */
+static const struct { double share; bool points; } places[KEYS] = { { 0.0015, true }, { 0.004, false }, { 0.006, true }, { 0.012, false },
+	{ 0.02, true }, { 0.03, false }, { 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false }, { 0.3, false },
+	{ 0.35, true }, { 0.4, false }, { 0.5, false }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
 
 struct key {
+	bool points;                 /* leaves are points there, all at the key's scale */
 	uint32_t elements;           /* at first */
-	uint64_t budget, used;       /* triangles */
+	uint64_t budget, used;       /* triangles or points */
 	double scale;
 	struct lod_crown_edges edges;
 	double right, wrong, second, price, base_price;
@@ -74,6 +78,11 @@ static uint32_t triangles_of(const struct refine *r, uint32_t element)
 	return first[element + 1] - first[element] - 2;
 }
 
+static uint32_t cost_in(const struct refine *r, const struct key *key, uint32_t element)
+{
+	return key->points ? 1 : triangles_of(r, element);
+}
+
 static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t))
 {
 	if (r->in->options->each)
@@ -88,17 +97,25 @@ static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t
 /* What it covers there at each edge: pixels of one level, drawn when they are asked for first. */
 struct print { uint32_t y, rows, word, words; const uint64_t *bits; };
 struct prints {
-	struct lod_fan_seen seen;
+	struct lod_fan_seen seen, point;
 	uint32_t pixels, count, used;
+	bool points;                 /* what is held is of points */
 	uint8_t slot[LOD_CROWN_EDGES];       /* of an edge: 1 + its place below, or 0 */
 	struct print items[PRINTS];
 	struct lod_footprint drawn;
 	uint64_t room[ROOM];
 };
 
-static void forget_prints(struct prints *prints, uint32_t pixels)
+static void see(const struct refine *r, struct prints *prints, uint32_t element, uint32_t view)
+{
+	lod_crown_see(r->crown, &prints->seen, element, view, false);
+	lod_crown_see(r->crown, &prints->point, element, view, true);
+}
+
+static void forget_prints(struct prints *prints, uint32_t pixels, bool points)
 {
 	prints->pixels = pixels;
+	prints->points = points;
 	prints->count = prints->used = 0;
 	memset(prints->slot, 0, sizeof prints->slot);
 }
@@ -108,7 +125,7 @@ static void make_room(struct prints *prints)
 {
 	uint32_t largest = prints->pixels * ((prints->pixels + 63) / 64);
 	if (prints->count + 3 > PRINTS || prints->used + 3 * largest > ROOM)
-		forget_prints(prints, prints->pixels);
+		forget_prints(prints, prints->pixels, prints->points);
 }
 
 static const struct print *find_print(struct prints *prints, const struct lod_crown_edges *edges, uint32_t code)
@@ -120,7 +137,7 @@ static const struct print *find_print(struct prints *prints, const struct lod_cr
 	struct print *print = &prints->items[prints->count++];
 	*slot = (uint8_t)prints->count;
 	*print = (struct print){ .bits = prints->room + prints->used };
-	if (lod_fan_cover(drawn, &prints->seen, edges->edge[code], prints->pixels)) {
+	if (lod_fan_cover(drawn, prints->points ? &prints->point : &prints->seen, edges->edge[code], prints->pixels)) {
 		print->y = drawn->y, print->rows = drawn->rows;
 		print->word = drawn->word, print->words = drawn->words;
 		memcpy(prints->room + prints->used, drawn->bits, (size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
@@ -164,16 +181,15 @@ static void redraw(const struct refine *r, struct key *key, uint32_t k)
 		for (uint32_t e = 0; e < r->count; e++) {
 			if (r->first[e] > k)
 				continue;
-			struct lod_fan fan = lod_foliage_fan(r->crown->foliage, e, r->crown->cutout[e]);
-			lod_fan_see(&prints.seen, &fan, &sights->eyes[v]);
-			forget_prints(&prints, sights->pixels);
+			see(r, &prints, e, v);
+			forget_prints(&prints, sights->pixels, key->points);
 			draw(key, v, find_print(&prints, &key->edges, r->code[e]), true);
 		}
 	}
 	key->used = 0;
 	for (uint32_t e = 0; e < r->count; e++)
 		if (r->first[e] <= k)
-			key->used += triangles_of(r, e);
+			key->used += cost_in(r, key, e);
 }
 
 /* Pixels covered and of the reference, covered and not, of the reference in all. */
@@ -226,7 +242,7 @@ static double measure(struct key *key, uint32_t stride)
 static void set_scale(struct key *key, double scale)
 {
 	key->scale = scale;
-	lod_crown_set_scale(&key->edges, scale);
+	lod_crown_set_scale(&key->edges, scale, key->points);
 }
 
 static uint32_t trial_stride(const struct key *key)
@@ -239,19 +255,18 @@ static double try_scale(const struct refine *r, uint32_t k, struct key *key, dou
 {
 	const struct lod_sights *sights = &key->level->sights;
 	struct lod_crown_edges edges;
-	struct lod_fan_seen seen;
+	struct prints prints;
 	struct lod_footprint print;
 	struct tally tally = { 0 };
 	uint32_t row_words = sights->words / sights->pixels;
-	lod_crown_set_scale(&edges, scale);
+	lod_crown_set_scale(&edges, scale, key->points);
 	for (uint32_t v = 0; v < sights->count; v += trial_stride(key)) {
 		memcpy(key->trial, sights->wood[v], sights->words * sizeof *key->trial);
 		for (uint32_t e = 0; e < r->count; e++) {
 			if (r->first[e] > k)
 				continue;
-			struct lod_fan fan = lod_foliage_fan(r->crown->foliage, e, r->crown->cutout[e]);
-			lod_fan_see(&seen, &fan, &sights->eyes[v]);
-			if (!lod_fan_cover(&print, &seen, edges.edge[r->code[e]], sights->pixels))
+			see(r, &prints, e, v);
+			if (!lod_fan_cover(&print, key->points ? &prints.point : &prints.seen, edges.edge[r->code[e]], sights->pixels))
 				continue;
 			const uint64_t *bits = print.bits;
 			for (uint32_t y = 0; y < print.rows; y++)
@@ -345,14 +360,14 @@ static void look_in_key(const struct refine *r, const struct look *l, uint32_t k
 
 static void look(const struct refine *r, const struct look *l, struct worth *worth)
 {
-	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, l->element, r->crown->cutout[l->element]);
 	struct prints prints;
 	memset(worth, 0, sizeof *worth);
 	for (uint32_t v = 0; v < r->crown->views; v++) {
-		lod_fan_see(&prints.seen, &fan, &r->crown->levels[0].sights.eyes[v]);
+		see(r, &prints, l->element, v);
 		for (uint32_t k = l->low_key; k < l->end_key; k++) {
-			if (k == l->low_key || r->keys[k].level != r->keys[k - 1].level)
-				forget_prints(&prints, r->keys[k].level->sights.pixels);
+			const struct key *key = &r->keys[k];
+			if (k == l->low_key || key->level != key[-1].level || key->points != prints.points)
+				forget_prints(&prints, key->level->sights.pixels, key->points);
 			look_in_key(r, l, k, v, &prints, worth->of[k]);
 		}
 	}
@@ -371,7 +386,7 @@ static void choose(struct refine *r, uint32_t element)
 		double sum = 0;
 		for (uint32_t k = r->key_count + 1; k-- > low_key;) {
 			if (k < r->key_count)
-				sum += worth.of[k][c] - r->keys[k].price * triangles;
+				sum += worth.of[k][c] - r->keys[k].price * cost_in(r, &r->keys[k], element);
 			if (k <= high_key && (sum > best || (sum == best && c == code && k == first))) {
 				best = sum;
 				best_first = k;
@@ -407,13 +422,12 @@ static void choose_piece(void *pieces, uint32_t i)
 static void apply_in_view(const struct refine *r, uint32_t element, uint32_t view, struct prints *prints)
 {
 	uint32_t first = r->next_first[element], code = r->next_code[element], from = first < r->first[element] ? first : r->first[element];
-	struct lod_fan fan = lod_foliage_fan(r->crown->foliage, element, r->crown->cutout[element]);
-	lod_fan_see(&prints->seen, &fan, &r->crown->levels[0].sights.eyes[view]);
+	see(r, prints, element, view);
 	for (uint32_t k = from; k < r->key_count; k++) {
 		const struct key *key = &r->keys[k];
 		bool was = r->first[element] <= k, is = first <= k, other = key->edges.step[code] != key->edges.step[r->code[element]];
-		if (k == from || key->level != key[-1].level)
-			forget_prints(prints, key->level->sights.pixels);
+		if (k == from || key->level != key[-1].level || key->points != prints->points)
+			forget_prints(prints, key->level->sights.pixels, key->points);
 		make_room(prints);
 		if (was && (!is || other))
 			draw(key, view, find_print(prints, &key->edges, r->code[element]), false);
@@ -443,8 +457,9 @@ static void apply(struct refine *r)
 	for (uint32_t t = r->at; t < r->end; t++) {
 		uint32_t element = r->turn[t];
 		for (uint32_t k = 0; k < r->key_count; k++) {
-			r->keys[k].used += (uint64_t)triangles_of(r, element) * (r->next_first[element] <= k);
-			r->keys[k].used -= (uint64_t)triangles_of(r, element) * (r->first[element] <= k);
+			uint64_t cost = cost_in(r, &r->keys[k], element);
+			r->keys[k].used += cost * (r->next_first[element] <= k);
+			r->keys[k].used -= cost * (r->first[element] <= k);
 		}
 		r->stays[element] = moves(r, element) ? 0 : (uint8_t)(r->stays[element] + 1);
 		r->first[element] = r->next_first[element];
@@ -466,7 +481,7 @@ static void set_price(void *pieces, uint32_t k)
 		struct worth worth;
 		uint32_t element = r->in->order[i], code = r->code[element];
 		look(r, &(struct look){ element, k, k + 1, KEYS, code, code }, &worth);
-		sum += worth.of[k][code] / triangles_of(r, element);
+		sum += worth.of[k][code] / cost_in(r, key, element);
 	}
 	key->price = key->base_price = sum / samples;
 }
@@ -527,15 +542,17 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 		total += triangles_of(r, e);
 	for (uint32_t share = 0; share < KEYS; share++) {
 		struct key *key = &r->keys[r->key_count];
-		for (; i + 1 < r->count && (double)sum < key_share[share] * (double)total; i++) {
+		for (; i + 1 < r->count && (double)sum < places[share].share * (double)total; i++) {
 			sum += triangles_of(r, r->in->order[i]);
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
-		if (i < KEY_LEAST || key_share[share] < r->in->options->from_share || (r->key_count && i == key[-1].elements))
+		if (i < KEY_LEAST || places[share].share < r->in->options->from_share || (r->key_count && i == key[-1].elements)
+			|| (places[share].points && r->in->options->wrong_pixels))
 			continue;
 		key->elements = i;
 		key->wrong_pixels = r->in->options->wrong_pixels;
-		key->budget = sum;
+		key->points = places[share].points;
+		key->budget = key->points ? i : sum;
 		lod_crown_set_level(r->crown, i);
 		key->level = r->crown->level;
 		key->planes = lod_arena_take(arena, r->crown->views, sizeof *key->planes);

@@ -131,6 +131,35 @@ static void gains_count_right_wrong_and_second(void **state)
 	assert_int_equal(gain.right + gain.wrong, 0);
 }
 
+/* In any view as many pixels as its area has there. */
+static void points_are_squares_that_face_the_eye(void **state)
+{
+	struct lod_foliage f;
+	struct lod_sights sights;
+	double directions[VIEWS][3];
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 1, 4, 1, 0.12, 3 }, &arena);
+	lod_directions_spread(directions, VIEWS, 7);
+	assert_int_equal(lod_sights_make(&sights, &f, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		const struct lod_eye *eye = &sights.eyes[v];
+		struct lod_fan fan = lod_foliage_fan(&f, 0, NULL);
+		struct lod_fan_seen seen;
+		lod_fan_see(&seen, &fan, eye);
+		double away = seen.center[2], side = 0.2 * away * eye->tan_x;
+		for (double edge = 1; edge <= 4; edge *= 2) {
+			uint64_t covered = 0;
+			lod_fan_point(&seen, side * side, eye);
+			assert_true(lod_fan_cover(&print, &seen, edge, PIXELS));
+			for (uint32_t i = 0; i < print.rows * print.words; i++)
+				covered += bits_of(print.bits[i]);
+			double wide = fmin(1, 0.1 * edge) * PIXELS;
+			assert_true(fabs(sqrt((double)covered) - wide) <= 1.01);
+		}
+	}
+}
+
 static void what_lies_outside_covers_nothing(void **state)
 {
 	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } }, line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
@@ -200,6 +229,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(footprints_are_what_is_drawn),
 		cmocka_unit_test(gains_count_right_wrong_and_second),
+		cmocka_unit_test(points_are_squares_that_face_the_eye),
 		cmocka_unit_test(what_lies_outside_covers_nothing),
 		cmocka_unit_test(footprints_fill_the_picture_at_any_size),
 		cmocka_unit_test(fans_that_turn_back_are_their_triangles),

@@ -18,28 +18,29 @@
 #define TUNING_SEED 7411u
 #define TEST_SEED 90217u
 #define ROWS_MAX 48u
-#define LAMBDA_LEAST 2e-4
+#define LAMBDA_LEAST 1e-4
 #define KNEE 0.3                 /* lambdas are a constant factor apart below, a constant step above */
 #define FACTOR 1.4
 #define STEP 0.05
 #define FACTOR_QUICK 1.6         /* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
 #define STEP_QUICK 0.07
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
-#define WAYS 5                   /* from as they are to as many as can be, simpler */
+#define WAYS 5                   /* from as they are to as many as can be, as triangles; */
+#define WAYS_POINTS 9            /* and from there to as many as can be, as points */
 #define BESIDE_STRIDE 4u         /* distances that owners and colours are compared at */
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, all at one scale", "greedy",
-	"greedy, simpler leaves" };
+	"greedy, leaves as triangles", "greedy, and as points" };
 
-struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) simpler */
+struct row { double lambda, step, count, fine, middle, q; int way; };     /* elements [0, fine) as they are, [fine, middle) triangles, [middle, count) points */
 
 struct study {
 	struct bench_leaves leaves;
 	struct lod_sights tuning, tests;
 	uint32_t *order[BENCH_METHODS], n;
-	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: of QUADS */
+	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: as triangles */
 	uint8_t *growth;
-	struct lod_quad *quad, *shape;
+	struct lod_simple *triangle, *shape;
 	float *factor;
 	double share;                /* of the outline, by one leaf */
 	struct row rows[BENCH_METHODS][ROWS_MAX];
@@ -87,9 +88,9 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 1, .progress = rank_goes_on, .ctx = bench }, arena, error);
 	if (code)
 		return code;
-	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_QUADS] = rank.order;
+	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_TRIANGLES] = s->order[BENCH_FORMS] = rank.order;
 	s->growth = rank.growth;
-	s->quad = rank.simple;
+	s->triangle = rank.simple;
 	return ECO_OK;
 }
 
@@ -103,8 +104,7 @@ static void count_vertices(struct study *s)
 	}
 	s->simple = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->simple);
 	for (uint32_t k = 0; k < s->n; k++) {
-		uint64_t simple = 3 * (s->quad[s->order[BENCH_QUADS][k]].corners - 2u), full = s->full[BENCH_QUADS][k + 1] - s->full[BENCH_QUADS][k];
-		s->simple[k + 1] = s->simple[k] + (simple < full ? simple : full);
+		s->simple[k + 1] = s->simple[k] + 3;
 	}
 }
 
@@ -132,16 +132,16 @@ static uint32_t whole(double x, uint32_t most)
 	return x < 1 ? 1 : x > most ? most : (uint32_t)(x + 0.5);
 }
 
-/* Cook's scale times so many eighths of an octave. */
-static double scale_of(const struct study *s, double count, double step)
+/* Cook's scale times so many eighths of an octave; 1 where all leaves are drawn as they are. */
+static double scale_of(const struct study *s, const struct row *row)
 {
-	return count >= s->n ? 1 : s->n / count * exp2(step / 8);
+	return row->fine >= s->n ? 1 : s->n / fmin(row->count, s->n) * exp2(row->step / 8);
 }
 
 static struct lod_sights_drawing prepare(struct study *s, enum bench_method method, const struct row *row)
 {
 	uint32_t count = whole(row->count, s->n), fine = row->fine < 0.5 ? 0 : whole(row->fine, count);
-	float scale = (float)scale_of(s, row->count, row->step);
+	float scale = (float)scale_of(s, row);
 	struct lod_sights_drawing drawing = { .order = s->order[method], .count = count, .scale = scale };
 	if (method >= BENCH_PRUNED) {
 		float by_code[ECO_GROWTHS];
@@ -151,11 +151,13 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 			s->factor[drawing.order[k]] = by_code[s->growth[drawing.order[k]]];
 		drawing.factor = s->factor;
 	}
-	if (method == BENCH_QUADS) {
+	if (method >= BENCH_TRIANGLES) {
+		uint32_t middle = row->middle < 0.5 ? 0 : whole(row->middle, count);
 		for (uint32_t k = 0; k < count; k++) {
 			uint32_t i = drawing.order[k];
 			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1] - s->full[method][k];
-			s->shape[i] = simpler ? s->quad[i] : (struct lod_quad){ .corners = 0 };
+			s->shape[i] = k >= middle ? (struct lod_simple){ .corners = 1 } : simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
+			s->factor[i] = k >= middle ? scale : s->factor[i];
 		}
 		drawing.shape = s->shape;
 	}
@@ -192,15 +194,29 @@ static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
 }
 
-/* Way 0 draws all as they are, WAYS - 1 as many elements as can be. */
+static void place_points(const struct study *s, struct row *row, double vertices)
+{
+	double most = fmin(s->n, vertices);
+	row->count = row->count * pow(fmax(1, most / row->count), (double)(row->way - WAYS + 1) / (WAYS_POINTS - WAYS));
+	uint32_t count = whole(row->count, s->n), spare = vertices > count ? (uint32_t)((vertices - count) / 2) : 0;
+	row->middle = spare < count ? spare : count;         /* a triangle is two vertices more than a point */
+	row->fine = 0;
+}
+
+/* Way 0 draws all as they are, WAYS - 1 as many elements as can be with triangles, WAYS_POINTS - 1 with points. */
 static void place(const struct study *s, enum bench_method method, struct row *row)
 {
 	double vertices = row->lambda * (double)s->full[method][s->n];
-	row->count = row->fine = elements_at(s->full[method], s->n, vertices);
-	if (method != BENCH_QUADS || row->way == 0)
+	row->count = row->fine = row->middle = elements_at(s->full[method], s->n, vertices);
+	if (method < BENCH_TRIANGLES || row->way == 0)
 		return;
 	double most = elements_at(s->simple, s->n, vertices);
-	row->count = row->count * pow(most / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
+	row->count = row->count * pow(most / fmax(row->count, 1e-9), fmin(1, (double)row->way / (WAYS - 1)));
+	row->middle = row->count;
+	if (row->way >= WAYS) {
+		place_points(s, row, vertices);
+		return;
+	}
 	uint32_t count = whole(row->count, s->n), low = 0, high = count;
 	while (low < high) {                                 /* the most elements as they are that leave the others room */
 		uint32_t middle = (low + high + 1) / 2;
@@ -239,8 +255,9 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 {
 	struct row best = { .lambda = row->lambda };
 	double best_q = -INFINITY;
-	int from = larger ? larger->way - 1 : 0, to = larger ? larger->way + 1 : WAYS - 1;
-	for (int way = method == BENCH_QUADS ? (from < 0 ? 0 : from) : 0; way <= (method == BENCH_QUADS ? (to >= WAYS ? WAYS - 1 : to) : 0); way++) {
+	int last = method == BENCH_FORMS ? WAYS_POINTS - 1 : method == BENCH_TRIANGLES ? WAYS - 1 : 0;
+	int from = larger && larger->way > 0 ? larger->way - 1 : 0, to = larger && larger->way < last ? larger->way + 1 : last;
+	for (int way = from; way <= to; way++) {
 		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
 		place(s, method, &one);
 		double q = climb(s, method, &one);
@@ -256,7 +273,7 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 static enum eco_code fill_tables(struct bench *bench, struct study *s, struct eco_error *error)
 {
 	double lambda[ROWS_MAX];
-	double least = fmax(LAMBDA_LEAST, 2.0 / s->n), step = bench->full ? STEP : STEP_QUICK, factor = bench->full ? FACTOR : FACTOR_QUICK;
+	double least = fmax(LAMBDA_LEAST, 1.0 / s->n), step = bench->full ? STEP : STEP_QUICK, factor = bench->full ? FACTOR : FACTOR_QUICK;
 	for (double l = 1; l > KNEE + step / 2; l -= step)
 		lambda[s->row_count++] = l;
 	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
@@ -283,7 +300,8 @@ static struct row reach(const struct study *s, enum bench_method method, double 
 	const struct row *high = &rows[i], *low = &rows[i + 1];
 	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
 	return (struct row){ low->lambda + t * (high->lambda - low->lambda), low->step + t * (high->step - low->step),
-		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine), q, high->way };
+		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine), low->middle + t * (high->middle - low->middle),
+		q, high->way };
 }
 
 /* ---- Owners and colours ---- */

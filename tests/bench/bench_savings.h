@@ -15,8 +15,10 @@
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
 
-/* PLAIN: our order, drawn without its growth codes. PRUNED: with one a leaf. QUADS: and with leaves as one triangle or quad where that serves better. */
-enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_QUADS, BENCH_METHODS };
+/* PLAIN: our order, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and with leaves
+ * as one triangle where that serves better. FORMS: or as a point, one vertex: what packs hold, and in the order in which they draw it. */
+enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_FORMS,
+	BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
 struct bench_beside { double owner_q, colour_rms; };      /* means over some of the distances */
