@@ -449,6 +449,8 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 	assert_int_equal(lod_plant_measure(&plant, &crown.model, &options, &error), ECO_OK);
 	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
 	assert_true(loss <= LOD_GRID_LOSS && plant.curve_count > 0);
+	assert_true(plant.solved[LOD_SOLVER_GRID].runs == 1 && plant.solved[LOD_SOLVER_GRID].converged == 1);
+	assert_in_range(plant.solved[LOD_SOLVER_SCALE].converged, 1, plant.solved[LOD_SOLVER_SCALE].runs);
 	uint32_t bits = LOD_GRID_BITS_MIN;
 	for (double step = coarse; step > 1.5 * plant.lists[0].list.grid_step[0]; step /= 2)
 		bits++;
@@ -460,6 +462,24 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 	assert_true(loss > LOD_GRID_LOSS);
 	lod_plant_free(&plant);
 	crown_free(&crown);
+}
+
+/* Half a pixel from LOD_GRID_NEAR_M on: each doubling of the size beyond takes a bit more, up to the most. */
+static void large_plants_have_more_bits(void **unused)
+{
+	static const float position[9] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+	static const uint32_t index[6] = { 0, 1, 2, 0, 1, 7 };
+	static const struct { float size; uint32_t bits; } rows[] = { { 1e-3f, 12 }, { 6, 12 }, { 36, 12 }, { 37, 13 }, { 72, 13 }, { 73, 14 }, { 146, 15 }, { 1000, 17 },
+		{ 1e7f, 18 } };
+	(void)unused;
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		float at[9];
+		for (int k = 0; k < 9; k++)
+			at[k] = rows[i].size * position[k] + 5;
+		struct eco_model model = { .position = at, .vertex_count = 3, .index = (uint32_t *)index, .triangle_count = 2 };
+		assert_int_equal(lod_grid_bits_least(&model), rows[i].bits);
+	}
+	assert_int_equal(lod_grid_bits_least(&(struct eco_model){ .triangle_count = 0 }), LOD_GRID_BITS_MIN);
 }
 
 static void every_kind_of_ladder_is_measured(void **unused)
@@ -578,6 +598,7 @@ int main(void)
 		cmocka_unit_test(ladders_draw_what_their_curve_was_measured_with),
 		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
 		cmocka_unit_test(grids_are_as_fine_as_the_picture_needs_and_no_finer),
+		cmocka_unit_test(large_plants_have_more_bits),
 		cmocka_unit_test(every_kind_of_ladder_is_measured),
 		cmocka_unit_test(what_covers_nothing_has_no_curve),
 		cmocka_unit_test(what_a_grid_loses_is_proportional_to_its_step),

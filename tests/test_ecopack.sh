@@ -65,6 +65,8 @@ expect 0 'all is well' verify "$DIR/tiny.eco"
 if command -v jq >/dev/null; then
 	[ "$(jq -r '[.name, .instances, (.plants | length), .plants[0].triangles_in == .plants[0].triangles_stored + .plants[0].triangles_dropped] | join(" ")' "$DIR/info.json")" \
 		= "tiny 2 1 true" ] || complain "info --json: $(head -c 400 "$DIR/info.json")"
+	[ "$(jq '.plants[0] | .half_a_pixel_m > 0 and .searches.grid.runs == 1 and .searches.grid.converged <= 1' "$DIR/info.json")" = true ] \
+		|| complain "info --json: $(jq -c '.plants[0] | {half_a_pixel_m, searches}' "$DIR/info.json")"
 fi
 "$PACK" make "$DIR/scene.json" -o "$DIR/again.eco" --quiet --jobs 3 >"$DIR/quiet" 2>&1 || complain "make --quiet failed"
 [ -s "$DIR/quiet" ] && complain "make --quiet says: $(head -c 200 "$DIR/quiet")"

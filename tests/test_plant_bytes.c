@@ -50,6 +50,7 @@ static void what_is_read_is_what_was_written(void **state)
 		assert_string_equal(again.plant.name, "");
 		assert_int_equal(again.plant.anchor_count, plant.plant.anchor_count);
 		assert_int_equal(again.list_count, plant.list_count);
+		assert_memory_equal(again.solved, plant.solved, sizeof plant.solved);
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			const struct eco_elements *a = &plant.lists[l].elements, *b = &again.lists[l].elements;
 			assert_memory_equal(a->position, b->position, 3 * (size_t)a->corner_count * sizeof *a->position);
