@@ -109,22 +109,13 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 	return record;
 }
 
-static enum eco_code keep_list(struct link *l, uint32_t id)
-{
-	struct eco_list *stored = make_append(&l->m, &l->m.lists, sizeof *stored);
-	if (!stored)
-		return ECO_NO_MEMORY;
-	*stored = *eco_pack_list(l->m.writer, id);
-	return ECO_OK;
-}
-
 enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
 	struct eco_error why = { 0 };
 	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
 	if (code == ECO_DAMAGED)
 		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
-	return code ? eco_fail(l->m.error, code, "%s", why.text) : keep_list(l, part->list_of[list]);
+	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
 }
 
 /* ---- Ground: one part's, as it lies ---- */
@@ -306,7 +297,7 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 		code = eco_pack_add_encoded(l->m.writer, record, &encoded, &part->list_of[list], l->m.error);
 	eco_encoded_free(&encoded);
 	eco_elements_free(&points);
-	return code ? code : keep_list(l, part->list_of[list]);
+	return code ? code : make_keep_list(&l->m, part->list_of[list]);
 }
 
 static bool is_ours(const struct eco_list *summary)

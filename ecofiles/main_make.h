@@ -90,6 +90,8 @@ void *make_append(struct make *m, struct make_array *array, size_t size);
 
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
 
+/* The record of a list that the writer has, in m->lists; what it needs is among the scene's needs. */
+enum eco_code make_keep_list(struct make *m, uint32_t list_id);
 /* Adds to the pack and to m->lists. */
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
 	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
