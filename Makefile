@@ -6,7 +6,7 @@
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   test                 everything that tests, counted; layers and headers alone check the includes
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
-#   determinism          same pack and same plans by gcc -O0 and -O3, by clang and under valgrind
+#   determinism          same pack and same plans by gcc -O0 and -O3 and by clang, same plans under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   deps, clean          installs what is missing; removes all output

@@ -1,6 +1,6 @@
 #!/bin/sh
-# make determinism: the same scene packed, and the same views planned, by gcc without optimisation, by gcc -O3, by clang, and under valgrind: the
-# packs and plans are those of the build that is there, byte for byte.
+# make determinism: the same scene packed, and the same views planned, by gcc without optimisation, by gcc -O3 and by clang, and planned under valgrind:
+# the packs and plans are those of the build that is there, byte for byte.
 #
 #   determinism.sh BUILD     BUILD: where ecopack and bench/plans are
 set -eu
@@ -21,7 +21,6 @@ variant() { # NAME CC CXX OPT
 
 run() { # NAME ECOPACK PLANS
 	for order in combined greedy; do
-		[ "$1" != valgrind ] || [ "$order" = combined ] || continue
 		$2 make "$out/scene/scene.json" -o "$out/packs/$1-$order.eco" --order "$order" --no-cache --quiet >/dev/null
 		$3 "$out/packs/$1-$order.eco" >"$out/packs/$1-$order.plans"
 		for what in eco plans; do
@@ -40,6 +39,12 @@ run here "$BUILD/ecopack" "$BUILD/bench/plans"
 variant gcc-O0 gcc g++ -O0
 variant gcc-O3 gcc g++ -O3
 variant clang clang clang++ -O2
-valgrind="valgrind -q --error-exitcode=9 --trace-children=no"
-run valgrind "$valgrind $BUILD/ecopack" "$valgrind $BUILD/bench/plans"
+# Plans only: what reads models is confined to a child process in which valgrind can hardly run.
+valgrind -q --vgdb=no --error-exitcode=9 "$BUILD/bench/plans" "$out/packs/here-combined.eco" >"$out/packs/valgrind.plans"
+if cmp -s "$out/packs/valgrind.plans" "$out/packs/here-combined.plans"; then
+	echo "valgrind: same plans"
+else
+	echo "valgrind: plans DIFFER"
+	failed=1
+fi
 exit "$failed"

@@ -128,7 +128,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
 	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say which of the two ended them (lod/solver.h: plans by "
 		"lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); everything else makes a fixed number of passes. Tests trap floating-point "
-		"errors around lod/. Packs and plans of gcc -O0, gcc -O3, clang and of a run under valgrind are compared by make determinism.");
+		"errors around lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared by make determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0");
 	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names) : ECO_OK;
