@@ -97,7 +97,9 @@ static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t
 /* What it covers there at each edge: pixels of one level, drawn when they are asked for first. */
 struct print { uint32_t y, rows, word, words; const uint64_t *bits; };
 struct prints {
-	struct lod_fan_seen seen, point;
+	struct lod_fan_seen seen;
+	const struct lod_eye *eye;
+	double area;                 /* of the point that stands for it */
 	uint32_t pixels, count, used;
 	bool points;                 /* what is held is of points */
 	uint8_t slot[LOD_CROWN_EDGES];       /* of an edge: 1 + its place below, or 0 */
@@ -109,7 +111,18 @@ struct prints {
 static void see(const struct refine *r, struct prints *prints, uint32_t element, uint32_t view)
 {
 	lod_crown_see(r->crown, &prints->seen, element, view, false);
-	lod_crown_see(r->crown, &prints->point, element, view, true);
+	prints->eye = &r->crown->level->sights.eyes[view];
+	prints->area = r->crown->foliage->area[element] / 2;
+}
+
+/* Few keys ask for points: made when they do. */
+static bool cover(struct lod_footprint *drawn, const struct prints *prints, double edge, uint32_t pixels, bool points)
+{
+	if (!points)
+		return lod_fan_cover(drawn, &prints->seen, edge, pixels);
+	struct lod_fan_seen point = prints->seen;
+	lod_fan_point(&point, prints->area, prints->eye);
+	return lod_fan_cover(drawn, &point, edge, pixels);
 }
 
 static void forget_prints(struct prints *prints, uint32_t pixels, bool points)
@@ -137,7 +150,7 @@ static const struct print *find_print(struct prints *prints, const struct lod_cr
 	struct print *print = &prints->items[prints->count++];
 	*slot = (uint8_t)prints->count;
 	*print = (struct print){ .bits = prints->room + prints->used };
-	if (lod_fan_cover(drawn, prints->points ? &prints->point : &prints->seen, edges->edge[code], prints->pixels)) {
+	if (cover(drawn, prints, edges->edge[code], prints->pixels, prints->points)) {
 		print->y = drawn->y, print->rows = drawn->rows;
 		print->word = drawn->word, print->words = drawn->words;
 		memcpy(prints->room + prints->used, drawn->bits, (size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
@@ -266,7 +279,7 @@ static double try_scale(const struct refine *r, uint32_t k, struct key *key, dou
 			if (r->first[e] > k)
 				continue;
 			see(r, &prints, e, v);
-			if (!lod_fan_cover(&print, key->points ? &prints.point : &prints.seen, edges.edge[r->code[e]], sights->pixels))
+			if (!cover(&print, &prints, edges.edge[r->code[e]], sights->pixels, key->points))
 				continue;
 			const uint64_t *bits = print.bits;
 			for (uint32_t y = 0; y < print.rows; y++)
