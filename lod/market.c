@@ -228,9 +228,9 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 	} else if (stall->summary) {
 		cost = (struct lod_cost){ 0 };
 		buy(&cost, &stall->points.steps, 1, stall->position);
-		cost.fn = lod_points_missed(cost.fn);
+		cost.fn = lod_points_missed(&stall->points, cost.fn);
 	}
-	return worth > 0 ? lod_odds_of(sight->shown, cost.fp / worth, cost.fn / worth) : lod_odds_of(sight->shown, 0, 0);
+	return worth > 0 ? lod_odds_of(sight->shown, cost.fp / worth, fmin(1, cost.fn / worth)) : lod_odds_of(sight->shown, 0, 0);
 }
 
 /* Which tile's choice each tile is drawn by: its own where all above it are open. */

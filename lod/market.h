@@ -35,7 +35,8 @@ struct lod_lot {                     /* a slot, per plant; [0]: as far plants ar
 	double seen, bare;           /* pixels of one of its plants that are seen, and where no other is, means; of a cell likewise */
 	uint32_t extra;              /* bare / seen: what a pixel too many weighs, in LOD_EXTRAS - 1 parts */
 	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
-	double worth[2];             /* wrong when nothing is drawn */
+	double worth[2];             /* wrong when nothing is drawn, ... */
+	double absent;               /* ... and what it counts besides (lod/steps.h) */
 	struct lod_cost cost[2];     /* at the last price */
 	struct lod_cost cells;       /* of all its plants' cells */
 	double cells_worth;
@@ -52,7 +53,8 @@ struct lod_stall {                   /* a tile */
 	double weight;               /* and how far those above it have given way to it */
 	struct lod_amount part[2];   /* its summary, settled: so many points, as what is left for them does not depend on what is bought */
 	struct lod_steps parts;
-	double worth, bare;          /* wrong when nothing of it is drawn, its children's too; of that, where no other plant is */
+	double worth;                /* wrong when nothing of it is drawn, its children's too */
+	double pixels, bare;         /* of that, what is due to pixels; of these, where no other plant is */
 	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
 	struct lod_summary_view look;

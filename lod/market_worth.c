@@ -140,9 +140,11 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	lot->offer_count = m->offer_count - lot->offer_first;
 	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
 		const struct lod_amount *none = &m->offers[i].steps->amounts[0];
-		double wrong = m->offers[i].worth * lod_steps_error(m->offers[i].steps, none);
+		double absent = none->vertices ? 0 : m->offers[i].worth * lod_steps_absent(&scene->ladders[m->offers[i].ladder]);
+		double wrong = m->offers[i].worth * lod_steps_error(m->offers[i].steps, none) - absent;
 		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
 		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
+		lot->absent += m->offers[i].when == LOD_NEAR ? 0 : absent;
 		lot->own += m->offers[i].when == LOD_NEAR ? m->offers[i].worth / importance_of(&scene->ladders[m->offers[i].ladder]) : 0;
 	}
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->offer_count);
@@ -261,7 +263,8 @@ static void measure_closed(struct lod_market *m, const struct lod_sight *sight, 
 	const struct lod_planning *p = m->p;
 	const struct lod_node *node = &p->visible.nodes[sight->node];
 	double ratio = lod_tables_ellipse(p->tables), px = 1 / ((double)sight->depth * p->visible.eye.pixel_rad);
-	stall->worth = seen_pixels(sight);
+	stall->pixels = seen_pixels(sight);
+	stall->worth = (1 + LOD_ABSENT_WORTH) * stall->pixels;
 	stall->bare = bare_pixels(sight);
 	stall->plants += (double)p->scene->tiles[node->tile].instance_count;
 	stall->look.box += ratio * node->area * px * px;
@@ -307,7 +310,7 @@ static bool measure_summary(struct lod_market *m, uint32_t n)
 	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, but where the farthest are less than
 	 * three times as far away as the nearest, and of full use only from twice as far on: so it goes little by little as a camera comes */
 	double apart = node->distance / fmax(across, up) - 1;
-	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->worth > 0 && stall->plants > 0 && apart > 0;
+	stall->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && stall->pixels > 0 && stall->plants > 0 && apart > 0;
 	stall->shut_most = fmin(1, apart);
 	if (!stall->summary)
 		return true;
@@ -329,7 +332,7 @@ static bool measure_summary(struct lod_market *m, uint32_t n)
 		return false;
 	m->block_used += 2 * count + 1;
 	p->candidates += count;
-	lod_points_begin(&stall->points, &look, part, fmin(1, stall->bare / stall->worth), room, &p->gains);
+	lod_points_begin(&stall->points, &look, part, stall->pixels / stall->worth, fmin(1, stall->bare / stall->pixels), room, &p->gains);
 	return true;
 }
 
@@ -345,12 +348,14 @@ static enum eco_code make_stalls(struct lod_market *m, struct eco_error *error)
 			continue;
 		stall->factor = stall->even > 0 ? stall->factor / stall->even : 1;
 		for (uint32_t i = 0; stall->open && i < node->tally_count; i++) {
-			const struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
-			if (!slot->cell)
-				stall->worth += stall->factor * node->tallies[i].count * m->lots[node->tallies[i].slot].worth[0];
+			const struct lod_lot *lot = &m->lots[node->tallies[i].slot];
+			double seen = visible->slots[node->tallies[i].slot].cell ? 0 : stall->factor * node->tallies[i].count;
+			stall->pixels += seen * lot->worth[0];
+			stall->worth += seen * (lot->worth[0] + lot->absent);
 		}
 		for (uint32_t c = 0; stall->open && c < node->child_count; c++) {
 			const struct lod_stall *child = &m->stalls[node->child_first + c];
+			stall->pixels += child->pixels;
 			stall->worth += child->worth;
 			stall->bare += child->bare;
 			stall->look.covered += child->look.covered;

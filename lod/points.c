@@ -11,7 +11,11 @@ static bool knows(const struct lod_points *points, uint32_t i) { return points->
 
 static double error_of(const struct lod_points *points, uint32_t i) { return lod_steps_error(&points->steps, &points->samples[i]); }
 
-double lod_points_missed(double fn) { return fmax(0, (fn - LOD_OWNER_WORTH) / (1 - LOD_OWNER_WORTH)); }
+double lod_points_missed(const struct lod_points *points, double fn)
+{
+	double missed = (fn / points->pixels - LOD_OWNER_WORTH) / (1 - LOD_OWNER_WORTH);
+	return missed < 0 ? 0 : missed < 1 ? missed : 1;
+}
 
 uint32_t lod_points_count(double points)
 {
@@ -25,8 +29,8 @@ static void compute(struct lod_points *points, uint32_t i)
 {
 	struct lod_amount *sample = &points->samples[i];
 	struct eco_curve curve = lod_summary_curve(&points->view, points->part * (double)sample->vertices);
-	sample->fp = curve.fp;
-	sample->fn = curve.fn + LOD_OWNER_WORTH * (1 - curve.fn);
+	sample->fp = points->pixels * curve.fp;
+	sample->fn = points->pixels * (curve.fn + LOD_OWNER_WORTH * (1 - curve.fn));
 	points->known |= 1u << i;
 	++*points->gains;
 }
@@ -42,11 +46,11 @@ static void make_hull(struct lod_points *points)
 	lod_steps_hull(steps);
 }
 
-void lod_points_begin(struct lod_points *points, const struct lod_summary_view *view, double part, double extra, struct lod_amount *room,
-	uint64_t *gains)
+void lod_points_begin(struct lod_points *points, const struct lod_summary_view *view, double part, double pixels, double extra,
+	struct lod_amount *room, uint64_t *gains)
 {
 	uint32_t count = lod_points_count(view->points);
-	*points = (struct lod_points){ .view = *view, .part = part, .samples = room, .count = count,
+	*points = (struct lod_points){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
 		.steps = { room + count, 1, extra }, .gains = gains };
 	for (uint32_t i = 0; i < count; i++)
 		room[i] = (struct lod_amount){ .vertices = (uint64_t)view->points >> (count - 1 - i) };

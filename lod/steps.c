@@ -47,6 +47,11 @@ static double share_beside(const struct lod_way *way, uint64_t vertices)
 	return lod_way_share(way, vertices < way->full ? vertices : lod_way_floor(way, way->full - 1));
 }
 
+double lod_steps_absent(const struct eco_ladder *ladder)
+{
+	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WORTH : 0;
+}
+
 struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_scene *scene = way->scene;
@@ -58,7 +63,7 @@ struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices)
 	if (ladder->curve_count == 0)        /* not measured */
 		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
-	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn };
+	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + (vertices == 0 ? lod_steps_absent(ladder) : 0) };
 }
 
 uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct lod_way *way, uint64_t from, uint64_t to)

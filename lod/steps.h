@@ -16,6 +16,12 @@
 #define LOD_EXTRAS 5u            /* weights of pixels too many that steps are made for: 0 to 1 */
 static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
 
+/* What it counts besides its pixels that nothing of a plant's foliage is drawn: as much again, as a tree without leaves is another tree. Else thin
+ * crowns, in which coarse leaves cover more gaps than leaves, stay bare until there are vertices for fine ones. Wrong pixels in
+ * thousands of four views of an outdoor scene at 30,000 to 1,000,000 vertices with 0, .5 and 1: 333, 330, 331; at .5 some crowns have
+ * their leaves and not yet their flowers. */
+#define LOD_ABSENT_WORTH 1.0
+
 struct lod_amount {
 	uint64_t vertices;           /* a value that lod_ladder_floor returns */
 	double fp, fn;               /* over covered pixels; fn never rises, nor does fn + extra * fp */
@@ -31,6 +37,8 @@ struct lod_steps {
 /* Amounts of a ladder from `from` to `to` vertices, both values that lod_way_floor returns; their number, at most LOD_STEPS_MAX - 1. */
 uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct lod_way *way, uint64_t from, uint64_t to);
 
+/* What is wrong, besides its pixels, where nothing of it is drawn. */
+double lod_steps_absent(const struct eco_ladder *ladder);
 /* Errors at an amount that lod_way_floor returns. */
 struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices);
 

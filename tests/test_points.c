@@ -33,8 +33,8 @@ static void begin(struct pair *pair, uint64_t *state)
 		.area = plants * box * random_real(state, 0.1, 4), .points = points, .wide = sqrt(plants * box) * random_real(state, 0.5, 4) };
 	pair->view.high = pair->view.wide * random_real(state, 0.05, 1);
 	pair->asked_gains = pair->all_gains = 0;
-	lod_points_begin(&pair->asked, &pair->view, part, extra, pair->asked_room, &pair->asked_gains);
-	lod_points_begin(&pair->all, &pair->view, part, extra, pair->all_room, &pair->all_gains);
+	lod_points_begin(&pair->asked, &pair->view, part, 1, extra, pair->asked_room, &pair->asked_gains);
+	lod_points_begin(&pair->all, &pair->view, part, 1, extra, pair->all_room, &pair->all_gains);
 	lod_points_all(&pair->all);
 	pair->falls = true;
 	for (uint32_t i = 1; i < pair->all.count; i++)
@@ -129,7 +129,7 @@ static void amounts_are_halves_down_to_one_point(void **state)
 		uint64_t gains = 0;
 		double high, low;
 		assert_int_equal(lod_points_count(cases[i].points), cases[i].count);
-		lod_points_begin(&points, &view, 1, 0.5, room, &gains);
+		lod_points_begin(&points, &view, 1, 1, 0.5, room, &gains);
 		assert_int_equal(points.count, cases[i].count);
 		assert_true(points.samples[0].vertices == 1 && points.samples[points.count - 1].vertices == (uint64_t)cases[i].points);
 		assert_int_equal(gains, 1);
