@@ -24,7 +24,7 @@ struct walk {
 	const struct lod_eye *eye;
 	uint32_t *sorted;                /* cut indices by anchor, then first band */
 	struct view_table anchors;       /* anchor -> first position in `sorted` */
-	struct view_table gates;         /* plant -> band */
+	struct view_table gates;         /* plant -> end */
 	struct lod_anchor_band *seen;    uint32_t seen_room;
 	uint32_t instance_room, first_room, pair_room, pair_count;
 	uint64_t looked;
@@ -77,7 +77,7 @@ static enum eco_code index_cuts(struct walk *w)
 			return no_memory(w);
 	}
 	for (uint32_t i = 0; i < plan->gate_count; i++)
-		if (!view_table_put(&w->gates, plan->gates[i].plant, plan->gates[i].band))
+		if (!view_table_put(&w->gates, plan->gates[i].plant, plan->gates[i].end))
 			return no_memory(w);
 	return ECO_OK;
 }
@@ -207,7 +207,7 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		if (lod_open_hash(instance.hash) < left)
 			continue;
 		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors, plant->plant.anchor_first,
-			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : (uint8_t)gate, instance.hash, w->seen);
+			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : gate, instance.hash, w->seen);
 		if (!seen)
 			continue;
 		double center[3];

@@ -264,10 +264,10 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 	const struct eco_plant *plant = &p->scene.plants[p->number];
 	const struct eco_placement nowhere = { .scale = 1 };
 	const struct eco_place origin = eco_place_read(&p->scene, 0);
-	uint8_t gate = 0;
+	uint32_t gate = 0;
 	for (uint32_t i = 0; i < plan->gate_count; i++)
 		if (plan->gates[i].plant == p->number)
-			gate = plan->gates[i].band;
+			gate = plan->gates[i].end;
 	struct lod_place place;
 	lod_place_instance(&place, plan->placement_count ? &plan->placements[0] : &nowhere, &p->scene.lists[p->group.list], &origin);
 	uint32_t hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list, 0);

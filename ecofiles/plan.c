@@ -49,7 +49,7 @@ static int run_order(const void *a, const void *b)
 static int gate_order(const void *a, const void *b)
 {
 	const struct eco_gate *x = a, *y = b;
-	return compare((uint32_t[2]){ x->plant, x->band }, (uint32_t[2]){ y->plant, y->band }, 2);
+	return compare((uint32_t[2]){ x->plant, x->end }, (uint32_t[2]){ y->plant, y->end }, 2);
 }
 
 #define CUT_KEYS 9
@@ -143,8 +143,8 @@ static enum eco_code check_gates(const struct eco_plan *plan, struct eco_error *
 {
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		const struct eco_gate *gate = &plan->gates[i];
-		if (gate->band > ECO_GATE_OPEN)
-			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan lies at band %u of %u", i, gate->band, ECO_BANDS);
+		if (gate->end > ECO_GATE_OPEN)
+			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan ends in band %u of %u", i, gate->end / ECO_SHARE_ONE, ECO_BANDS);
 		if (i && gate->plant <= gate[-1].plant)
 			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan is out of order", i);
 	}

@@ -23,7 +23,7 @@
 
 #define ECO_BANDS 160u           /* distance bands: four an octave, blurred by half of one: see lod_eye_band */
 #define ECO_SHARE_ONE 65536u
-#define ECO_GATE_OPEN ECO_BANDS  /* gate: every band is near, cells are always drawn */
+#define ECO_GATE_OPEN (ECO_BANDS * ECO_SHARE_ONE)      /* gate: every band is near, cells are always drawn */
 
 struct eco_cut {
 	uint32_t list, first, end;   /* primitives */
@@ -46,10 +46,12 @@ struct eco_run {                 /* instance lists [list_first, list_end), whose
 	uint32_t left;               /* of ECO_SHARE_ONE: plants whose lod_open_hash is below are not, but left to their tile's summary. 0: all are drawn */
 };
 
-struct eco_gate {                /* plant's cells are drawn where its band is below `band`; plants without cells are not listed */
-	uint32_t plant;
-	uint8_t band;
+struct eco_gate {                /* plant's cells are drawn where eco_gate_place is below `end`; plants without cells are not listed */
+	uint32_t plant, end;
 };
+/* Where an instance stands before its plant's gate: the nearer its band, and in one band the smaller its hash, the sooner it draws cells. So a
+ * gate moves past like plants one after the other, and in the band where it ends cuts tell those that draw cells from all others by their share. */
+static inline uint32_t eco_gate_place(uint8_t band, uint32_t hash) { return band * ECO_SHARE_ONE + hash; }
 
 struct eco_prediction {          /* pixels expected right and wrong, over the whole picture */
 	double tp, fp, fn;

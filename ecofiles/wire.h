@@ -37,7 +37,9 @@
  *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or 0); then
  *                v placement - placement before - 1 (first: placement)
  *     v          (list_end - list_first - 1) << 1 | 1 if some plants are left out: then u16 left
- *   v count, gates, ascending:   v plant - plant before - 1 (first: plant)   u8 band
+ *   v count, gates, ascending:
+ *     v          (plant - plant before - 1; first: plant) << 1 | 1 if it ends within a band
+ *     u8         whole bands of end; then, if it ends within one, u16 of the next
  *   v count, lists drawn once (cuts without an anchor: summaries, ground), then v count, rules; both as
  *
  *     head  7     6     5     4     3     2     1     0             one drawn once has no bands (bits 2-3 are 0) and no share, and

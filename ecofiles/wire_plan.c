@@ -247,8 +247,11 @@ static void write_gates(struct eco_writer *w, const struct eco_plan *plan)
 	eco_write_varint(w, plan->gate_count);
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		const struct eco_gate *gate = &plan->gates[i];
-		eco_write_varint(w, i ? gate->plant - gate[-1].plant - 1 : gate->plant);
-		eco_write_u8(w, gate->band);
+		uint16_t share = (uint16_t)(gate->end % ECO_SHARE_ONE);
+		eco_write_varint(w, (uint64_t)(i ? gate->plant - gate[-1].plant - 1 : gate->plant) << 1 | (share > 0));
+		eco_write_u8(w, (uint8_t)(gate->end / ECO_SHARE_ONE));
+		if (share)
+			eco_write_u16(w, share);
 	}
 }
 
@@ -256,9 +259,11 @@ static void read_gates(struct eco_reader *r, struct eco_plan *plan)
 {
 	for (uint32_t i = 0; i < plan->gate_count && !r->failed; i++) {
 		struct eco_gate *gate = &plan->gates[i];
-		uint32_t step = read_narrow(r);
+		uint64_t head = eco_read_varint(r);
+		uint32_t step = narrow(r, head >> 1);
 		gate->plant = i ? narrow(r, (uint64_t)gate[-1].plant + 1 + step) : step;
-		gate->band = eco_read_u8(r);
+		gate->end = eco_read_u8(r) * ECO_SHARE_ONE;
+		gate->end += head & 1 ? eco_read_u16(r) : 0;
 	}
 }
 

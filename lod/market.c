@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define GIVING_WAY 0.07          /* tiles are open in part where choices differ by less than this, of what they gain */
+#define GIVING_WAY 0.07          /* tiles are open, and gates are, in part where choices differ by less than this, of what they gain */
 #define LAST_PRICE 1e-200        /* of what is bought only where nothing else is left to buy */
 
 /* ---- At a price ---- */
@@ -54,29 +54,78 @@ static void sum_cells(struct lod_market *m, const struct lod_tally *t, struct lo
 	whole->cells_worth += t->count * cell->worth[1];
 }
 
-/* What the cells of each band of a plant come to, and up to which band they are worth it. */
+/* How far what saves so much coarsely has given way to what saves so much finely: 1 where that is the better by far. */
+static double fine_share(const struct lod_market *m, double fine, double coarse)
+{
+	if (m->sharp || !(fine > 0))
+		return fine > coarse;
+	double share = 0.5 + (fine - coarse) / (2 * GIVING_WAY * fine);
+	return share < 0 ? 0 : share > 1 ? 1 : share;
+}
+
+struct bands { double plants, near, far; };              /* of a plant, side by side: what they save with cells, and without */
+
+/* A gate is before all that is farther away. So where cells are worth more in a band than in the one before it, both decide as one. */
+static uint32_t join_bands(struct bands *bands, uint32_t count)
+{
+	while (count > 1) {
+		struct bands *a = &bands[count - 2], *b = &bands[count - 1];
+		if (a->near * b->far >= b->near * a->far)
+			break;
+		*a = (struct bands){ a->plants + b->plants, a->near + b->near, a->far + b->far };
+		count--;
+	}
+	return count;
+}
+
+/* Of how many plants the cells are worth it. */
+static double count_near(const struct lod_market *m, uint32_t plant)
+{
+	struct bands bands[ECO_BANDS];
+	uint32_t count = 0;
+	double sum = 0;
+	for (uint32_t band = 0; band < m->gates_most[plant]; band++) {
+		uint32_t s = lod_market_whole(m, plant, (uint8_t)band);
+		if (s == ECO_NONE)
+			continue;
+		const struct lod_lot *lot = &m->lots[s];
+		double plants = (double)m->counts[s], extra = lod_extra_weight(lot->extra), worth = plants * lot->worth[0];
+		bands[count++] = (struct bands){ plants, worth - plants * paid(&lot->cost[1], extra, m->price) - paid(&lot->cells, extra, m->price),
+			worth - plants * paid(&lot->cost[0], extra, m->price) };
+		count = join_bands(bands, count);
+	}
+	for (uint32_t i = 0; i < count; i++)
+		sum += bands[i].plants * fine_share(m, bands[i].near, bands[i].far);
+	return sum;
+}
+
+/* Where a gate ends that so many plants are before. */
+static uint32_t gate_of(const struct lod_market *m, uint32_t plant, double near)
+{
+	uint32_t gate = 0;
+	for (uint32_t band = 0; band < m->gates_most[plant] && near > 0; band++) {
+		uint32_t s = lod_market_whole(m, plant, (uint8_t)band);
+		if (s == ECO_NONE)
+			continue;
+		double plants = (double)m->counts[s], share = near < plants ? near / plants : 1;
+		gate = eco_gate_place((uint8_t)band, (uint32_t)(share * ECO_SHARE_ONE));
+		near -= plants;
+	}
+	return gate;
+}
+
+/* What the cells of each band of a plant come to, and up to where they are worth it. */
 static void price_gates(struct lod_market *m)
 {
 	struct lod_planning *p = m->p;
 	lod_market_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
-		double sum = 0, least = 0;
-		p->gates[plant] = 0;
-		for (uint32_t band = 0; band < m->gates_most[plant]; band++) {
-			uint32_t s = lod_market_whole(m, plant, (uint8_t)band);
-			if (s == ECO_NONE)
-				continue;
-			const struct lod_lot *lot = &m->lots[s];
-			double count = (double)m->counts[s];
-			double extra = lod_extra_weight(lot->extra);
-			sum += count * (paid(&lot->cost[1], extra, m->price) - paid(&lot->cost[0], extra, m->price)) + paid(&lot->cells, extra, m->price);
-			if (sum < least || m->price <= 0) {
-				least = sum;
-				p->gates[plant] = (uint8_t)(band + 1);
-			}
-		}
-		if (m->gates_held[plant] && m->price > 0)
-			p->gates[plant] = (uint8_t)(m->gates_held[plant] - 1);
+		if (m->price <= 0)
+			p->gates[plant] = gate_of(m, plant, INFINITY);
+		else if (m->gates_held[plant])
+			p->gates[plant] = (uint32_t)(m->gates_held[plant] - 1) * ECO_SHARE_ONE;
+		else
+			p->gates[plant] = gate_of(m, plant, count_near(m, plant));
 	}
 }
 
@@ -88,10 +137,12 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 	for (uint32_t i = 0; i < node->tally_count; i++) {
 		const struct lod_tally *t = &node->tallies[i];
 		const struct lod_slot *slot = &m->p->visible.slots[t->slot];
-		uint8_t band = slot->cell ? t->whole_band : slot->band;
-		bool near = band < m->p->gates[slot->plant];
-		if (!slot->cell || near)
-			add_cost(&sum, &m->lots[t->slot].cost[near], lod_extra_weight(m->lots[t->slot].extra), t->count, t->count * factor);
+		const struct lod_lot *lot = &m->lots[t->slot];
+		double near = lod_planning_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band) * t->count, extra = lod_extra_weight(lot->extra);
+		if (near > 0)
+			add_cost(&sum, &lot->cost[1], extra, near, near * factor);
+		if (!slot->cell && near < t->count)
+			add_cost(&sum, &lot->cost[0], extra, t->count - near, (t->count - near) * factor);
 	}
 	return sum;
 }
@@ -103,10 +154,8 @@ static double open_share(const struct lod_market *m, const struct lod_stall *sta
 		return 1;
 	if (stall->held != LOD_HELD_NOT)
 		return stall->held == LOD_HELD_OPEN;
-	if (m->sharp || !(plants > 0))
-		return plants > summary;
-	double share = 0.5 + (plants - summary) / (2 * GIVING_WAY * plants), least = 1 - stall->shut_most;
-	return share < least ? least : share > 1 ? 1 : share;
+	double share = fine_share(m, plants, summary), least = m->sharp || !(plants > 0) ? 0 : 1 - stall->shut_most;
+	return share < least ? least : share;
 }
 
 /* Points stand for the plants that are left, but no one knows which are whose: all stay until half of the plants are there. */
@@ -217,7 +266,7 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 	if (sight->slot != ECO_NONE && in == sight->node && stall->opened) {
 		const struct lod_slot *slot = &m->p->visible.slots[sight->slot];
 		const struct lod_lot *lot = &m->lots[sight->slot];
-		bool near = slot->band < m->p->gates[slot->plant];
+		bool near = eco_gate_place(slot->band, sight->hash) < m->p->gates[slot->plant];
 		double count = (double)m->counts[sight->slot];
 		cost = lot->cost[near];
 		worth = lot->worth[near];

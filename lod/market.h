@@ -11,7 +11,9 @@
  * the best there are for the vertices they come to. Lower prices buy more.
  *
  * Where both choices of a tile are worth nearly the same, it is open in part: so many of its plants are drawn, by their hashes, and its
- * summary, whose points go as the last plants come. So a tile does not change at once from one picture to the next. */
+ * summary, whose points go as the last plants come. So a tile does not change at once from one picture to the next. Nor does a gate: where
+ * cells are worth nearly the same as the whole plant's lists, so many plants draw them, the nearest bands first, and in one band by their
+ * hashes. */
 #ifndef LOD_MARKET_H
 #define LOD_MARKET_H
 

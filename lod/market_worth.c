@@ -407,7 +407,8 @@ enum eco_code lod_market_make(struct lod_market *m, struct lod_planning *p, stru
 	m->gates_held = calloc(scene->plant_count + 1u, sizeof *m->gates_held);
 	if (!m->lots || !m->scratch || !m->counts || !m->stalls || !m->drawn_by || !m->slot_of || !m->gates_most || !m->gates_held)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
-	memcpy(m->gates_most, p->gates, scene->plant_count);
+	for (uint32_t i = 0; i < scene->plant_count; i++)
+		m->gates_most[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
 	for (uint32_t s = 0; s < slots; s++)
 		m->counts[s] = p->visible.slots[s].count;
 	for (uint32_t n = 0; n < nodes; n++)

@@ -12,7 +12,7 @@ enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planne
 {
 	const struct eco_scene *scene = input->scene;
 	*p = (struct lod_planning){ .input = input, .scene = scene };
-	p->gates = calloc(scene->plant_count + 1, 1);
+	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;
 	if (!p->gates)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", scene->plant_count);

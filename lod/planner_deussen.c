@@ -77,7 +77,7 @@ static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_lad
 }
 
 /* The plant's cells are drawn in bands where its whole-plant lists do not suffice. */
-static uint8_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
+static uint32_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
 {
 	const struct eco_scene *scene = p->scene;
 	const struct eco_plant *pl = &scene->plants[plant];
@@ -91,7 +91,7 @@ static uint8_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
 				continue;
 			uint64_t points = lod_planning_count(scene, ladder->points), limit = points ? points : 2 * lod_planning_count(scene, ladder->lines);
 			if (ladder_wants(scene, ladder, r, d, &wanted) > limit || (points && wanted > (double)points) || !(d > 0))
-				return (uint8_t)(band + 1);
+				return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 		}
 	}
 	return 0;
@@ -130,7 +130,7 @@ enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *e
 
 static bool ladder_applies(const struct lod_planning *p, const struct eco_ladder *ladder, const struct lod_slot *slot)
 {
-	return !(ladder->flags & ECO_LADDER_FAR) || slot->band >= p->gates[slot->plant];
+	return !(ladder->flags & ECO_LADDER_FAR) || eco_gate_place(slot->band, 0) >= p->gates[slot->plant];
 }
 
 static bool add_vertices(struct lod_planning *p, uint64_t count, uint64_t vertices)
@@ -181,11 +181,12 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 			const struct lod_tables_ladder *table = lod_tables_ladder(p->tables, ladders[i]);
 			if (!table)
 				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for ladder %u", ladders[i]);
-			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count, .full = table->way.full, .pixels = organ_pixels(p, ladder, r) };
+			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count, .end = ECO_SHARE_ONE,
+				.full = table->way.full, .pixels = organ_pixels(p, ladder, r) };
 			entry.vertices = ladder_wants(p->scene, ladder, r, d, &entry.wanted);
 			/* a whole-plant list alone, or beside cells that do not show all their points yet, stands for more than itself */
 			bool coarse = !slot->cell && p->scene->plants[slot->plant].anchor_count > 1
-				&& (slot->band >= p->gates[slot->plant] || entry.wanted < ladder->total);
+				&& (eco_gate_place(slot->band, 0) >= p->gates[slot->plant] || entry.wanted < ladder->total);
 			if (coarse)
 				entry.full = lod_way_stage_end(&table->way);
 			entry.vertices = lod_way_floor(&table->way, entry.vertices < entry.full ? entry.vertices : entry.full);

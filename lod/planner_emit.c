@@ -15,7 +15,7 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	double density = lod_way_density(lod_planning_way(p, entry->ladder), vertices);
 	/* where cells add to the coarse list, the plant as a whole is as dense as d' asked for */
-	if (!slot->cell && slot->band < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
+	if (!slot->cell && eco_gate_place(slot->band, 0) < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;
 	return density < 1 ? density : 1;
 }
@@ -169,10 +169,11 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 			add_summary_cut(p, entry, placement_in_plan, plan);
 			continue;
 		}
-		add_cuts(p, entry, entry->more, 0, entry->share, plan);
+		uint32_t from = entry->share ? entry->share : entry->first;
+		add_cuts(p, entry, entry->more, entry->first, from, plan);
 		if (entry->between)
-			add_cuts(p, entry, entry->middle, entry->share, entry->between, plan);
-		add_cuts(p, entry, entry->vertices, entry->between ? entry->between : entry->share, ECO_SHARE_ONE, plan);
+			add_cuts(p, entry, entry->middle, from, entry->between, plan);
+		add_cuts(p, entry, entry->vertices, entry->between ? entry->between : from, entry->end, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)

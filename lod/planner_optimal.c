@@ -371,7 +371,8 @@ static bool complete(const struct lod_planning *p)
 			return false;
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
-		if (slot->count && !slot->cell && p->scene->plants[slot->plant].anchor_count > 1 && slot->band >= p->gates[slot->plant])
+		if (slot->count && !slot->cell && p->scene->plants[slot->plant].anchor_count > 1
+				&& eco_gate_place(slot->band, 0) >= p->gates[slot->plant])
 			return false;
 	}
 	return true;

@@ -15,6 +15,7 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	uint32_t ladder;             /* summary: the node */
 	uint64_t count;              /* plants */
 	uint64_t vertices, full;     /* per plant */
+	uint32_t first, end;         /* of plants whose hash is from `first` on and below `end` */
 	uint64_t more;               /* per plant whose hash is below `share`: this many instead */
 	uint32_t share;
 	uint64_t middle;             /* per plant whose hash is from `share` on and below `between`: so many */
@@ -27,7 +28,7 @@ struct lod_planning {
 	const struct lod_planner_input *input;
 	const struct eco_scene *scene;
 	struct lod_visible visible;
-	uint8_t *gates;              /* per plant */
+	uint32_t *gates;             /* per plant: where it ends, see struct eco_gate */
 	struct lod_tables *tables, *own;     /* the input's; or its own */
 	struct lod_entry *entries;
 	uint32_t entry_count, entry_capacity;
@@ -65,6 +66,13 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices);
+
+/* How many of a plant's instances in a band are before its gate, as a share. */
+static inline double lod_planning_near(const struct lod_planning *p, uint32_t plant, uint8_t band)
+{
+	double share = ((double)p->gates[plant] - eco_gate_place(band, 0)) / ECO_SHARE_ONE;
+	return share < 0 ? 0 : share > 1 ? 1 : share;
+}
 
 /* Of a ladder that is in an entry or an offer. */
 static inline const struct lod_way *lod_planning_way(const struct lod_planning *p, uint32_t ladder)

@@ -19,6 +19,13 @@
 
 static double drawn_share(const struct lod_node *node) { return 1 - (double)node->left / ECO_SHARE_ONE; }
 
+/* Cells are drawn of plants before the gate alone. */
+static double shown(const struct lod_planning *p, const struct lod_tally *t)
+{
+	const struct lod_slot *slot = &p->visible.slots[t->slot];
+	return t->count * (slot->cell ? lod_planning_near(p, slot->plant, t->whole_band) : 1);
+}
+
 /* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
 static void see_slots(const struct lod_market *m, double *seen)
 {
@@ -26,18 +33,18 @@ static void see_slots(const struct lod_market *m, double *seen)
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
 		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
-			seen[node->tallies[i].slot] += drawn_share(node) * node->tallies[i].count * m->stalls[n].factor;
+			seen[node->tallies[i].slot] += drawn_share(node) * shown(p, &node->tallies[i]) * m->stalls[n].factor;
 	}
 }
 
 /* A summary that nothing is drawn beside: it may have as many points as are worth it. */
 static bool alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
 
-static bool applies(const struct lod_planning *p, const struct lod_offer *offer)
+/* Its plants are the first of the slot by hash, the last, or all. */
+static uint64_t plants_of(const struct lod_planning *p, const struct lod_offer *offer)
 {
 	const struct lod_slot *slot = &p->visible.slots[offer->slot];
-	bool near = slot->band < p->gates[slot->plant];
-	return slot->count > 0 && (offer->when == LOD_ALWAYS || near == (offer->when == LOD_NEAR));
+	return offer->when == LOD_NEAR ? slot->near : offer->when == LOD_FAR ? slot->count - slot->near : slot->count;
 }
 
 enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, struct eco_error *error)
@@ -50,9 +57,10 @@ enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, stru
 	see_slots(m, m->scratch);
 	for (uint32_t i = 0; i < m->offer_count; i++) {
 		const struct lod_offer *o = &m->offers[i];
-		if (applies(p, o))
-			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = o->steps,
-				.count = p->visible.slots[o->slot].count, .worth = o->worth, .seen = o->worth * m->scratch[o->slot] };
+		uint64_t count = plants_of(p, o);
+		if (count)
+			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = o->steps, .count = count, .worth = o->worth,
+				.seen = o->worth * m->scratch[o->slot] * ((double)count / (double)p->visible.slots[o->slot].count) };
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
@@ -214,12 +222,13 @@ static int ascending(const void *a, const void *b)
 
 static const uint16_t *hashes_of(struct lod_spend *spend, const struct lod_bid *bid)
 {
-	uint32_t slot = spend->market->offers[bid->offer].slot;
-	uint16_t *hashes = spend->hashes + spend->hash_first[slot];
-	if (!spend->sorted[slot])
-		qsort(hashes, bid->count, sizeof *hashes, ascending);
-	spend->sorted[slot] = 1;
-	return hashes;
+	const struct lod_offer *offer = &spend->market->offers[bid->offer];
+	const struct lod_slot *slot = &spend->market->p->visible.slots[offer->slot];
+	uint16_t *hashes = spend->hashes + spend->hash_first[offer->slot];
+	if (!spend->sorted[offer->slot])
+		qsort(hashes, slot->count, sizeof *hashes, ascending);
+	spend->sorted[offer->slot] = 1;
+	return offer->when == LOD_FAR ? hashes + slot->near : hashes;
 }
 
 /* Plants of one hash are treated alike. The most plants, not above `wanted`, that a share can hold. */
@@ -453,15 +462,25 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 		for (uint32_t i = 0; p->visible.nodes[n].state == LOD_OPEN && i < p->visible.nodes[n].tally_count; i++) {
 			const struct lod_tally *t = &p->visible.nodes[n].tallies[i];
 			const struct lod_slot *slot = &p->visible.slots[t->slot];
-			if (!slot->cell || t->whole_band >= p->gates[slot->plant])
+			if (!slot->cell || eco_gate_place(t->whole_band, 0) >= p->gates[slot->plant])
 				continue;
 			uint32_t whole = m->slot_of[slot->plant * (size_t)ECO_BANDS + t->whole_band] - 1;
-			double count = drawn_share(&p->visible.nodes[n]) * t->count;
+			double count = drawn_share(&p->visible.nodes[n]) * shown(p, t);
 			for (int o = 0; o < ECO_ORGAN_COUNT; o++) {
 				drawn[whole][o] += count * drawn[t->slot][o];
 				all[whole][o] += count * all[t->slot][o];
 			}
 		}
+}
+
+/* In the band where the gate ends, the first of the slot's plants draw cells, and the others do not. */
+static void find_hashes(const struct lod_planning *p, const struct lod_offer *offer, struct lod_entry *entry)
+{
+	const struct lod_slot *slot = &p->visible.slots[offer->slot];
+	uint32_t place = eco_gate_place(slot->band, 0), gate = p->gates[slot->plant];
+	uint32_t end = gate < place ? 0 : gate - place < ECO_SHARE_ONE ? gate - place : ECO_SHARE_ONE;
+	entry->first = offer->when == LOD_FAR ? end : 0;
+	entry->end = offer->when == LOD_NEAR ? end : ECO_SHARE_ONE;
 }
 
 static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *error)
@@ -489,6 +508,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 			entry.ladder = o->ladder;
 			entry.full = lod_planning_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
+			find_hashes(p, o, &entry);
 			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
 			if (bid->ahead) {        /* and less than all */
 				entry.more = bid->high;
@@ -497,7 +517,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 			if (bid->between) {
 				uint64_t end = bid->ahead + bid->between;
 				entry.middle = bid->middle;
-				entry.between = end < bid->count ? hashes_of(spend, bid)[end] : ECO_SHARE_ONE;
+				entry.between = end < bid->count ? hashes_of(spend, bid)[end] : entry.end;
 			}
 		}
 		code = lod_planning_add(p, &entry, error);

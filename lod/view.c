@@ -164,7 +164,7 @@ double lod_band_distance_m(uint8_t band)
 }
 
 uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, uint32_t hash, struct lod_anchor_band *out)
+	uint32_t anchor_first, uint32_t anchor_count, uint32_t gate, uint32_t hash, struct lod_anchor_band *out)
 {
 	double center[3];
 	lod_place_point(place, anchors[0].center, center);
@@ -172,7 +172,7 @@ uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place 
 		return 0;
 	out[0].anchor = anchor_first;
 	out[0].band = lod_eye_band(eye, center, place->scale, hash);
-	if (out[0].band >= gate)
+	if (eco_gate_place(out[0].band, hash) >= gate)
 		return 1;
 	uint32_t count = 1;
 	for (uint32_t i = 1; i < anchor_count; i++) {

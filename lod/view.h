@@ -40,11 +40,11 @@ double lod_band_distance_m(uint8_t band);                              /* geomet
 
 /* The rule of a plan, for one instance: which anchors are drawn, and in which band each lies. anchors[0] is the whole plant, the
  * others its cells, anchor_first the index of anchors[0] in the scene. Writes nothing (returns 0) if the plant is out of view;
- * else first the whole plant and then, if its band is below `gate`, every cell in view. `hash` is the plant's lod_share_hash. `out` holds
+ * else first the whole plant and then, if its eco_gate_place is below `gate`, every cell in view. `hash` is the plant's lod_share_hash. `out` holds
  * anchor_count entries. */
 struct lod_anchor_band { uint32_t anchor; uint8_t band; };
 uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint8_t gate, uint32_t hash, struct lod_anchor_band *out);
+	uint32_t anchor_first, uint32_t anchor_count, uint32_t gate, uint32_t hash, struct lod_anchor_band *out);
 
 /* Hash of an instance in [0, ECO_SHARE_ONE): which side of a cut's share it is on, and how its distance is blurred. */
 uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index);

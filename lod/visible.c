@@ -273,7 +273,7 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 		uint32_t hash = lod_share_hash(visible->placements[node->placement].path, g->list, i);
 		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
 		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
-			plant->anchor_count, gate, hash, visible->scratch);
+			plant->anchor_count, eco_gate_place(gate, 0), hash, visible->scratch);
 		if (n == 0)
 			continue;
 		uint8_t whole = visible->scratch[0].band;
@@ -293,18 +293,32 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 	return ECO_OK;
 }
 
-static void add_counts(struct lod_visible *visible, const struct lod_node *node, const uint8_t *gates)
+static void add_counts(struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	for (uint32_t i = 0; i < node->tally_count; i++) {
-		struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
-		if (!slot->cell || node->tallies[i].whole_band < gates[slot->plant])
-			slot->count += node->tallies[i].count;
+		const struct lod_tally *t = &node->tallies[i];
+		struct lod_slot *slot = &visible->slots[t->slot];
+		bool near = eco_gate_place(slot->cell ? t->whole_band : slot->band, 0) < gates[slot->plant];
+		slot->count += !slot->cell || near ? t->count : 0;
+		slot->near += !slot->cell && near ? t->count : 0;
 	}
 	visible->plants += node->plants;
 }
 
-/* The same of a tile that leaves plants to its summary. */
-static void add_part(struct lod_visible *visible, const struct lod_node *node, const uint8_t *gates)
+/* Must its plants be told apart: are some left to its summary, or does a gate end among them? */
+static bool is_split(const struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
+{
+	bool split = node->left > 0;
+	for (uint32_t i = 0; i < node->tally_count && !split; i++) {
+		const struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
+		uint32_t gate = gates[slot->plant];
+		split = !slot->cell && gate % ECO_SHARE_ONE && gate / ECO_SHARE_ONE == slot->band;
+	}
+	return split;
+}
+
+/* The same, plant by plant. */
+static void add_part(struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_tile *tile = &scene->tiles[node->tile];
@@ -321,8 +335,11 @@ static void add_part(struct lod_visible *visible, const struct lod_node *node, c
 			lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
 			uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
 				plant->anchor_count, gates[group->plant], hash, visible->scratch);
-			for (uint32_t a = 0; a < n; a++)
-				visible->slots[lod_visible_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)].count++;
+			for (uint32_t a = 0; a < n; a++) {
+				struct lod_slot *slot = &visible->slots[lod_visible_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)];
+				slot->count++;
+				slot->near += a == 0 && eco_gate_place(slot->band, hash) < gates[group->plant];
+			}
 			visible->plants += n > 0;
 		}
 	}
@@ -332,18 +349,18 @@ static void forget_counts(struct lod_visible *visible)
 {
 	visible->plants = 0;
 	for (uint32_t i = 0; i < visible->slot_count; i++)
-		visible->slots[i].count = 0;
+		visible->slots[i].count = visible->slots[i].near = 0;
 }
 
-void lod_visible_recount(struct lod_visible *visible, const uint8_t *gates)
+void lod_visible_recount(struct lod_visible *visible, const uint32_t *gates)
 {
 	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++)
 		if (visible->nodes[i].state == LOD_OPEN)
-			(visible->nodes[i].left ? add_part : add_counts)(visible, &visible->nodes[i], gates);
+			(is_split(visible, &visible->nodes[i], gates) ? add_part : add_counts)(visible, &visible->nodes[i], gates);
 }
 
-static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint8_t *gates,
+static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint32_t *gates,
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
@@ -355,7 +372,7 @@ static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *
 		memset(node->gate_done, NOTHING_DONE, tile->group_count);
 	}
 	for (uint32_t i = 0; i < tile->group_count; i++) {
-		uint8_t gate = gates[scene->groups[tile->group_first + i].plant];
+		uint8_t gate = (uint8_t)(gates[scene->groups[tile->group_first + i].plant] / ECO_SHARE_ONE);
 		if (node->gate_done[i] != NOTHING_DONE && node->gate_done[i] >= gate)
 			continue;
 		enum eco_code code = tally_group(visible, node, tile->group_first + i, gate, &node->gate_done[i], error);
@@ -382,7 +399,7 @@ static bool summary_suffices(const struct lod_visible *visible, const struct lod
 	return list != ECO_NONE && lod_summary_points(node, sample_distance) <= visible->scene->lists[list].primitive_count;
 }
 
-enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint8_t *gates,
+enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint32_t *gates,
 	struct eco_error *error)
 {
 	forget_counts(visible);
@@ -419,7 +436,7 @@ enum eco_code lod_visible_count(struct lod_visible *visible, double sample_dista
 	return ECO_OK;
 }
 
-void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint8_t *gates, lod_visible_fn fn, void *ctx)
+void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint32_t *gates, lod_visible_fn fn, void *ctx)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_plant *p = &scene->plants[plant];

@@ -17,7 +17,7 @@
 
 struct lod_tally {               /* plants of one leaf tile in one slot */
 	uint32_t slot, count;
-	uint8_t whole_band;          /* of the plant itself: cells count only where it is below the plant's gate */
+	uint8_t whole_band;          /* of the plant itself: cells count only where it is before the plant's gate */
 };
 
 enum lod_state { LOD_CLOSED, LOD_SUMMARY, LOD_OPEN };
@@ -41,6 +41,7 @@ struct lod_slot {
 	uint8_t band;
 	bool cell;                   /* anchor is not the whole plant */
 	uint64_t count;              /* at the last lod_visible_count */
+	uint64_t near;               /* of whole plants: so many of them draw their cells */
 	uint32_t last_node, last_tally;      /* where this slot was counted last */
 };
 
@@ -70,13 +71,13 @@ enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error 
 double lod_summary_points(const struct lod_node *node, double sample_distance);
 
 /* Walks the tree: a tile whose summary has enough points for `sample_distance` (radians; 0: never) is LOD_SUMMARY; other tiles are
- * opened, their plants counted into the slots; cells where a plant's band is below gates[plant]. ECO_TOO_LARGE when the walk would
+ * opened, their plants counted into the slots; cells of plants before gates[plant], which is whole bands. ECO_TOO_LARGE when the walk would
  * exceed its bounds. */
-enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint8_t *gates,
+enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint32_t *gates,
 	struct eco_error *error);
 
-/* Counts again after the caller changed states of nodes or lowered gates. */
-void lod_visible_recount(struct lod_visible *visible, const uint8_t *gates);
+/* Counts again after the caller changed states of nodes or lowered gates, be it to within a band. */
+void lod_visible_recount(struct lod_visible *visible, const uint32_t *gates);
 
 /* The slot of plants whose `anchor` lies in `band`, or ECO_NONE. */
 uint32_t lod_visible_slot(struct lod_visible *visible, uint32_t anchor, uint8_t band);
@@ -87,6 +88,6 @@ void lod_visible_box(const struct lod_visible *visible, const struct lod_node *n
 /* Calls back for every visible plant of the open tiles, with its run's placement: for shares and for tests. */
 typedef void (*lod_visible_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant,
 	uint32_t share_hash);
-void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint8_t *gates, lod_visible_fn fn, void *ctx);
+void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint32_t *gates, lod_visible_fn fn, void *ctx);
 
 #endif

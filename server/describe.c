@@ -273,7 +273,8 @@ static void describe_gates(struct srv_json *json, const struct eco_scene *scene,
 		uint32_t plant = plan->gates[i].plant;
 		srv_json_open(json, '{');
 		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
-		srv_json_key_count(json, "band", plan->gates[i].band);
+		srv_json_key_count(json, "band", plan->gates[i].end / ECO_SHARE_ONE);
+		srv_json_key_count(json, "share", plan->gates[i].end % ECO_SHARE_ONE);
 		srv_json_close(json, '}');
 	}
 	srv_json_close(json, ']');

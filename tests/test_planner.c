@@ -53,10 +53,10 @@ static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *
 			while (s->groups[g].list != list)
 				g++;
 			const struct eco_plant *plant = &s->plants[s->groups[g].plant];
-			uint8_t gate = 0;
+			uint32_t gate = 0;
 			for (uint32_t i = 0; i < plan->gate_count; i++)
 				if (plan->gates[i].plant == s->groups[g].plant)
-					gate = plan->gates[i].band;
+					gate = plan->gates[i].end;
 			for (uint32_t i = 0; i < s->lists[list].primitive_count; i++) {
 				struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
 				struct lod_place place;

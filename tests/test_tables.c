@@ -63,7 +63,7 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 			&& x->band_first == y->band_first && x->band_end == y->band_end && x->share_first == y->share_first && x->share_end == y->share_end);
 	}
 	for (uint32_t i = 0; i < a->gate_count; i++)
-		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].band == b->gates[i].band);
+		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
 }
 
 static void plans_are_the_same_with_tables_as_without(void **state)

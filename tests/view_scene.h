@@ -329,10 +329,10 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 				struct eco_place at = eco_place_of(&s->elements[id], i);
 				struct lod_place place;
 				struct lod_anchor_band seen[A_COUNT];
-				uint8_t gate = 0;
+				uint32_t gate = 0;
 				for (uint32_t g = 0; g < plan->gate_count; g++)
 					if (plan->gates[g].plant == s->lists[id].plant)
-						gate = plan->gates[g].band;
+						gate = plan->gates[g].end;
 				lod_place_instance(&place, placement, &s->lists[id], &at);
 				uint32_t hash = lod_share_hash(placement->path, id, i);
 				if (lod_open_hash(hash) < plan->runs[r].left)
@@ -386,7 +386,7 @@ static inline void scene_plan(const struct view_scene *s, const struct eco_view 
 	plan->cuts = malloc(sizeof cuts);
 	memcpy(plan->placements, placements, sizeof placements);
 	memcpy(plan->runs, runs, sizeof runs);
-	plan->gates[0] = (struct eco_gate){ 0, near };
+	plan->gates[0] = (struct eco_gate){ 0, eco_gate_place(near, ECO_SHARE_ONE / 3) };
 	memcpy(plan->cuts, cuts, sizeof cuts);
 	eco_plan_sort(plan);
 	plan->vertices = scene_count(s, plan, &eye, &plan->visible_plants);

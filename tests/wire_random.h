@@ -161,7 +161,9 @@ static inline struct eco_plan wire_random_plan(struct wire_random *r, uint32_t m
 	}
 	for (uint32_t i = 0; i < plan.gate_count; i++) {
 		plan.gates[i].plant = wire_random_below(r, plants);
-		plan.gates[i].band = (uint8_t)wire_random_below(r, ECO_BANDS + 1);
+		plan.gates[i].end = wire_random_below(r, ECO_BANDS + 1) * ECO_SHARE_ONE;
+		if (plan.gates[i].end < ECO_GATE_OPEN && wire_random_below(r, 2))
+			plan.gates[i].end += wire_random_below(r, ECO_SHARE_ONE);
 	}
 	uint32_t summaries = wire_random_below(r, plan.cut_count + 1);
 	for (uint32_t i = 0; i < plan.cut_count; i++)

@@ -111,7 +111,7 @@ static enum eco_code try_gates(struct search *s, uint32_t plant, struct eco_erro
 	for (uint32_t band = 0; band < s->market.gates_most[plant] && !code; band++) {
 		if (!s->market.slot_of[plant * (size_t)ECO_BANDS + band])
 			continue;
-		s->planning.gates[plant] = (uint8_t)(band + 1);
+		s->planning.gates[plant] = (band + 1) * ECO_SHARE_ONE;
 		code = try_gates(s, plant + 1, error);
 	}
 	return code;
