@@ -13,7 +13,7 @@
 #include "lod/ladder.h"
 
 #define LOD_STEPS_MAX 97u        /* with the last */
-#define LOD_EXTRAS 5u            /* weights of pixels too many that steps are made for: 0 to 1 */
+#define LOD_EXTRAS 9u            /* weights of pixels too many that steps are made for: 0 to 1. The fewer, the more plants change as theirs does */
 static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
 
 /* What it counts besides its pixels that nothing of a plant's foliage is drawn: as much again, as a tree without leaves is another tree. Else thin
