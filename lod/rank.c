@@ -340,7 +340,7 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 	r->weights = gradient(r, 0.5);
 	while (r->picked < r->count) {
 		uint32_t end = next_end(r->count, r->picked);
-		r->crown.points = !r->options->plain && !r->options->wrong_pixels && end <= POINTS * r->count;
+		r->crown.points = lod_rank_begins_with_points(r->options) && end <= POINTS * r->count;
 		lod_crown_set_level(&r->crown, end);
 		scale = choose_scale(r, end, scale);
 		r->views = (struct lod_crown_views){ 0, 1 };

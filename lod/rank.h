@@ -16,6 +16,7 @@ struct lod_rank_options {
 	const double (*directions)[3];       /* `views` of them; NULL: spread all around. For lists per sector of view */
 	uint32_t seed;
 	bool plain;                          /* neither growth codes nor simpler shapes: the order alone */
+	bool leaves;                         /* no leaf will be drawn as a point */
 	bool wrong_pixels;                   /* what counts is pixels that are wrong, as in Lee's table, not Q; no leaf is drawn as a point */
 	double from_share;                   /* prefixes below this share of the triangles are looked at no second time */
 	bool unscaled;                       /* for drawing at scale 1 throughout: most pixels covered by every prefix */
@@ -24,6 +25,12 @@ struct lod_rank_options {
 	lod_rank_each *each;
 	void *ctx;
 };
+
+/* Is the list's beginning made for points? */
+static inline bool lod_rank_begins_with_points(const struct lod_rank_options *options)
+{
+	return !options->plain && !options->leaves && !options->wrong_pixels;
+}
 
 struct lod_rank {                    /* arrays of the arena */
 	uint32_t *order;             /* elements, the one worth most first */

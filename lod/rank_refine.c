@@ -560,7 +560,7 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
 		if (i < KEY_LEAST || places[share].share < r->in->options->from_share || (r->key_count && i == key[-1].elements)
-			|| (places[share].points && r->in->options->wrong_pixels))
+			|| (places[share].points && !lod_rank_begins_with_points(r->in->options)))
 			continue;
 		key->elements = i;
 		key->wrong_pixels = r->in->options->wrong_pixels;

@@ -39,8 +39,9 @@ struct study {
 	struct lod_sights tuning, tests;
 	uint32_t *order[BENCH_METHODS], n;
 	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: as triangles */
-	uint8_t *growth;
-	struct lod_simple *triangle, *shape;
+	const uint8_t *growth[BENCH_METHODS];
+	const struct lod_simple *triangle[BENCH_METHODS];
+	struct lod_simple *shape;
 	float *factor;
 	double share;                /* of the outline, by one leaf */
 	struct row rows[BENCH_METHODS][ROWS_MAX];
@@ -73,25 +74,33 @@ static bool rank_goes_on(void *ctx, double share)
 	return !bench_stopped(bench);
 }
 
+/* One order for the methods from `first` to `last`: for leaves alone, or as packs have it, which begins with points. */
+static enum eco_code make_ours(struct bench *bench, struct study *s, bool leaves, int first, int last, struct eco_error *error)
+{
+	struct lod_rank_options options = { .seed = 1, .leaves = leaves, .progress = rank_goes_on, .ctx = bench };
+	struct lod_rank rank;
+	enum eco_code code = lod_rank_make(&rank, &s->leaves.foliage, &options, &s->leaves.arena, error);
+	for (int m = first; m <= last && !code; m++) {
+		s->order[m] = rank.order;
+		s->growth[m] = rank.growth;
+		s->triangle[m] = rank.simple;
+	}
+	return code;
+}
+
 static enum eco_code make_orders(struct bench *bench, struct study *s, struct eco_error *error)
 {
 	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
 	const struct lod_foliage *f = &s->leaves.foliage;
 	struct lod_arena *arena = &s->leaves.arena;
 	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
-	struct lod_rank rank;
 	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++) {
 		lod_order_survival_by(survival, methods[m], &(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
 		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
 		sort_by(s->order[m], survival, f->count, arena);
 	}
-	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 1, .progress = rank_goes_on, .ctx = bench }, arena, error);
-	if (code)
-		return code;
-	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_TRIANGLES] = s->order[BENCH_FORMS] = rank.order;
-	s->growth = rank.growth;
-	s->triangle = rank.simple;
-	return ECO_OK;
+	enum eco_code code = make_ours(bench, s, true, BENCH_PLAIN, BENCH_TRIANGLES, error);
+	return code ? code : make_ours(bench, s, false, BENCH_FORMS, BENCH_FORMS, error);
 }
 
 static void count_vertices(struct study *s)
@@ -148,7 +157,7 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 		for (uint32_t c = 0; c < ECO_GROWTHS; c++)
 			by_code[c] = eco_growth(c, scale);
 		for (uint32_t k = 0; k < count; k++)
-			s->factor[drawing.order[k]] = by_code[s->growth[drawing.order[k]]];
+			s->factor[drawing.order[k]] = by_code[s->growth[method][drawing.order[k]]];
 		drawing.factor = s->factor;
 	}
 	if (method >= BENCH_TRIANGLES) {
@@ -156,7 +165,7 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 		for (uint32_t k = 0; k < count; k++) {
 			uint32_t i = drawing.order[k];
 			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1] - s->full[method][k];
-			s->shape[i] = k >= middle ? (struct lod_simple){ .corners = 1 } : simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
+			s->shape[i] = k >= middle ? (struct lod_simple){ .corners = 1 } : simpler ? s->triangle[method][i] : (struct lod_simple){ .corners = 0 };
 			s->factor[i] = k >= middle ? scale : s->factor[i];
 		}
 		drawing.shape = s->shape;

@@ -15,8 +15,8 @@
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
 
-/* PLAIN: our order, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and with leaves
- * as one triangle where that serves better. FORMS: or as a point, one vertex: what packs hold, and in the order in which they draw it. */
+/* PLAIN: our order, made for leaves, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that
+ * serves better. FORMS: or as a point, one vertex, and in the order made for that: what packs hold and draw. */
 enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_FORMS,
 	BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
