@@ -24,7 +24,7 @@ static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (
 
 struct lod_amount {
 	uint64_t vertices;           /* a value that lod_ladder_floor returns */
-	double fp, fn;               /* over covered pixels; fn never rises, nor does fn + extra * fp */
+	double fp, fn;               /* over covered pixels; fn never rises, nor does fn + extra * fp; of nothing, with lod_steps_absent */
 	double price;                /* gain of the step that ends here, per vertex; falls from each amount to the next; of [0]: infinity; 0 only
 	                              * of the last: it gains nothing and completes what is drawn where all of everything can be had */
 };
