@@ -70,13 +70,13 @@ enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliag
 
 /* Elements order[0..count) at their factors (area factor about the mean of the corners that are drawn; NULL: `scale` for all), over the
  * wood. `shape`: a triangle for the same element, opaque; NULL, or with no corners where the element is drawn itself. */
-struct lod_simple { float corner[3][3]; uint8_t corners; };      /* 3; 0: none; 1: the point that stands for the element */
+struct lod_simple { float corner[3][3]; uint8_t corners; };      /* 3; 0: none */
 struct lod_sights_drawing {
 	const uint32_t *order;       /* NULL: as they are numbered */
 	uint32_t count;
 	const float *factor;         /* per element (not per position in the order), or NULL */
 	float scale;
-	const struct lod_simple *shape;        /* per element, or NULL */
+	const struct lod_simple *shape;      /* per element, or NULL */
 };
 /* ORs into mask[0..words). `raster` is a scratch rasteriser of the caller (silhouette, pixels x pixels): one per thread. */
 void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing, struct lod_raster *raster,

@@ -218,13 +218,6 @@ static void add_fan(struct soup *soup, const float (*corner)[3], const float (*u
 	}
 }
 
-/* As large as half of the element, which is what is seen of it in the mean. */
-static void add_point(const struct lod_foliage *foliage, uint32_t i, struct lod_raster *raster, double factor)
-{
-	const float at[3] = { (float)foliage->center[i].x, (float)foliage->center[i].y, (float)foliage->center[i].z };
-	lod_raster_points(raster, &(struct lod_raster_batch){ .count = 1, .position = at, .area = (float)(foliage->area[i] / 2 * factor), .owner = 1 });
-}
-
 void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing, struct lod_raster *raster,
 	uint64_t *mask)
 {
@@ -234,9 +227,7 @@ void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struc
 	for (uint32_t k = 0; k < drawing->count; k++) {
 		uint32_t i = drawing->order ? drawing->order[k] : k, at = foliage->first[i];
 		double factor = drawing->factor ? drawing->factor[i] : drawing->scale, edge = factor == 1 ? 1 : sqrt(factor);
-		if (drawing->shape && drawing->shape[i].corners == 1)
-			add_point(foliage, i, raster, factor);
-		else if (drawing->shape && drawing->shape[i].corners >= 3)
+		if (drawing->shape && drawing->shape[i].corners)
 			add_fan(&soup, (const float (*)[3])drawing->shape[i].corner, NULL, drawing->shape[i].corners, NULL, edge);
 		else
 			add_fan(&soup, (const float (*)[3])(foliage->corner + at), (const float (*)[2])(foliage->uv + at),

@@ -107,16 +107,6 @@ static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, ui
 		.rgb = rgb, .owner = i + 1 });
 }
 
-/* Facing the eye as leaves do in the mean. */
-static void draw_point(struct bench_leaves *leaves, uint32_t i, float scale)
-{
-	const struct lod_foliage *f = &leaves->foliage;
-	const uint8_t green[3] = { 75, 120, 47 };
-	const float at[3] = { (float)f->center[i].x, (float)f->center[i].y, (float)f->center[i].z };
-	lod_raster_points(&leaves->ids, &(struct lod_raster_batch){ .count = 1, .position = at, .area = (float)f->area[i] / 2 * scale, .rgb = green,
-		.owner = i + 1 });
-}
-
 void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing)
 {
 	const struct lod_foliage *f = &leaves->foliage;
@@ -137,9 +127,7 @@ void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sigh
 	for (uint32_t k = 0; k < count; k++) {
 		uint32_t i = drawing ? drawing->order[k] : k;
 		float scale = !drawing ? 1 : drawing->factor ? drawing->factor[i] : drawing->scale;
-		if (drawing && drawing->shape && drawing->shape[i].corners == 1)
-			draw_point(leaves, i, scale);
-		else if (drawing && drawing->shape && drawing->shape[i].corners >= 3)
+		if (drawing && drawing->shape && drawing->shape[i].corners)
 			draw_shape(leaves, eye, i, scale, &drawing->shape[i]);
 		else
 			draw_leaf(leaves, eye, i, scale);

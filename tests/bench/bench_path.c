@@ -178,13 +178,13 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 	}
 	bench_table_close(table);
 	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most %,Neubert 2011: mean,least,most", true);
-	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6", "40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6", "40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-" };
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m], counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);
 		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], p->frame_count, false };
 	}
 	bench_table_close(table);
-	bench_key(bench, "saving_frame_min", counted ? least[BENCH_FORMS] / 100 : NAN, ">= 0.40");
+	bench_key(bench, "saving_frame_min", counted ? least[BENCH_TRIANGLES] / 100 : NAN, ">= 0.40");
 	return bench_plot(bench, &(struct bench_plot){ .name = "path", .title = "1,276 trees: geometry saved against Cook at equal Q", .x = "frame",
 		.y = "saved, %", .series = series, .series_count = BENCH_METHODS }, error);
 }

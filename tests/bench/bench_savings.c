@@ -25,23 +25,21 @@
 #define FACTOR_QUICK 1.6         /* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
 #define STEP_QUICK 0.07
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
-#define WAYS 5                   /* from as they are to as many as can be, as triangles; */
-#define WAYS_POINTS 9            /* and from there to as many as can be, as points */
+#define WAYS 5                   /* from as they are to as many as can be, as triangles */
 #define BESIDE_STRIDE 4u         /* distances that owners and colours are compared at */
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, all at one scale", "greedy",
-	"greedy, leaves as triangles", "greedy, and as points" };
+	"greedy, leaves as triangles" };
 
-struct row { double lambda, step, count, fine, middle, q; int way; };     /* elements [0, fine) as they are, [fine, middle) triangles, [middle, count) points */
+struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) triangles */
 
 struct study {
 	struct bench_leaves leaves;
 	struct lod_sights tuning, tests;
 	uint32_t *order[BENCH_METHODS], n;
 	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: as triangles */
-	const uint8_t *growth[BENCH_METHODS];
-	const struct lod_simple *triangle[BENCH_METHODS];
-	struct lod_simple *shape;
+	uint8_t *growth;
+	struct lod_simple *triangle, *shape;
 	float *factor;
 	double share;                /* of the outline, by one leaf */
 	struct row rows[BENCH_METHODS][ROWS_MAX];
@@ -74,20 +72,6 @@ static bool rank_goes_on(void *ctx, double share)
 	return !bench_stopped(bench);
 }
 
-/* One order for the methods from `first` to `last`: for leaves alone, or as packs have it, which begins with points. */
-static enum eco_code make_ours(struct bench *bench, struct study *s, bool leaves, int first, int last, struct eco_error *error)
-{
-	struct lod_rank_options options = { .seed = 1, .leaves = leaves, .progress = rank_goes_on, .ctx = bench };
-	struct lod_rank rank;
-	enum eco_code code = lod_rank_make(&rank, &s->leaves.foliage, &options, &s->leaves.arena, error);
-	for (int m = first; m <= last && !code; m++) {
-		s->order[m] = rank.order;
-		s->growth[m] = rank.growth;
-		s->triangle[m] = rank.simple;
-	}
-	return code;
-}
-
 static enum eco_code make_orders(struct bench *bench, struct study *s, struct eco_error *error)
 {
 	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
@@ -99,8 +83,15 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
 		sort_by(s->order[m], survival, f->count, arena);
 	}
-	enum eco_code code = make_ours(bench, s, true, BENCH_PLAIN, BENCH_TRIANGLES, error);
-	return code ? code : make_ours(bench, s, false, BENCH_FORMS, BENCH_FORMS, error);
+	struct lod_rank_options options = { .seed = 1, .leaves = true, .progress = rank_goes_on, .ctx = bench };
+	struct lod_rank rank;
+	enum eco_code code = lod_rank_make(&rank, f, &options, arena, error);
+	if (code)
+		return code;
+	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_TRIANGLES] = rank.order;
+	s->growth = rank.growth;
+	s->triangle = rank.simple;
+	return ECO_OK;
 }
 
 static void count_vertices(struct study *s)
@@ -157,16 +148,14 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 		for (uint32_t c = 0; c < ECO_GROWTHS; c++)
 			by_code[c] = eco_growth(c, scale);
 		for (uint32_t k = 0; k < count; k++)
-			s->factor[drawing.order[k]] = by_code[s->growth[method][drawing.order[k]]];
+			s->factor[drawing.order[k]] = by_code[s->growth[drawing.order[k]]];
 		drawing.factor = s->factor;
 	}
 	if (method >= BENCH_TRIANGLES) {
-		uint32_t middle = row->middle < 0.5 ? 0 : whole(row->middle, count);
 		for (uint32_t k = 0; k < count; k++) {
 			uint32_t i = drawing.order[k];
 			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1] - s->full[method][k];
-			s->shape[i] = k >= middle ? (struct lod_simple){ .corners = 1 } : simpler ? s->triangle[method][i] : (struct lod_simple){ .corners = 0 };
-			s->factor[i] = k >= middle ? scale : s->factor[i];
+			s->shape[i] = simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
 		}
 		drawing.shape = s->shape;
 	}
@@ -203,29 +192,15 @@ static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
 }
 
-static void place_points(const struct study *s, struct row *row, double vertices)
-{
-	double most = fmin(s->n, vertices);
-	row->count = row->count * pow(fmax(1, most / row->count), (double)(row->way - WAYS + 1) / (WAYS_POINTS - WAYS));
-	uint32_t count = whole(row->count, s->n), spare = vertices > count ? (uint32_t)((vertices - count) / 2) : 0;
-	row->middle = spare < count ? spare : count;         /* a triangle is two vertices more than a point */
-	row->fine = 0;
-}
-
-/* Way 0 draws all as they are, WAYS - 1 as many elements as can be with triangles, WAYS_POINTS - 1 with points. */
+/* Way 0 draws all as they are, WAYS - 1 as many elements as can be with triangles. */
 static void place(const struct study *s, enum bench_method method, struct row *row)
 {
 	double vertices = row->lambda * (double)s->full[method][s->n];
-	row->count = row->fine = row->middle = elements_at(s->full[method], s->n, vertices);
+	row->count = row->fine = elements_at(s->full[method], s->n, vertices);
 	if (method < BENCH_TRIANGLES || row->way == 0)
 		return;
 	double most = elements_at(s->simple, s->n, vertices);
-	row->count = row->count * pow(most / fmax(row->count, 1e-9), fmin(1, (double)row->way / (WAYS - 1)));
-	row->middle = row->count;
-	if (row->way >= WAYS) {
-		place_points(s, row, vertices);
-		return;
-	}
+	row->count = row->count * pow(most / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
 	uint32_t count = whole(row->count, s->n), low = 0, high = count;
 	while (low < high) {                                 /* the most elements as they are that leave the others room */
 		uint32_t middle = (low + high + 1) / 2;
@@ -264,7 +239,7 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 {
 	struct row best = { .lambda = row->lambda };
 	double best_q = -INFINITY;
-	int last = method == BENCH_FORMS ? WAYS_POINTS - 1 : method == BENCH_TRIANGLES ? WAYS - 1 : 0;
+	int last = method == BENCH_TRIANGLES ? WAYS - 1 : 0;
 	int from = larger && larger->way > 0 ? larger->way - 1 : 0, to = larger && larger->way < last ? larger->way + 1 : last;
 	for (int way = from; way <= to; way++) {
 		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
@@ -309,7 +284,7 @@ static struct row reach(const struct study *s, enum bench_method method, double 
 	const struct row *high = &rows[i], *low = &rows[i + 1];
 	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
 	return (struct row){ low->lambda + t * (high->lambda - low->lambda), low->step + t * (high->step - low->step),
-		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine), low->middle + t * (high->middle - low->middle),
+		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine),
 		q, high->way };
 }
 

@@ -16,8 +16,8 @@
 #define BENCH_ELEMENTS_LEAST 500u
 
 /* PLAIN: our order, made for leaves, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that
- * serves better. FORMS: or as a point, one vertex, and in the order made for that: what packs hold and draw. */
-enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_FORMS,
+ * serves better. Packs draw the list's beginning as points, and their order is made for that (rank.h); here it is not. */
+enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES,
 	BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 

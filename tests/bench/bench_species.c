@@ -45,10 +45,10 @@ static void add(struct summary *sum, const struct bench_model *model, const stru
 		sum->saved[m][d] += 1 - s->at[BENCH_EVEN].lambda[m][d] / s->at[BENCH_EVEN].cook_lambda[d];
 	}
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
-		note_least(&sum->worst[g].mean, sum->worst[g].mean_of, bench_saving_mean(s, (enum bench_spacing)g, BENCH_FORMS), model->name);
-		note_least(&sum->worst[g].total, sum->worst[g].total_of, bench_saving_total(s, (enum bench_spacing)g, BENCH_FORMS), model->name);
+		note_least(&sum->worst[g].mean, sum->worst[g].mean_of, bench_saving_mean(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
+		note_least(&sum->worst[g].total, sum->worst[g].total_of, bench_saving_total(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
 	}
-	for (int m = BENCH_PRUNED; m <= BENCH_FORMS; m++) {
+	for (int m = BENCH_PRUNED; m <= BENCH_TRIANGLES; m++) {
 		sum->owner_worse = fmax(sum->owner_worse, s->cook.owner_q - s->beside[m].owner_q);
 		sum->colour_worse = fmax(sum->colour_worse, s->beside[m].colour_rms - s->cook.colour_rms);
 	}
@@ -73,10 +73,10 @@ static void write_rows(const struct tables *t, const struct bench_model *model, 
 			s->vertices, bench_method_names[m], percent[m][0][0], percent[m][0][1], percent[m][1][0], percent[m][1][1],
 			s->beside[m].owner_q, s->cook.owner_q, s->beside[m].colour_rms, s->cook.colour_rms);
 	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, s->elements,
-		percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1], percent[BENCH_FORMS][0][0], percent[BENCH_FORMS][0][1],
-		percent[BENCH_PRUNED][1][0], percent[BENCH_PRUNED][1][1], percent[BENCH_FORMS][1][0], percent[BENCH_FORMS][1][1],
-		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_FORMS].owner_q, s->cook.owner_q, s->beside[BENCH_PRUNED].colour_rms,
-		s->beside[BENCH_FORMS].colour_rms, s->cook.colour_rms);
+		percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1], percent[BENCH_TRIANGLES][0][0], percent[BENCH_TRIANGLES][0][1],
+		percent[BENCH_PRUNED][1][0], percent[BENCH_PRUNED][1][1], percent[BENCH_TRIANGLES][1][0], percent[BENCH_TRIANGLES][1][1],
+		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_TRIANGLES].owner_q, s->cook.owner_q, s->beside[BENCH_PRUNED].colour_rms,
+		s->beside[BENCH_TRIANGLES].colour_rms, s->cook.colour_rms);
 }
 
 static double percent(const struct totals *t, const double *sums, int method)
@@ -86,7 +86,7 @@ static double percent(const struct totals *t, const double *sums, int method)
 
 static void write_means(struct bench *bench, const struct summary *sum)
 {
-	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-", "-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-" };
 	struct bench_table *table = bench_table_open(bench, "species_means", "order (each with its best scale),mean of savings %,of all vertices %,"
 		"paper's distances: mean %,of all vertices %,generated plants: mean %,of all vertices %,Neubert 2011 table 2 %", true);
 	for (int m = 0; m < BENCH_METHODS; m++)
@@ -129,12 +129,10 @@ static void write_keys(struct bench *bench, const struct summary *sum)
 	static const struct { const char *key, *near, *bar; enum bench_method method; bool total, worst; } keys[] = {
 		{ "saving_pruned_mean", "saving_pruned_mean_near", ">= 0.76", BENCH_PRUNED, false, false },
 		{ "saving_pruned_total", "saving_pruned_total_near", ">= 0.60", BENCH_PRUNED, true, false },
-		{ "saving_mean", "saving_mean_near", ">= 0.85", BENCH_FORMS, false, false },
-		{ "saving_total", "saving_total_near", ">= 0.70", BENCH_FORMS, true, false },
-		{ "saving_triangles_mean", "saving_triangles_mean_near", "beside it: without points", BENCH_TRIANGLES, false, false },
-		{ "saving_triangles_total", "saving_triangles_total_near", "beside it: without points", BENCH_TRIANGLES, true, false },
-		{ "saving_worst_mean", "saving_worst_mean_near", ">= 0.65", BENCH_FORMS, false, true },
-		{ "saving_worst_total", "saving_worst_total_near", ">= 0.50", BENCH_FORMS, true, true } };
+		{ "saving_mean", "saving_mean_near", ">= 0.85", BENCH_TRIANGLES, false, false },
+		{ "saving_total", "saving_total_near", ">= 0.70", BENCH_TRIANGLES, true, false },
+		{ "saving_worst_mean", "saving_worst_mean_near", ">= 0.65", BENCH_TRIANGLES, false, true },
+		{ "saving_worst_total", "saving_worst_total_near", ">= 0.50", BENCH_TRIANGLES, true, true } };
 	const struct totals *t = &sum->read;
 	bool any = t->count > 0;
 	for (int i = 0; i < BENCH_SPACINGS * (int)(sizeof keys / sizeof *keys); i++) {
