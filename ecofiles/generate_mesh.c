@@ -114,7 +114,7 @@ uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8
 {
 	uint8_t first = (uint8_t)mesh->material_count;
 	for (uint32_t i = 0; i < count; i++) {
-		char shade[32];
+		char shade[40];
 		uint8_t c[3];
 		for (int k = 0; k < 3; k++)
 			c[k] = (uint8_t)((dark[k] * (count - 1 - i) + bright[k] * i + (count - 1) / 2) / (count - 1));

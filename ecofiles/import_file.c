@@ -1,5 +1,5 @@
-/* What a file is, before a reader of models sees it; and files that models name. The commonest mistakes (a packed file, a placeholder of
- * a download, a scene of an editor, a point cloud) are known by their first bytes or their name, and each has a sentence of its own:
+/* What a file is, before a reader of models sees it; and files that models name. The commonest mistakes (a packed file, the pointer that
+ * Git LFS leaves in place of one, a scene of an editor, a point cloud) are known by their first bytes or their name, and each has a sentence of its own:
  * the readers would only say that they do not understand. */
 #include "ecofiles/import_model.h"
 
@@ -200,7 +200,7 @@ enum eco_code eco_file_check_head(const char *path, const char *head, size_t siz
 		if (size >= packed[i].bytes && memcmp(head, packed[i].magic, packed[i].bytes) == 0 && !(holds_zip && packed[i].magic[0] == 'P'))
 			return refuse_packed(path, &packed[i], error);
 	if (size >= 22 && memcmp(head, "version https://git-lfs", 22) == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a placeholder of Git LFS, not the file itself: git lfs pull fetches it", path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a pointer of Git LFS, not the file itself: git lfs pull fetches it", path);
 	while (size > 0 && (*head == ' ' || *head == '\t' || *head == '\n' || *head == '\r')) {
 		head++;
 		size--;

@@ -47,7 +47,7 @@ struct eco_model_file {
 
 /* ---- Files (import_file.c) ---- */
 
-/* Refuses by name what is no model: folders, empty, packed, placeholders of downloads, scenes of editors, point clouds; says what
+/* Refuses by name what is no model: folders, empty, packed, pointers of Git LFS, scenes of editors, point clouds; says what
  * to do. ECO_OK: worth trying. */
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error);
 
@@ -58,7 +58,7 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 char *eco_file_read_head(const char *path, size_t *size);
 
 /* Refuses what no reader can read, from a file's first bytes (followed by a 0): empty, packed (zip unless the format is one itself),
- * placeholders, web pages. `wanted`: "a model". */
+ * pointers of Git LFS, web pages. `wanted`: "a model". */
 enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error);
 
 /* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */

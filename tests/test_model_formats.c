@@ -487,7 +487,7 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED, "packed with xz; unpack it first: xz -dk oak.obj.xz" },
 		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" }, { "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "zcat <oak.blend >unpacked-oak.blend" }, { "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
 		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" }, { "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
-		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT, "a placeholder of Git LFS" },
+		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT, "a pointer of Git LFS" },
 		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
 		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" }, { "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },
 		{ "oak.usdz", "x", 1, ECO_UNSUPPORTED, "USD is not read" }, { "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
