@@ -55,15 +55,8 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 	body = (struct body){ 0 }; \
 	for (uint32_t i = 0; i < s->name##_count; i++) \
 		eco_##name##_write(&body.owned, &s->table[i]); \
-	add_body(bodies, &count, ECO_SECTION_##kind, s->name##_count, body)
-	TABLE(PLANTS, plants, plant);
-	TABLE(ANCHORS, anchors, anchor);
-	TABLE(LADDERS, ladders, ladder);
-	TABLE(CURVES, curves, curve);
-	TABLE(TILES, tiles, tile);
-	TABLE(GROUPS, groups, group);
-	TABLE(CHILDREN, children, child);
-	TABLE(LISTS, lists, list);
+	add_body(bodies, &count, ECO_SECTION_##kind, s->name##_count, body);
+	ECO_PACK_TABLES(TABLE)
 #undef TABLE
 	body = (struct body){ 0 };
 	for (uint32_t i = 0; i < s->chunk_count; i++) {

@@ -132,17 +132,10 @@ static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, si
 }
 
 /* Readers of records, of one type. */
-#define READER(name) static void read_##name(struct eco_reader *r, void *out) { eco_##name##_read(r, out); }
-READER(plant)
-READER(anchor)
-READER(ladder)
-READER(curve)
-READER(tile)
-READER(ground_tile)
-READER(group)
-READER(child)
-READER(list)
-READER(chunk)
+#define READER(kind, table, name) static void read_##name(struct eco_reader *r, void *out) { eco_##name##_read(r, out); }
+ECO_PACK_TABLES(READER)
+READER(CHUNKS, chunks, chunk)
+READER(GROUND, ground, ground_tile)
 #undef READER
 
 static enum eco_code read_tables(struct opened *o, struct eco_error *error)
@@ -160,16 +153,9 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 #define TABLE(kind, field, name) \
 	if (code == ECO_OK) \
 		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, &scene->name##_count, \
-			read_##name, error)
-	TABLE(PLANTS, plants, plant);
-	TABLE(ANCHORS, anchors, anchor);
-	TABLE(LADDERS, ladders, ladder);
-	TABLE(CURVES, curves, curve);
-	TABLE(TILES, tiles, tile);
-	TABLE(GROUPS, groups, group);
-	TABLE(CHILDREN, children, child);
-	TABLE(LISTS, lists, list);
-	TABLE(CHUNKS, chunks, chunk);
+			read_##name, error);
+	ECO_PACK_TABLES(TABLE)
+	TABLE(CHUNKS, chunks, chunk)
 	if (code == ECO_OK)
 		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground, &scene->ground_count,
 			read_ground_tile, error);

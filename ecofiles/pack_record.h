@@ -30,6 +30,12 @@ void eco_section_write(struct eco_writer *w, const struct eco_section *section);
 /* False where the last field is not zero. */
 bool eco_section_read(struct eco_reader *r, struct eco_section *section);
 
+/* Tables of a scene whose records stand in a section as they are, in the order of their sections: X(SECTION, table, record) each. Chunks are
+ * not among them, as their offsets are known last, nor is the ground, whose table and records are called differently. */
+#define ECO_PACK_TABLES(X) \
+	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, curve) \
+	X(TILES, tiles, tile) X(GROUPS, groups, group) X(CHILDREN, children, child) X(LISTS, lists, list)
+
 /* The SCENE record holds the scalars of struct eco_scene. Readers fail `r` where bytes that are unused are not zero. */
 void eco_scene_write(struct eco_writer *w, const struct eco_scene *scene);
 void eco_scene_read(struct eco_reader *r, struct eco_scene *scene);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/pack_record.h"
 #include "tests/scene_pack.h"
 
 #define PATH "build/tmp/test_scene_check.eco"
@@ -31,19 +32,12 @@ struct loose {
 static void loosen(struct loose *l, const struct eco_scene *s)
 {
 	l->scene = *s;
-#define COPY(field, name) \
+#define COPY(kind, field, name) \
 	assert_int_equal(s->name##_count, sizeof l->field / sizeof l->field[0]); \
 	memcpy(l->field, s->field, sizeof l->field); \
-	l->scene.field = l->field
-	COPY(plants, plant);
-	COPY(anchors, anchor);
-	COPY(ladders, ladder);
-	COPY(curves, curve);
-	COPY(tiles, tile);
-	COPY(groups, group);
-	COPY(children, child);
-	COPY(lists, list);
-	COPY(chunks, chunk);
+	l->scene.field = l->field;
+	ECO_PACK_TABLES(COPY)
+	COPY(CHUNKS, chunks, chunk)
 	memcpy(l->grounds, s->ground, sizeof l->grounds);
 	l->scene.ground = l->grounds;
 #undef COPY
