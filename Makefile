@@ -17,15 +17,13 @@
 config ?= release
 B := build$(if $(filter-out release,$(config)),/$(config))
 
-PACKAGES := gcc g++ pkg-config libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev \
+PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev jq curl xz-utils
 
 # What programs keep from one run to the next stays in here: demonstrations and tests leave the user's own cache alone.
 export XDG_CACHE_HOME := $(CURDIR)/build/cache
 
-CC ?= gcc
-CXX ?= g++
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla $(if $(CI),-Werror)
 CXXWARN := -Wall -Wextra $(if $(CI),-Werror)
 # Same pack and same plan everywhere: no contraction, no fast-math, in any config.
@@ -87,11 +85,10 @@ LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
-.PHONY: all deps demo test determinism bench forest survey soak layers headers clean fuzz
+.PHONY: all deps told demo test determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
-.SECONDARY:
 
-all: $(PROGRAMS) $(MODULES)
+all: $(PROGRAMS) $(MODULES) | told
 
 $(LIB_ECO): $(call objects,$(call sources,ecofiles))
 $(LIB_DRACO): $(B)/obj/ecofiles/draco_shim.o
@@ -122,7 +119,7 @@ $(B)/tests/test_make $(B)/tests/test_link $(B)/tests/test_cache $(B)/tests/test_
 $(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_extreme $(B)/tests/test_extreme_stiff $(B)/tests/test_extreme_plants: $(call objects,$(wildcard tests/bench/bench*.c))
 # Floating-point traps around lod/: these functions are entered through tests/traps.c.
 TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' tests/traps.c))
-$(B)/tests/test_%: $(B)/obj/tests/test_%.o $(B)/obj/tests/traps.o $(TEST_LIBS) | $(MODULES)
+$(TESTS): $(B)/tests/%: $(B)/obj/tests/%.o $(B)/obj/tests/traps.o $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
 		$(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
@@ -130,6 +127,7 @@ $(B)/tests/test_%: $(B)/obj/tests/test_%.o $(B)/obj/tests/traps.o $(TEST_LIBS) |
 # Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.
 ECOBENCH := $(call objects,tests/bench/ecobench.c $(wildcard tests/bench/bench*.c))
 BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench%,$(wildcard tests/bench/*.c)))
+SINGLE := $(filter-out %/ecobench %/plans,$(BENCHES))
 $(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(ECOBENCH) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
@@ -138,7 +136,7 @@ $(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS) | $(MODULES)
 $(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-$(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)
+$(SINGLE): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
 		$(LIBS_DRACO) $(LIBS_CORE)
@@ -155,7 +153,7 @@ $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 
 # A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
-$(B)/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
+$(FUZZERS): $(B)/fuzz/%: $(B)/obj/tests/fuzz/%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group \
 		$(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
@@ -204,6 +202,9 @@ clean:
 
 deps:
 	@tests/packages.sh $(PACKAGES)
+# make alone installs nothing: it says what it will miss
+told:
+	@tests/packages.sh --tell $(PACKAGES)
 
 # -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
 test: deps

@@ -69,7 +69,7 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order);
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes);
 
 /* Where to end chunks: fills ends[] with element indices so that chunk sizes start at `smallest` elements and grow with what was
- * already sent (FINDINGS: growth 25 %; start small for quality, PAPERS.md last section). Returns the count; at most `max`. */
+ * already sent: a first picture soon, then chunks that cost little each. Returns the count; at most `max`. */
 uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max);
 
 #endif

@@ -2,7 +2,7 @@
  * order mark, takes 1,5 for 1, keeps georeferenced coordinates as floats, and copies every corner of every face. This reader counts what it
  * cannot use, names the line of what it does not understand, and subtracts what is far from the origin before it rounds.
  *
- * The text is cut up in place (obj_text); vertices and faces are gathered as they come (struct obj); when all are there,
+ * The text is cut up in place (eco_obj_text); vertices and faces are gathered as they come (struct obj); when all are there,
  * import_obj_soup.c makes triangles of them. */
 #include "ecofiles/import_obj.h"
 

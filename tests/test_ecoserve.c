@@ -8,6 +8,7 @@
 #include <libgen.h>
 #include <limits.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -44,14 +45,24 @@ static int prepare(void **state)
 
 struct process { pid_t pid; int out, err; };
 
+/* However this test ends, by a failed assertion or by a signal: the server does not outlive it. */
+static void die_with(pid_t parent)
+{
+	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	if (getppid() != parent)
+		_exit(127);
+}
+
 static struct process spawn(const char *const *arguments)
 {
+	pid_t self = getpid();
 	int out[2], err[2];
 	assert_true(pipe(out) == 0 && pipe(err) == 0);
 	pid_t pid = fork();
 	assert_true(pid >= 0);
 	if (pid == 0) {
 		const char *argv[16] = { program };
+		die_with(self);
 		for (int i = 0; arguments[i]; i++)
 			argv[i + 1] = arguments[i];
 		dup2(out[1], 1);
