@@ -81,6 +81,11 @@ void lod_spend_free(struct lod_spend *spend)
 	*spend = (struct lod_spend){ 0 };
 }
 
+static uint64_t vertices_of(const struct lod_bid *bid)
+{
+	return bid->count * bid->low + bid->ahead * (bid->high - bid->low);
+}
+
 /* ---- At a price ---- */
 
 static void add_vertices(struct lod_spend *spend, uint64_t count, uint64_t each)
@@ -121,19 +126,22 @@ static void spend_at(struct lod_spend *spend, double price)
 	}
 }
 
+static double bid_wrong(const struct lod_bid *bid)
+{
+	const struct lod_amount *a = amount_of(bid);
+	double now = lod_steps_error(bid->steps, a), part = 0;
+	if (!at_end(bid))
+		part = ((double)(bid->low - a->vertices) + (double)bid->ahead / (double)bid->count * (double)(bid->high - bid->low))
+			/ (double)(a[1].vertices - a->vertices);
+	return bid->seen * (part > 0 ? now + part * (lod_steps_error(bid->steps, a + 1) - now) : now);
+}
+
 /* A tile that draws nothing, or whose plants are, is in no bid: what it leaves wrong is added by the caller. */
 static void sum_wrong(struct lod_spend *spend)
 {
 	spend->wrong = 0;
-	for (uint32_t i = 0; i < spend->bid_count; i++) {
-		const struct lod_bid *bid = &spend->bids[i];
-		const struct lod_amount *a = amount_of(bid);
-		double now = lod_steps_error(bid->steps, a), part = 0;
-		if (!at_end(bid))
-			part = ((double)(bid->low - a->vertices) + (double)bid->ahead / (double)bid->count * (double)(bid->high - bid->low))
-				/ (double)(a[1].vertices - a->vertices);
-		spend->wrong += bid->seen * (part > 0 ? now + part * (lod_steps_error(bid->steps, a + 1) - now) : now);
-	}
+	for (uint32_t i = 0; i < spend->bid_count; i++)
+		spend->wrong += bid_wrong(&spend->bids[i]);
 }
 
 void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget)
@@ -533,22 +541,25 @@ static double error_at(const struct lod_spend *spend, const struct lod_bid *bid,
 	return lod_steps_error(bid->steps, &amount);
 }
 
+static double bid_wrong_exactly(const struct lod_spend *spend, const struct lod_bid *bid)
+{
+	const struct lod_amount *a = amount_of(bid);
+	bool at_steps = at_end(bid) || (!bid->between && bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices));
+	if (bid->offer == ECO_NONE || at_steps)
+		return bid_wrong(bid);
+	double now = error_at(spend, bid, bid->low), wrong = now;
+	if (bid->ahead)
+		wrong += (double)bid->ahead / (double)bid->count * (error_at(spend, bid, bid->high) - now);
+	if (bid->between)
+		wrong += (double)bid->between / (double)bid->count * (error_at(spend, bid, bid->middle) - now);
+	return bid->seen * wrong;
+}
+
 static void sum_exactly(struct lod_spend *spend)
 {
-	sum_wrong(spend);
-	for (uint32_t i = 0; i < spend->bid_count; i++) {
-		const struct lod_bid *bid = &spend->bids[i];
-		const struct lod_amount *a = amount_of(bid);
-		bool at_steps = !bid->between && bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices);
-		if (bid->offer == ECO_NONE || at_end(bid) || at_steps)
-			continue;
-		double now = lod_steps_error(bid->steps, a), next = lod_steps_error(bid->steps, a + 1), ahead = (double)bid->ahead / (double)bid->count;
-		double part = ((double)(bid->low - a->vertices) + ahead * (double)(bid->high - bid->low)) / (double)(a[1].vertices - a->vertices);
-		double exact = (1 - ahead) * error_at(spend, bid, bid->low) + (bid->ahead ? ahead * error_at(spend, bid, bid->high) : 0);
-		if (bid->between)
-			exact += (double)bid->between / (double)bid->count * (error_at(spend, bid, bid->middle) - error_at(spend, bid, bid->low));
-		spend->wrong += bid->seen * (exact - (now + part * (next - now)));
-	}
+	spend->wrong = 0;
+	for (uint32_t i = 0; i < spend->bid_count; i++)
+		spend->wrong += bid_wrong_exactly(spend, &spend->bids[i]);
 }
 
 /* ---- Exchanges ---- */
@@ -565,20 +576,81 @@ static bool give_back(struct lod_bid *bid, bool all)
 	return true;
 }
 
-/* What a bid gives back is spent on others, and what they leave on all: kept if less is wrong then. */
-static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, bool all, struct lod_bid *spare, bool *better)
+/* The next amount for all of a bid's plants, or for one more of them. False at the end. */
+static bool take_step(struct lod_spend *spend, struct lod_bid *bid, bool all)
+{
+	if (at_end(bid))
+		return false;
+	uint64_t ahead = bid->offer != ECO_NONE && bid->high == amount_of(bid)[1].vertices ? bid->ahead : 0;
+	ahead = all || bid->offer == ECO_NONE ? bid->count : share_next(spend, bid, ahead);
+	reach_step(bid, bid->step + (ahead == bid->count));
+	bid->ahead = ahead == bid->count ? 0 : ahead;
+	return true;
+}
+
+struct back { double loss; uint64_t freed; };    /* what a bid's last step back would come to; freed 0: it has none */
+
+static struct back back_of(const struct lod_spend *spend, const struct lod_bid *bid)
+{
+	struct lod_bid after = *bid;
+	if (!give_back(&after, false))
+		return (struct back){ 0 };
+	return (struct back){ bid_wrong_exactly(spend, &after) - bid_wrong_exactly(spend, bid), vertices_of(bid) - vertices_of(&after) };
+}
+
+/* All but bid `except` give back steps until the budget is kept: first those that lose least for each vertex that is needed. */
+static bool pay(struct lod_spend *spend, uint64_t budget, uint32_t except, struct back *backs)
+{
+	spend->vertices = 0;
+	for (uint32_t i = 0; i < spend->bid_count; i++) {
+		spend->vertices += vertices_of(&spend->bids[i]);
+		backs[i] = i == except ? (struct back){ 0 } : back_of(spend, &spend->bids[i]);
+	}
+	while (spend->vertices > budget) {
+		uint64_t needed = spend->vertices - budget;
+		uint32_t best = ECO_NONE;
+		double least = INFINITY;
+		for (uint32_t i = 0; i < spend->bid_count; i++) {
+			double each = backs[i].freed ? backs[i].loss / (double)(backs[i].freed < needed ? backs[i].freed : needed) : INFINITY;
+			if (each < least) {
+				least = each;
+				best = i;
+			}
+		}
+		if (best == ECO_NONE)
+			return false;
+		give_back(&spend->bids[best], false);
+		spend->vertices -= backs[best].freed;
+		backs[best] = back_of(spend, &spend->bids[best]);
+	}
+	return true;
+}
+
+/* What is changed of one bid, and then of others to make up for it. */
+enum exchange { GIVE_STEP, GIVE_ALL, TAKE_ONE, TAKE_STEP, EXCHANGE_KINDS };
+
+static bool change(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct back *backs)
+{
+	struct lod_bid *bid = &spend->bids[i];
+	if (kind == GIVE_STEP || kind == GIVE_ALL)
+		return give_back(bid, kind == GIVE_ALL);
+	return (kind == TAKE_STEP || bid->count > 1) && take_step(spend, bid, kind == TAKE_STEP) && pay(spend, budget, i, backs);
+}
+
+/* Kept if less is wrong then. */
+static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct lod_bid *spare, struct back *backs, bool *better)
 {
 	double before = spend->wrong;
 	uint64_t vertices = spend->vertices;
 	memcpy(spare, spend->bids, spend->bid_count * sizeof *spare);
-	if (!give_back(&spend->bids[i], all))
-		return true;
-	if (!buy_rest(spend, budget, i) || !buy_rest(spend, budget, ECO_NONE))
-		return false;
-	sum_exactly(spend);
-	if (spend->wrong < before) {
-		*better = true;
-		return true;
+	if (change(spend, budget, i, kind, backs)) {
+		if (!buy_rest(spend, budget, i) || !buy_rest(spend, budget, ECO_NONE))
+			return false;
+		sum_exactly(spend);
+		if (spend->wrong < before) {
+			*better = true;
+			return true;
+		}
 	}
 	memcpy(spend->bids, spare, spend->bid_count * sizeof *spare);
 	spend->wrong = before;
@@ -589,12 +661,14 @@ static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, bool 
 static bool exchange_all(struct lod_spend *spend, uint64_t budget)
 {
 	struct lod_bid *spare = malloc(((size_t)spend->bid_count + 1) * sizeof *spare);
-	bool good = spare, better = true;
+	struct back *backs = malloc(((size_t)spend->bid_count + 1) * sizeof *backs);
+	bool good = spare && backs, better = true;
 	for (int pass = 0; good && better && pass < EXCHANGES; pass++) {
 		better = false;
-		for (uint32_t i = 0; good && i < 2 * spend->bid_count; i++)
-			good = exchange(spend, budget, i / 2, i % 2, spare, &better);
+		for (uint32_t i = 0; good && i < EXCHANGE_KINDS * spend->bid_count; i++)
+			good = exchange(spend, budget, i / EXCHANGE_KINDS, i % EXCHANGE_KINDS, spare, backs, &better);
 	}
+	free(backs);
 	free(spare);
 	return good;
 }
