@@ -198,7 +198,7 @@ static enum eco_code try_prices(const struct descent *d, uint64_t budget, int re
 		double wrong = INFINITY;
 		code = try_structure(d, price_at(tried = i), budget, &spend, &wrong, error);
 		if (!code && reach > 1 && wrong < INFINITY) {
-			code = lod_spend_finish(&spend, budget, false, error);
+			code = lod_spend_finish(&spend, budget, true, error);
 			wrong = spend.wrong + closed_wrong(d->market);
 		}
 		if (!code && wrong < found->wrong)
@@ -259,10 +259,15 @@ static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct 
 	return code;
 }
 
-/* In small scenes one tile more or less matters: each the other way round, as long as that is better. */
+/* In small scenes one tile more or less matters: each the other way round, as long as that is better. Amounts of summaries are all computed
+ * before: so a price comes to the same whenever it is asked. */
 static enum eco_code try_small(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
+	struct lod_market *m = d->market;
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
+		if (m->stalls[n].summary)
+			lod_points_all(&m->stalls[n].points);
+	enum eco_code code = try_prices(d, budget, SMALL_REACH, found, error);
 	bool better = true;
 	for (int pass = 0; !code && better && pass < SMALL_PASSES; pass++) {
 		better = false;
@@ -308,9 +313,7 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 	struct found found = { d->index, INFINITY };
 	bool small = m->sharp && m->offer_count < SMALL_OFFERS && m->p->visible.node_count < SMALL_OFFERS;
 	double wrong;
-	enum eco_code code = small ? try_prices(d, budget, SMALL_REACH, &found, error) : ECO_OK;
-	if (!code && small)
-		code = try_small(d, budget, &found, error);
+	enum eco_code code = small ? try_small(d, budget, &found, error) : ECO_OK;
 	if (!code)
 		code = try_structure(d, small || d->index == PRICE_COUNT ? price_at(found.index) : exact_price(d, budget), budget, &spend, &wrong, error);
 	if (!code && !(wrong < INFINITY)) {  /* amounts are whole: what a price comes to in the mean may not fit; nothing does */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/exchange.h"
 #include "lod/ladder.h"
 
 #define HALVINGS 14              /* of the interval of prices: what is left is spent step by step */
@@ -13,7 +14,6 @@
 #define FALLS_FEW 24
 #define NO_PRICE 1e-30           /* of a price: below all at which something gains */
 #define FALLS_MAX 400            /* 1e58: more than any two prices can be apart */
-#define EXCHANGES 4              /* times that all bids are looked at */
 
 /* ---- Bids ---- */
 
@@ -81,11 +81,6 @@ void lod_spend_free(struct lod_spend *spend)
 	*spend = (struct lod_spend){ 0 };
 }
 
-static uint64_t vertices_of(const struct lod_bid *bid)
-{
-	return bid->count * bid->low + bid->ahead * (bid->high - bid->low);
-}
-
 /* ---- At a price ---- */
 
 static void add_vertices(struct lod_spend *spend, uint64_t count, uint64_t each)
@@ -93,18 +88,6 @@ static void add_vertices(struct lod_spend *spend, uint64_t count, uint64_t each)
 	uint64_t product;
 	if (__builtin_mul_overflow(count, each, &product) || __builtin_add_overflow(spend->vertices, product, &spend->vertices))
 		spend->vertices = UINT64_MAX;
-}
-
-static const struct lod_amount *amount_of(const struct lod_bid *bid) { return &bid->steps->amounts[bid->step]; }
-
-static bool at_end(const struct lod_bid *bid) { return bid->step + 1 == bid->steps->count; }
-
-static void reach_step(struct lod_bid *bid, uint32_t step)
-{
-	bid->step = step;
-	bid->ahead = bid->between = 0;
-	bid->low = amount_of(bid)->vertices;
-	bid->high = at_end(bid) ? bid->low : amount_of(bid)[1].vertices;
 }
 
 /* The amounts of a price; counts vertices, not what is wrong. */
@@ -115,7 +98,7 @@ static void spend_at(struct lod_spend *spend, double price)
 	for (uint32_t i = 0; i < spend->bid_count; i++) {
 		struct lod_bid *bid = &spend->bids[i];
 		double position = bid->worth > 0 ? lod_steps_position(bid->steps, price / bid->worth, bid->step) : price > 0 ? 0 : bid->steps->count - 1;
-		reach_step(bid, (uint32_t)position);
+		lod_bid_reach(bid, (uint32_t)position);
 		double part = position - bid->step;
 		if (bid->offer == ECO_NONE)          /* points of a summary can be had one by one */
 			bid->low += (uint64_t)(part * (double)(bid->high - bid->low));
@@ -128,9 +111,9 @@ static void spend_at(struct lod_spend *spend, double price)
 
 static double bid_wrong(const struct lod_bid *bid)
 {
-	const struct lod_amount *a = amount_of(bid);
+	const struct lod_amount *a = lod_bid_amount(bid);
 	double now = lod_steps_error(bid->steps, a), part = 0;
-	if (!at_end(bid))
+	if (!lod_bid_ended(bid))
 		part = ((double)(bid->low - a->vertices) + (double)bid->ahead / (double)bid->count * (double)(bid->high - bid->low))
 			/ (double)(a[1].vertices - a->vertices);
 	return bid->seen * (part > 0 ? now + part * (lod_steps_error(bid->steps, a + 1) - now) : now);
@@ -251,7 +234,7 @@ static uint64_t share_floor(struct lod_spend *spend, const struct lod_bid *bid, 
 }
 
 /* The fewest that a share can hold and that are more than `plants` < count. */
-static uint64_t share_next(struct lod_spend *spend, const struct lod_bid *bid, uint64_t plants)
+uint64_t lod_spend_share_next(struct lod_spend *spend, const struct lod_bid *bid, uint64_t plants)
 {
 	const uint16_t *hashes = hashes_of(spend, bid);
 	while (++plants < bid->count && hashes[plants - 1] == hashes[plants])
@@ -286,7 +269,7 @@ static void sift_down(struct choice *heap, uint32_t count, uint32_t at)
 
 static double next_price(const struct lod_bid *bid)
 {
-	return at_end(bid) ? 0 : amount_of(bid)[1].price * bid->worth;
+	return lod_bid_ended(bid) ? 0 : lod_bid_amount(bid)[1].price * bid->worth;
 }
 
 static const struct lod_way *way_of(const struct lod_spend *spend, const struct lod_bid *bid)
@@ -299,9 +282,9 @@ static void reach(struct lod_bid *bid, uint64_t vertices)
 {
 	bid->low = vertices;
 	bid->ahead = 0;
-	bid->high = amount_of(bid)[1].vertices;
+	bid->high = lod_bid_amount(bid)[1].vertices;
 	if (bid->low == bid->high)
-		reach_step(bid, bid->step + 1);
+		lod_bid_reach(bid, bid->step + 1);
 }
 
 /* As many plants as `left` takes all the way. */
@@ -342,7 +325,7 @@ static uint64_t buy_evenly(struct lod_spend *spend, struct lod_bid *bid, uint64_
  * picture to the next, and may not be seen. */
 static uint64_t buy_part(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 {
-	uint64_t plants = bid->between ? 0 : share_next(spend, bid, bid->ahead) - bid->ahead;
+	uint64_t plants = bid->between ? 0 : lod_spend_share_next(spend, bid, bid->ahead) - bid->ahead;
 	uint64_t to = plants ? lod_way_floor(way_of(spend, bid), bid->low + left / plants) : 0;
 	if (to <= bid->low)
 		return 0;
@@ -354,7 +337,7 @@ static uint64_t buy_part(struct lod_spend *spend, struct lod_bid *bid, uint64_t 
 /* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
 static uint64_t buy_thinly(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 {
-	uint64_t had = bid->ahead * (bid->high - bid->low), plants = share_next(spend, bid, bid->ahead);
+	uint64_t had = bid->ahead * (bid->high - bid->low), plants = lod_spend_share_next(spend, bid, bid->ahead);
 	uint64_t to = lod_way_floor(way_of(spend, bid), bid->low + (had + left) / plants);
 	if (to <= bid->low || to >= bid->high || plants * (to - bid->low) <= had)
 		return 0;
@@ -387,7 +370,7 @@ static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 }
 
 /* All but bid `except` (ECO_NONE: all) go on with what the budget leaves. */
-static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
+bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 {
 	struct choice *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
 	uint32_t count = 0;
@@ -426,7 +409,7 @@ static bool buy_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 /* Of one primitive more for the plants that are on the way, or would be. */
 static uint64_t part_cost(struct lod_spend *spend, const struct lod_bid *bid)
 {
-	uint64_t plants = bid->between ? bid->between : share_next(spend, bid, bid->ahead) - bid->ahead, at = bid->between ? bid->middle : bid->low;
+	uint64_t plants = bid->between ? bid->between : lod_spend_share_next(spend, bid, bid->ahead) - bid->ahead, at = bid->between ? bid->middle : bid->low;
 	return plants * (lod_way_next(way_of(spend, bid), at) - at);
 }
 
@@ -442,9 +425,9 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 		if (bid->offer != ECO_NONE && !spend->market->sharp)
 			cost = part_cost(spend, bid);
 		else if (bid->offer != ECO_NONE && bid->ahead)
-			cost = (share_next(spend, bid, bid->ahead) - bid->ahead) * (bid->high - bid->low);
+			cost = (lod_spend_share_next(spend, bid, bid->ahead) - bid->ahead) * (bid->high - bid->low);
 		else if (bid->offer != ECO_NONE)
-			cost = share_next(spend, bid, 0) * (lod_way_next(way_of(spend, bid), bid->low) - bid->low);
+			cost = lod_spend_share_next(spend, bid, 0) * (lod_way_next(way_of(spend, bid), bid->low) - bid->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -541,10 +524,10 @@ static double error_at(const struct lod_spend *spend, const struct lod_bid *bid,
 	return lod_steps_error(bid->steps, &amount);
 }
 
-static double bid_wrong_exactly(const struct lod_spend *spend, const struct lod_bid *bid)
+double lod_spend_wrong_of(const struct lod_spend *spend, const struct lod_bid *bid)
 {
-	const struct lod_amount *a = amount_of(bid);
-	bool at_steps = at_end(bid) || (!bid->between && bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices));
+	const struct lod_amount *a = lod_bid_amount(bid);
+	bool at_steps = lod_bid_ended(bid) || (!bid->between && bid->low == a->vertices && (!bid->ahead || bid->high == a[1].vertices));
 	if (bid->offer == ECO_NONE || at_steps)
 		return bid_wrong(bid);
 	double now = error_at(spend, bid, bid->low), wrong = now;
@@ -555,130 +538,19 @@ static double bid_wrong_exactly(const struct lod_spend *spend, const struct lod_
 	return bid->seen * wrong;
 }
 
-static void sum_exactly(struct lod_spend *spend)
+void lod_spend_sum(struct lod_spend *spend)
 {
 	spend->wrong = 0;
 	for (uint32_t i = 0; i < spend->bid_count; i++)
-		spend->wrong += bid_wrong_exactly(spend, &spend->bids[i]);
-}
-
-/* ---- Exchanges ---- */
-
-/* One step back, or all of them. False where nothing is drawn. */
-static bool give_back(struct lod_bid *bid, bool all)
-{
-	uint32_t step = all ? 0 : bid->step;
-	if (bid->low == bid->steps->amounts[0].vertices && bid->ahead == 0)
-		return false;
-	if (!all && bid->ahead == 0 && bid->low == amount_of(bid)->vertices)
-		step--;
-	reach_step(bid, step);
-	return true;
-}
-
-/* The next amount for all of a bid's plants, or for one more of them. False at the end. */
-static bool take_step(struct lod_spend *spend, struct lod_bid *bid, bool all)
-{
-	if (at_end(bid))
-		return false;
-	uint64_t ahead = bid->offer != ECO_NONE && bid->high == amount_of(bid)[1].vertices ? bid->ahead : 0;
-	ahead = all || bid->offer == ECO_NONE ? bid->count : share_next(spend, bid, ahead);
-	reach_step(bid, bid->step + (ahead == bid->count));
-	bid->ahead = ahead == bid->count ? 0 : ahead;
-	return true;
-}
-
-struct back { double loss; uint64_t freed; };    /* what a bid's last step back would come to; freed 0: it has none */
-
-static struct back back_of(const struct lod_spend *spend, const struct lod_bid *bid)
-{
-	struct lod_bid after = *bid;
-	if (!give_back(&after, false))
-		return (struct back){ 0 };
-	return (struct back){ bid_wrong_exactly(spend, &after) - bid_wrong_exactly(spend, bid), vertices_of(bid) - vertices_of(&after) };
-}
-
-/* All but bid `except` give back steps until the budget is kept: first those that lose least for each vertex that is needed. */
-static bool pay(struct lod_spend *spend, uint64_t budget, uint32_t except, struct back *backs)
-{
-	spend->vertices = 0;
-	for (uint32_t i = 0; i < spend->bid_count; i++) {
-		spend->vertices += vertices_of(&spend->bids[i]);
-		backs[i] = i == except ? (struct back){ 0 } : back_of(spend, &spend->bids[i]);
-	}
-	while (spend->vertices > budget) {
-		uint64_t needed = spend->vertices - budget;
-		uint32_t best = ECO_NONE;
-		double least = INFINITY;
-		for (uint32_t i = 0; i < spend->bid_count; i++) {
-			double each = backs[i].freed ? backs[i].loss / (double)(backs[i].freed < needed ? backs[i].freed : needed) : INFINITY;
-			if (each < least) {
-				least = each;
-				best = i;
-			}
-		}
-		if (best == ECO_NONE)
-			return false;
-		give_back(&spend->bids[best], false);
-		spend->vertices -= backs[best].freed;
-		backs[best] = back_of(spend, &spend->bids[best]);
-	}
-	return true;
-}
-
-/* What is changed of one bid, and then of others to make up for it. */
-enum exchange { GIVE_STEP, GIVE_ALL, TAKE_ONE, TAKE_STEP, EXCHANGE_KINDS };
-
-static bool change(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct back *backs)
-{
-	struct lod_bid *bid = &spend->bids[i];
-	if (kind == GIVE_STEP || kind == GIVE_ALL)
-		return give_back(bid, kind == GIVE_ALL);
-	return (kind == TAKE_STEP || bid->count > 1) && take_step(spend, bid, kind == TAKE_STEP) && pay(spend, budget, i, backs);
-}
-
-/* Kept if less is wrong then. */
-static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct lod_bid *spare, struct back *backs, bool *better)
-{
-	double before = spend->wrong;
-	uint64_t vertices = spend->vertices;
-	memcpy(spare, spend->bids, spend->bid_count * sizeof *spare);
-	if (change(spend, budget, i, kind, backs)) {
-		if (!buy_rest(spend, budget, i) || !buy_rest(spend, budget, ECO_NONE))
-			return false;
-		sum_exactly(spend);
-		if (spend->wrong < before) {
-			*better = true;
-			return true;
-		}
-	}
-	memcpy(spend->bids, spare, spend->bid_count * sizeof *spare);
-	spend->wrong = before;
-	spend->vertices = vertices;
-	return true;
-}
-
-static bool exchange_all(struct lod_spend *spend, uint64_t budget)
-{
-	struct lod_bid *spare = malloc(((size_t)spend->bid_count + 1) * sizeof *spare);
-	struct back *backs = malloc(((size_t)spend->bid_count + 1) * sizeof *backs);
-	bool good = spare && backs, better = true;
-	for (int pass = 0; good && better && pass < EXCHANGES; pass++) {
-		better = false;
-		for (uint32_t i = 0; good && i < EXCHANGE_KINDS * spend->bid_count; i++)
-			good = exchange(spend, budget, i / EXCHANGE_KINDS, i % EXCHANGE_KINDS, spare, backs, &better);
-	}
-	free(backs);
-	free(spare);
-	return good;
+		spend->wrong += lod_spend_wrong_of(spend, &spend->bids[i]);
 }
 
 enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, bool exchanges, struct eco_error *error)
 {
-	bool good = file_hashes(spend) && buy_rest(spend, budget, ECO_NONE);
+	bool good = file_hashes(spend) && lod_spend_rest(spend, budget, ECO_NONE);
 	if (good)
-		sum_exactly(spend);
-	if (!good || (exchanges && !exchange_all(spend, budget)))
+		lod_spend_sum(spend);
+	if (!good || (exchanges && !lod_exchange_all(spend, budget)))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", spend->bid_count);
 	spend->cheapest = cheapest_step(spend);
 	return add_entries(spend, error);

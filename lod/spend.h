@@ -45,4 +45,31 @@ void lod_spend_search(struct lod_spend *spend, double price, uint64_t budget);
 /* After a search that fits. `exchanges`: then what each bid gives back is tried on the others (for few bids: it takes their square). */
 enum eco_code lod_spend_finish(struct lod_spend *spend, uint64_t budget, bool exchanges, struct eco_error *error);
 
+/* ---- For exchanges (lod/exchange.h), in between ---- */
+
+static inline const struct lod_amount *lod_bid_amount(const struct lod_bid *bid) { return &bid->steps->amounts[bid->step]; }
+static inline bool lod_bid_ended(const struct lod_bid *bid) { return bid->step + 1 == bid->steps->count; }
+static inline uint64_t lod_bid_vertices(const struct lod_bid *bid)
+{
+	return bid->count * bid->low + bid->ahead * (bid->high - bid->low) + bid->between * (bid->middle - bid->low);
+}
+
+/* All of its plants at an amount, and none ahead. */
+static inline void lod_bid_reach(struct lod_bid *bid, uint32_t step)
+{
+	bid->step = step;
+	bid->ahead = bid->between = 0;
+	bid->low = lod_bid_amount(bid)->vertices;
+	bid->high = lod_bid_ended(bid) ? bid->low : lod_bid_amount(bid)[1].vertices;
+}
+
+/* The fewest plants that a share can hold and that are more than `plants` < count. */
+uint64_t lod_spend_share_next(struct lod_spend *spend, const struct lod_bid *bid, uint64_t plants);
+/* All but bid `except` (ECO_NONE: all) go on with what the budget leaves, step by step; sets vertices. False without memory. */
+bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except);
+/* What a bid leaves wrong; between two amounts a curve is not a straight line. */
+double lod_spend_wrong_of(const struct lod_spend *spend, const struct lod_bid *bid);
+/* Sets spend->wrong to the sum. */
+void lod_spend_sum(struct lod_spend *spend);
+
 #endif

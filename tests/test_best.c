@@ -15,16 +15,20 @@
 #define SCENES 200u
 #define ROUNDING 1e-9
 
+/* Seeds of scenes where one dear step is worth some cheap ones, or tiles must be looked at with the amounts that they would have. */
+static const uint64_t hard[] = { 301, 1191, 2513, 2988, 3450, 3664, 3752, 5435, 5449, 5736 };
+#define HARD (sizeof hard / sizeof *hard)
+
 /* The best is never worse than the plan: else something was not tried. */
 static void plans_are_close_to_the_best_there_is(void **state)
 {
 	double sum = 0, worst = 0;
 	uint32_t count = 0, tried = 0;
 	(void)state;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+	for (uint64_t i = 0; i < SCENES + HARD; i++) {
 		struct bench_best best;
 		struct eco_error error = { 0 };
-		assert_int_equal(bench_best_find(seed, &best, &error), ECO_OK);
+		assert_int_equal(bench_best_find(i < SCENES ? i + 1 : hard[i - SCENES], &best, &error), ECO_OK);
 		if (!(best.empty > 0))
 			continue;
 		assert_true(best.planner >= best.best * (1 - ROUNDING) - ROUNDING);
