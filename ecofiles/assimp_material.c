@@ -125,7 +125,8 @@ static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 	*invisible = color.a * 255 + ALPHA_SLACK < 127.5;
 }
 
-static void read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
+/* False if the material names a picture that cannot be had. */
+static bool read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel), *mask;
@@ -133,7 +134,7 @@ static void read_image(struct reader *r, const struct aiMaterial *from, struct e
 	if (texture == NULL)
 		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
 	if (texture == NULL)
-		return;
+		return true;
 	mask = texture_name(from, aiTextureType_OPACITY, NULL);
 	wanted.texture = texture;
 	wanted.opacity = mask != NULL && strcmp(mask, texture) != 0 ? mask : NULL;
@@ -142,6 +143,7 @@ static void read_image(struct reader *r, const struct aiMaterial *from, struct e
 	to->image = eco_images_get(&r->images, &wanted, &to->cutout);
 	free(texture);
 	free(mask);
+	return to->image != ECO_NONE;
 }
 
 static void read_material(struct reader *r, uint32_t index, uint32_t *channel, bool invisible)
@@ -149,17 +151,19 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	const struct aiMaterial *from = r->scene->mMaterials[index];
 	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
+	bool lost;
 
 	name_of(from, to->name);
 	color_of(from, &color);
-	if (!invisible)
-		read_image(r, from, to, color.a, channel);
+	lost = !invisible && !read_image(r, from, to, color.a, channel);
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);
 	/* a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);
+	if (lost)
+		eco_material_lost_picture(to);
 }
 
 enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,

@@ -214,6 +214,8 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 		to->rgb[k] = eco_srgb_from_linear(rgba[k]);
 	if (look->used && look->textured && !look->invisible)
 		read_image(images, doc, material, rgba[3], to, notes);
+	if (look->used && look->textured && to->image == ECO_NONE)
+		eco_material_lost_picture(to);
 }
 
 enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks, uint32_t count,

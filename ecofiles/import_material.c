@@ -38,6 +38,37 @@ double eco_linear_from_srgb(uint8_t srgb)
 	return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
+#define HUE_LEAST 8u                  /* between the channels of a colour, sRGB */
+#define LIGHT_LEAST 96u               /* of a default; what is darker was chosen by somebody */
+
+static bool is_grey(const uint8_t rgb[3])
+{
+	uint8_t low = rgb[0] < rgb[1] ? rgb[0] : rgb[1], high = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
+
+	return (rgb[2] > high ? rgb[2] : high) - (rgb[2] < low ? rgb[2] : low) < (int)HUE_LEAST;
+}
+
+void eco_material_lost_picture(struct eco_material *material)
+{
+	material->colourless = is_grey(material->rgb);
+}
+
+void eco_model_see_grey(struct eco_model *model)
+{
+	const uint8_t *first = NULL;
+
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const struct eco_material *m = &model->materials[model->material[t]];
+
+		if (m->image != ECO_NONE || (first != NULL && memcmp(first, m->rgb, 3) != 0))
+			return;
+		first = m->rgb;
+	}
+	if (first != NULL && is_grey(first) && first[0] >= LIGHT_LEAST)
+		for (uint32_t i = 0; i < model->material_count; i++)
+			model->materials[i].colourless = true;
+}
+
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes)
 {
 	for (uint32_t i = 0; i < count; i++)

@@ -294,8 +294,10 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	}
 	if (code == ECO_OK)          /* of what is left only */
 		code = eco_model_bake_tints(model, options->paths[0], notes, error);
-	if (code == ECO_OK)
+	if (code == ECO_OK) {
+		eco_model_see_grey(model);
 		note_colourless(model, notes);
+	}
 	if (notes != NULL)
 		tell(options, notes);
 	for (uint32_t i = 0; pieces != NULL && i < options->path_count && i < FILES_MAX; i++)

@@ -133,6 +133,12 @@ void eco_images_end(struct eco_images *images);
  * `invisible` and notes it where it is set for all `count`. */
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes);
 
+/* A material whose picture cannot be had: what is left is what the picture was multiplied with. Unless that has a hue, it is no colour. */
+void eco_material_lost_picture(struct eco_material *material);
+
+/* A plant that is one light grey all over has no colour: the grey is what a program takes for a surface that nobody coloured. */
+void eco_model_see_grey(struct eco_model *model);
+
 /* Materials made of vertex colours: grown from the model's, which have room for ECO_TINTS_MAX more. */
 #define ECO_TINTS_MAX 4096u
 struct eco_tints {

@@ -60,7 +60,7 @@ static enum eco_code read_library(struct maker *m, char *names)
 	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
 		return eco_mtl_read(&m->mtl, path, o->error);
 	if (strpbrk(names, " \t") == NULL) {
-		eco_note(o->notes, "its library of materials %.200s is not there: what it describes is grey", names);
+		eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", names);
 		return ECO_OK;
 	}
 	for (char *name, *rest = names; (name = strsep(&rest, " \t")) != NULL;) {
@@ -71,7 +71,7 @@ static enum eco_code read_library(struct maker *m, char *names)
 		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
 			code = eco_mtl_read(&m->mtl, path, o->error);
 		else
-			eco_note(o->notes, "its library of materials %.200s is not there: what it describes is grey", name);
+			eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", name);
 		if (code != ECO_OK)
 			return code;
 	}
@@ -113,7 +113,7 @@ static void note_unknown(const struct maker *m)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", name);
 	}
 	if (count > 0)
-		eco_note(o->notes, "%u of its materials are in no library (%s): they are grey", count, names);
+		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count, names);
 }
 
 static uint8_t byte_of(const struct maker *m, double value)
@@ -144,6 +144,8 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	to->image = eco_images_get(images, &wanted, &to->cutout);
 	if (to->image != ECO_NONE)           /* the map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
 		memset(to->rgb, 255, 3);
+	else if (m->obj->color.count == 0)
+		eco_material_lost_picture(to);
 }
 
 static enum eco_code make_materials(struct maker *m)

@@ -86,6 +86,36 @@ static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 	unlink("build/tmp/" TEST_FOLDER "/gone.png");
 }
 
+static void a_grey_that_nobody_chose_is_no_colour(void **state)
+{
+	static const struct { const char *mtl; bool colourless; } cases[] = {
+		{ "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },            /* the picture is lost, and what it was multiplied with is white */
+		{ "newmtl m\nKd 0 0 0\nmap_Kd lost.png\n", true },
+		{ "newmtl m\nKd 0.8 0.8 0.8\n", true },                   /* one grey all over: a default */
+		{ "newmtl m\nKd 0.1 0.1 0.1\n", false },                  /* too dark for one: charred wood */
+		{ "newmtl m\nKd 0.5 0.6 0.4\nmap_Kd lost.png\n", false },
+		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n", false } };
+	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 };
+	struct eco_model m;
+
+	(void)state;
+	write_png("white.png", white, 2, 1);
+	input_text(TEST_FOLDER, "grey.obj", "mtllib grey.mtl\n" TRIANGLE_UV);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		input_text(TEST_FOLDER, "grey.mtl", cases[i].mtl);
+		import_high(&m, "build/tmp/" TEST_FOLDER "/grey.obj", 0);
+		if (m.materials[m.material[0]].colourless != cases[i].colourless)
+			fail_msg("%s", cases[i].mtl);
+		assert_int_equal(strstr(import_said, "no colour in its files") != NULL, cases[i].colourless);
+		eco_model_free(&m);
+	}
+	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.9 0.9 0.9\nnewmtl n\nKd 0.4 0.4 0.4\n");       /* two greys were chosen: bark and snow */
+	import_high(&m, input_text(TEST_FOLDER, "greys.obj", "mtllib grey.mtl\n" TRIANGLE_UV "v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
+	assert_int_equal(m.triangle_count, 2);
+	assert_false(m.materials[m.material[0]].colourless || m.materials[m.material[1]].colourless);
+	eco_model_free(&m);
+}
+
 static void colours_are_the_screens_unless_blender_wrote_them(void **state)
 {
 	struct eco_model m;
@@ -408,6 +438,7 @@ int main(void)
 		cmocka_unit_test(textures_lie_the_right_way_up_and_replace_the_colour),
 		cmocka_unit_test(an_opacity_map_cuts_out),
 		cmocka_unit_test(a_missing_or_broken_texture_is_told_not_fatal),
+		cmocka_unit_test(a_grey_that_nobody_chose_is_no_colour),
 		cmocka_unit_test(colours_are_the_screens_unless_blender_wrote_them),
 		cmocka_unit_test(invisible_materials_are_left_out_and_counted),
 		cmocka_unit_test(nodes_place_their_meshes),

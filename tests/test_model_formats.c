@@ -129,7 +129,7 @@ static void what_no_library_describes_is_grey_and_said(void **state)
 	assert_int_equal(m.material_count, 2);
 	assert_int_equal(material_of(&m, "\xc3\x84ste und Bl\xc3\xa4tter")->rgb[1], 153);
 	assert_int_equal(material_of(&m, "")->rgb[1], 153);
-	import_says("1 of its materials are in no library (\xc3\x84ste und Bl\xc3\xa4tter): they are grey");
+	import_says("1 of its materials are in no library (\xc3\x84ste und Bl\xc3\xa4tter): they have no colour");
 	eco_model_free(&m);
 	import_file(&m, input_text("formats", "bare.obj", "mtllib gone.mtl\n" TRIANGLE "usemtl x\nf 1 2 3\n"), NULL);
 	import_says("its library of materials gone.mtl is not there");
