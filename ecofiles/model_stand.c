@@ -268,7 +268,8 @@ static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, 
 	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED;
 	if (options->height_m > 0) {
 		if (!(top > 0))
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m high: leave height_m out, or say which axis is \"up\"", what, options->height_m);
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m high: leave height_m out, "
+				"or say which axis is \"up\"", what, options->height_m);
 		m->scale = options->height_m / top;
 		if (source->unit_how == ECO_HOW_GUESSED) {
 			source->unit_m = m->scale;
