@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "client-min/view_record.h"
+#include "ecofiles/room.h"
 
 #define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
 
@@ -169,14 +170,8 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list, 
 {
 	uint32_t index = view_table_get(&gpu->table, list->id);
 	if (index == UINT32_MAX) {
-		if (gpu->count == gpu->room) {
-			uint32_t room = gpu->room ? gpu->room * 2 : 64;
-			struct view_gpu_list *moved = realloc(gpu->lists, room * sizeof *moved);
-			if (!moved)
-				return out_of_memory(list, error);
-			gpu->lists = moved;
-			gpu->room = room;
-		}
+		if (!eco_room(&gpu->lists, &gpu->room, gpu->count, sizeof *gpu->lists))
+			return out_of_memory(list, error);
 		index = gpu->count;
 		if (!view_table_put(&gpu->table, list->id, index))
 			return out_of_memory(list, error);

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "client-min/view_select.h"
+#include "ecofiles/room.h"
 
 const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged", "other" };
 
@@ -27,14 +28,8 @@ struct client {                                  /* one thread; the report is it
 
 static void add_time(struct view_times *times, double ms)
 {
-	if (times->count == times->room) {
-		uint32_t room = times->room ? times->room * 2 : 1024;
-		float *moved = realloc(times->ms, room * sizeof *moved);
-		if (!moved)
-			return;
-		times->ms = moved;
-		times->room = room;
-	}
+	if (!eco_room(&times->ms, &times->room, times->count, sizeof *times->ms))
+		return;
 	times->ms[times->count++] = (float)ms;
 }
 

@@ -1,5 +1,6 @@
 #include "client-min/view_report.h"
 #include "client-min/view_shader.h"
+#include "ecofiles/room.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -59,14 +60,8 @@ double view_predicted_q(const struct eco_prediction *p)
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error)
 {
-	if (report->count == report->room) {
-		uint32_t room = report->room ? report->room * 2 : 64;
-		struct view_frame *moved = realloc(report->frames, room * sizeof *moved);
-		if (!moved)
-			return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
-		report->frames = moved;
-		report->room = room;
-	}
+	if (!eco_room(&report->frames, &report->room, report->count, sizeof *report->frames))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
 	report->frames[report->count++] = *frame;
 	return ECO_OK;
 }

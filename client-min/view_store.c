@@ -12,6 +12,7 @@
 #include "client-min/view_table.h"
 #include "ecofiles/chunk.h"
 #include "ecofiles/image.h"
+#include "ecofiles/room.h"
 
 #define FORMS_MAX 8u                     /* of one list: each of its chunks is compared with each */
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
@@ -120,19 +121,6 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	return ECO_OK;
 }
 
-static bool room_for_pointer(void ***items, uint32_t count, uint32_t *room)
-{
-	if (count < *room)
-		return true;
-	uint32_t bigger = *room ? *room * 2 : 64;
-	void **moved = realloc(*items, bigger * sizeof **items);
-	if (!moved)
-		return false;
-	*items = moved;
-	*room = bigger;
-	return true;
-}
-
 static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
 	struct eco_error *error)
 {
@@ -155,7 +143,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		return no_memory(error, "a plant");
 	copy->plant = *plant;
 	copy->anchors = malloc(anchor_bytes);
-	if (!copy->anchors || !room_for_pointer((void ***)&store->plants, store->plant_count, &store->plant_room) ||
+	if (!copy->anchors || !eco_room(&store->plants, &store->plant_room, store->plant_count, sizeof *store->plants) ||
 		!view_table_put(&store->plant_table, id, store->plant_count)) {
 		free(copy->anchors);
 		free(copy);
@@ -255,7 +243,7 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	copy->list = *list;
 	copy->palette = malloc(palette_bytes ? palette_bytes : 1);
 	copy->marks = calloc(list->chunk_count ? list->chunk_count : 1, sizeof *copy->marks);
-	if (!copy->palette || !copy->marks || !room_for_pointer((void ***)&store->lists, store->list_count, &store->list_room))
+	if (!copy->palette || !copy->marks || !eco_room(&store->lists, &store->list_room, store->list_count, sizeof *store->lists))
 		code = no_memory(error, "a list");
 	if (!code)
 		code = bind_forms(store, copy, store->list_count, error);

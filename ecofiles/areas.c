@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
+
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
 #define BOXES_SIDE_MAX 512u
@@ -65,15 +67,9 @@ static enum eco_code add_edge(struct reading *r, const double a[2], const double
 {
 	struct eco_areas *s = r->areas;
 
-	if (s->edge_count == s->edge_capacity) {
-		uint32_t wanted = s->edge_capacity ? 2 * s->edge_capacity : 256;
-		struct eco_edge *grown = wanted <= ECO_AREA_POINTS_MAX ? realloc(s->edges, wanted * sizeof *grown) : NULL;
-
-		if (grown == NULL)
-			return eco_fail(r->error, wanted > ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for %u corners of areas", wanted);
-		s->edges = grown;
-		s->edge_capacity = wanted;
-	}
+	if (s->edge_count == ECO_AREA_POINTS_MAX || !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
+		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for more than %u corners of areas",
+			s->edge_count);
 	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
 	return ECO_OK;
 }
@@ -169,16 +165,8 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	}
 	area.edge_count = areas->edge_count - area.edge_first;
 	*kept = code == ECO_OK && r.kept && area.edge_count > 0;
-	if (code == ECO_OK && *kept && areas->count == areas->capacity) {
-		uint32_t wanted = areas->capacity ? 2 * areas->capacity : 64;
-		struct eco_area *grown = realloc(areas->items, wanted * sizeof *grown);
-
-		if (grown == NULL)
-			code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for %u areas", wanted);
-		else
-			areas->items = grown;
-		areas->capacity = grown != NULL ? wanted : areas->capacity;
-	}
+	if (code == ECO_OK && *kept && !eco_room(&areas->items, &areas->capacity, areas->count, sizeof *areas->items))
+		code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for more than %u areas", areas->count);
 	if (code != ECO_OK || !*kept) {
 		areas->edge_count = area.edge_first;
 		*kept = false;
@@ -394,16 +382,9 @@ static uint32_t cell_hash(int64_t x, int64_t y)
 
 static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge, struct eco_error *error)
 {
-	if (s->link_count == s->link_capacity) {
-		uint32_t wanted = s->link_capacity ? 2 * s->link_capacity : 1024;
-		struct eco_area_link *grown = wanted <= LINKS_MAX ? realloc(s->links, wanted * sizeof *grown) : NULL;
-
-		if (grown == NULL)
-			return eco_fail(error, wanted > LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for what is to be kept clear of; simplify it, or "
-				"take a larger distance");
-		s->links = grown;
-		s->link_capacity = wanted;
-	}
+	if (s->link_count == LINKS_MAX || !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
+		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for what is to be kept clear of; simplify "
+			"it, or take a larger distance");
 	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
 	return ECO_OK;
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/room.h"
 #include "ecofiles/turn.h"
 
 /* ---- Random numbers ---- */
@@ -148,15 +149,7 @@ uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v)
 void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
 {
 	assert(corners == 3 || corners == 4);
-	if (mesh->face_count == mesh->face_capacity && !mesh->failed) {
-		uint32_t wanted = mesh->face_capacity ? 2 * mesh->face_capacity : 1024;
-		struct gen_face *faces = realloc(mesh->faces, wanted * sizeof *faces);
-		mesh->failed = !faces;
-		if (faces) {
-			mesh->faces = faces;
-			mesh->face_capacity = wanted;
-		}
-	}
+	mesh->failed = mesh->failed || !eco_room(&mesh->faces, &mesh->face_capacity, mesh->face_count, sizeof *mesh->faces);
 	if (mesh->failed)
 		return;
 	struct gen_face *face = &mesh->faces[mesh->face_count++];

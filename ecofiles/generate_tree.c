@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "ecofiles/room.h"
+
 #define STEP_M 0.45              /* of wood between two rings */
 #define LOBES_MAX 24
 
@@ -24,15 +26,9 @@ struct skeleton {
 
 static uint32_t add_node(struct skeleton *s, struct gen_v3 at, uint32_t parent)
 {
-	if (s->count == s->capacity) {
-		uint32_t wanted = s->capacity ? 2 * s->capacity : 1024;
-		struct node *bigger = realloc(s->nodes, wanted * sizeof *bigger);
-		if (!bigger) {
-			s->failed = true;
-			return 0;
-		}
-		s->nodes = bigger;
-		s->capacity = wanted;
+	if (!eco_room(&s->nodes, &s->capacity, s->count, sizeof *s->nodes)) {
+		s->failed = true;
+		return 0;
 	}
 	s->nodes[s->count] = (struct node){ .at = at, .parent = parent, .main_child = ECO_NONE };
 	return s->count++;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/main_progress.h"
+#include "ecofiles/room.h"
 #include "ecofiles/turn.h"
 
 #define SCALE_LEAST (1.0 / 4096)
@@ -20,15 +21,9 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights must be within 1/4096 and 4000 times "
 			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
-	if (eco->place_count == eco->place_capacity) {
-		uint64_t wanted = eco->place_capacity ? 2ull * eco->place_capacity : 256;
-		struct make_place *bigger = wanted <= PLACES_MAX ? realloc(eco->places, wanted * sizeof *bigger) : NULL;
-		if (!bigger)
-			return eco_fail(m->error, wanted > PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
-				"no room for %llu plants in one eco file; nest eco files instead", (unsigned long long)wanted);
-		eco->places = bigger;
-		eco->place_capacity = (uint32_t)wanted;
-	}
+	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places))
+		return eco_fail(m->error, eco->place_count == PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
+			"no room for more than %u plants in one eco file; nest eco files instead", eco->place_count);
 	eco->places[eco->place_count++] = *place;
 	return ECO_OK;
 }

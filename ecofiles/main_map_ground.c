@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/main_progress.h"
+#include "ecofiles/room.h"
 
 #define CELL 3u                  /* pixels between the samples of contour lines */
 #define LINES_WANTED 14u
@@ -77,14 +78,8 @@ struct lines { double *ends; uint32_t count, capacity; };
 
 static bool add_line(struct lines *lines, const double ends[4])
 {
-	if (lines->count == lines->capacity) {
-		uint32_t wanted = lines->capacity ? 2 * lines->capacity : 1024;
-		double *bigger = realloc(lines->ends, 4 * (size_t)wanted * sizeof *bigger);
-		if (!bigger)
-			return false;
-		lines->ends = bigger;
-		lines->capacity = wanted;
-	}
+	if (!eco_room(&lines->ends, &lines->capacity, lines->count, 4 * sizeof *lines->ends))
+		return false;
 	for (int k = 0; k < 4; k++)
 		lines->ends[4 * (size_t)lines->count + (size_t)k] = ends[k];
 	lines->count++;

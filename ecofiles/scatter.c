@@ -9,6 +9,7 @@
 #include "ecofiles/blue_noise.h"
 #include "ecofiles/mix.h"
 #include "ecofiles/model.h"
+#include "ecofiles/room.h"
 #include "ecofiles/scatter_parts.h"
 
 #define HECTARE_M2 10000.0
@@ -27,7 +28,7 @@ struct lattice {                     /* the set, by cells of its square */
 
 struct candidate { uint32_t rank, tie; double at[2]; };
 
-struct candidates { struct candidate *items; size_t count, capacity; bool failed; };
+struct candidates { struct candidate *items; uint32_t count, capacity; bool failed; };
 
 struct near_grid { uint32_t *head, *next; uint32_t mask; double cell_m; };
 
@@ -104,16 +105,9 @@ struct sweep {
 
 static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x, double y)
 {
-	if (c->count == c->capacity) {
-		size_t wanted = c->capacity ? 2 * c->capacity : 4096;
-		struct candidate *grown = realloc(c->items, wanted * sizeof *grown);
-
-		if (grown == NULL) {
-			c->failed = true;
-			return;
-		}
-		c->items = grown;
-		c->capacity = wanted;
+	if (!eco_room(&c->items, &c->capacity, c->count, sizeof *c->items)) {
+		c->failed = true;
+		return;
 	}
 	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_mix((uint64_t)column, (uint64_t)row), { x, y } };
 }
@@ -516,11 +510,6 @@ bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *pla
 		return false;
 	*place = scatter->places[scatter->at++];
 	return true;
-}
-
-uint64_t eco_scatter_count(const struct eco_scatter *scatter)
-{
-	return scatter->count;
 }
 
 void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, const char *text), void *ctx)

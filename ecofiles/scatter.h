@@ -51,7 +51,6 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 /* Reads the areas or the mask, and forgets them: what is wrong with them is said before time is spent on other things. */
 enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error);
 bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place);
-uint64_t eco_scatter_count(const struct eco_scatter *scatter);
 /* Areas, hectares, plants wanted and placed, what was left out and why: a line per call. */
 void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text), void *ctx);
 /* Its areas (none: a mask) and what it keeps clear of, for pictures. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
 #include "lod/light.h"
 
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
@@ -12,22 +13,11 @@
 
 /* ---- Room ---- */
 
-static void *grow(struct lod_draft *draft, void *items, uint32_t count, uint32_t *capacity, size_t size)
-{
-	if (count < *capacity)
-		return items;
-	uint32_t wanted = *capacity ? 2 * *capacity : 16;
-	void *bigger = realloc(items, wanted * size);
-	if (bigger == NULL)
-		longjmp(draft->arena->failed, 1);
-	*capacity = wanted;
-	return bigger;
-}
-
 struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 {
 	struct lod_plant *plant = draft->plant;
-	plant->ladders = grow(draft, plant->ladders, plant->ladder_count, &draft->ladder_capacity, sizeof *plant->ladders);
+	if (!eco_room(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders))
+		longjmp(draft->arena->failed, 1);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
 	return ladder;
@@ -39,7 +29,8 @@ struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, imag
 static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
 {
 	struct lod_plant *plant = draft->plant;
-	plant->lists = grow(draft, plant->lists, plant->list_count, &draft->list_capacity, sizeof *plant->lists);
+	if (!eco_room(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists))
+		longjmp(draft->arena->failed, 1);
 	struct lod_list_draft *list = &plant->lists[plant->list_count++];
 	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder, .attributes = shape->attributes,
 		.owner = 0, .plant = ECO_NONE, .image = shape->image, .partner = ECO_NONE,

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
 #include "lod/ladder.h"
 
 #define PI 3.14159265358979323846
@@ -19,14 +20,8 @@
 static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
 {
 	if (m->block_count == 0 || m->block_used + count > BLOCK) {
-		if (m->block_count == m->block_capacity) {
-			uint32_t wanted = m->block_capacity ? 2 * m->block_capacity : 16;
-			struct lod_amount **bigger = realloc(m->blocks, wanted * sizeof *bigger);
-			if (!bigger)
-				return NULL;
-			m->blocks = bigger;
-			m->block_capacity = wanted;
-		}
+		if (!eco_room(&m->blocks, &m->block_capacity, m->block_count, sizeof *m->blocks))
+			return NULL;
 		if (!(m->blocks[m->block_count] = malloc(BLOCK * sizeof **m->blocks)))
 			return NULL;
 		m->block_count++;
@@ -43,14 +38,8 @@ static uint32_t extra_of(double bare, double seen)
 
 static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
 {
-	if (m->offer_count == m->offer_capacity) {
-		uint32_t wanted = m->offer_capacity ? 2 * m->offer_capacity : 1024;
-		struct lod_offer *bigger = realloc(m->offers, wanted * sizeof *bigger);
-		if (!bigger)
-			return false;
-		m->offers = bigger;
-		m->offer_capacity = wanted;
-	}
+	if (!eco_room(&m->offers, &m->offer_capacity, m->offer_count, sizeof *m->offers))
+		return false;
 	m->offers[m->offer_count++] = *offer;
 	m->p->candidates += offer->steps->count - 1;
 	return true;

@@ -20,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
 #include "lod/ladder.h"
 
 #define SPLAT_FACTOR 1.3         /* c_p */
@@ -116,14 +117,8 @@ static double organ_pixels(const struct lod_planning *p, const struct eco_ladder
 
 enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *entry, struct eco_error *error)
 {
-	if (p->entry_count == p->entry_capacity) {
-		uint32_t wanted = p->entry_capacity ? 2 * p->entry_capacity : 256;
-		struct lod_entry *bigger = realloc(p->entries, wanted * sizeof *bigger);
-		if (!bigger)
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u cuts", wanted);
-		p->entries = bigger;
-		p->entry_capacity = wanted;
-	}
+	if (!eco_room(&p->entries, &p->entry_capacity, p->entry_count, sizeof *p->entries))
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for more than %u cuts", p->entry_count);
 	p->entries[p->entry_count++] = *entry;
 	return ECO_OK;
 }

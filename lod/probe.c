@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
 #include "lod/weld.h"
 
 #define DISTANCE_RADII 16.0
@@ -202,14 +203,8 @@ void lod_probe_clear(struct lod_probe *probe)
 
 static bool reserve(struct lod_probe *probe, size_t floats)
 {
-	if (probe->drawing_count == probe->drawing_capacity) {
-		uint32_t capacity = probe->drawing_capacity ? 2 * probe->drawing_capacity : 64;
-		struct lod_drawing *drawings = realloc(probe->drawings, capacity * sizeof *drawings);
-		if (!drawings)
-			return false;
-		probe->drawings = drawings;
-		probe->drawing_capacity = capacity;
-	}
+	if (!eco_room(&probe->drawings, &probe->drawing_capacity, probe->drawing_count, sizeof *probe->drawings))
+		return false;
 	if (probe->float_count + floats > probe->float_capacity) {
 		size_t capacity = (probe->float_count + floats) / 2 * 3 + 4096;
 		float *grown = realloc(probe->floats, capacity * sizeof *grown);

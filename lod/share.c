@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
+
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
 #define SEEN_LEAST 1e-5          /* cells of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
@@ -87,14 +89,8 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
 
 struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
 {
-	if (screen->count == screen->capacity) {
-		uint32_t wanted = screen->capacity ? 2 * screen->capacity : 1024;
-		struct lod_sight *bigger = realloc(screen->sights, wanted * sizeof *bigger);
-		if (!bigger)
-			return NULL;
-		screen->sights = bigger;
-		screen->capacity = wanted;
-	}
+	if (!eco_room(&screen->sights, &screen->capacity, screen->count, sizeof *screen->sights))
+		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
 	double ahead = dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;

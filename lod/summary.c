@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/mix.h"
+#include "ecofiles/room.h"
 #include "lod/share.h"
 #include "lod/view.h"
 
@@ -54,14 +55,8 @@ uint32_t lod_summary_count(const struct eco_tile *tile)
 
 static bool push(struct drawing *d, const struct visit *visit)
 {
-	if (d->depth == d->capacity) {
-		uint32_t wanted = d->capacity ? 2 * d->capacity : 64;
-		struct visit *bigger = realloc(d->stack, wanted * sizeof *bigger);
-		if (!bigger)
-			return false;
-		d->stack = bigger;
-		d->capacity = wanted;
-	}
+	if (!eco_room(&d->stack, &d->capacity, d->depth, sizeof *d->stack))
+		return false;
 	d->stack[d->depth++] = *visit;
 	return true;
 }

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/model.h"
+#include "ecofiles/room.h"
 
 #define DEPTH_MAX 60             /* halvings: beyond it a double's positions no longer part */
 
@@ -33,15 +34,9 @@ uint64_t lod_morton(uint32_t x, uint32_t y)
 static uint32_t add_node(struct build *b, uint32_t first, uint32_t count)
 {
 	struct lod_tiles *t = b->tiles;
-	if (t->node_count == b->node_capacity) {
-		uint32_t wanted = b->node_capacity ? 2 * b->node_capacity : 64;
-		struct lod_tile_node *bigger = realloc(t->nodes, wanted * sizeof *bigger);
-		if (!bigger) {
-			b->failed = true;
-			return 0;
-		}
-		t->nodes = bigger;
-		b->node_capacity = wanted;
+	if (!eco_room(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes)) {
+		b->failed = true;
+		return 0;
 	}
 	t->nodes[t->node_count] = (struct lod_tile_node){ .item_first = first, .item_count = count };
 	return t->node_count++;

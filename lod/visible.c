@@ -6,21 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
 #include "ecofiles/turn.h"
 
 #define SPLAT_FACTOR 1.3         /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
 
-static enum eco_code grow(void **items, uint32_t *capacity, uint32_t count, size_t size, struct eco_error *error)
+static enum eco_code no_memory(struct eco_error *error)
 {
-	if (count < *capacity)
-		return ECO_OK;
-	uint32_t wanted = *capacity ? *capacity * 2 : 64;
-	void *bigger = realloc(*items, wanted * size);
-	if (!bigger)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u records", wanted);
-	*items = bigger;
-	*capacity = wanted;
-	return ECO_OK;
+	eco_fail(error, ECO_NO_MEMORY, "planning: no memory for what is in view");
+	return ECO_NO_MEMORY;
 }
 
 static double dot(const double a[3], const double b[3])
@@ -91,8 +85,8 @@ static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32
 	if (visible->node_count >= visible->nodes_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; ask for fewer vertices",
 			(unsigned long long)visible->nodes_max);
-	if (grow((void **)&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes, error))
-		return ECO_NO_MEMORY;
+	if (!eco_room(&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes))
+		return no_memory(error);
 	struct lod_node *node = &visible->nodes[visible->node_count++];
 	struct box box;
 	double scale = visible->placements[placement].scale;
@@ -109,9 +103,8 @@ static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, 
 	if (visible->placement_count >= visible->placements_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu nested eco files; ask for fewer vertices",
 			(unsigned long long)visible->placements_max);
-	if (grow((void **)&visible->placements, &visible->placement_capacity, visible->placement_count,
-			sizeof *visible->placements, error))
-		return ECO_NO_MEMORY;
+	if (!eco_room(&visible->placements, &visible->placement_capacity, visible->placement_count, sizeof *visible->placements))
+		return no_memory(error);
 	const struct eco_placement *o = &visible->placements[outer];
 	const struct eco_child *c = &visible->scene->children[child];
 	double sine, cosine;
@@ -195,8 +188,8 @@ static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, stru
 				return code;
 			entry = slot_entry(visible, at.anchor, at.band);
 		}
-		if (grow((void **)&visible->slots, &visible->slot_capacity, visible->slot_count, sizeof *visible->slots, error))
-			return ECO_NO_MEMORY;
+		if (!eco_room(&visible->slots, &visible->slot_capacity, visible->slot_count, sizeof *visible->slots))
+			return no_memory(error);
 		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor, .plant = plant, .band = at.band,
 			.cell = at.anchor != visible->scene->plants[plant].anchor_first };
 		*entry = visible->slot_count;
@@ -223,8 +216,8 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 	}
 	s->last_node = index;
 	s->last_tally = node->tally_count;
-	if (grow((void **)&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies, error))
-		return ECO_NO_MEMORY;
+	if (!eco_room(&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies))
+		return no_memory(error);
 	node->tallies[node->tally_count++] = (struct lod_tally){ .slot = slot, .count = 1, .whole_band = whole_band };
 	return ECO_OK;
 }

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/room.h"
+
 enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene, const struct eco_holdings *holdings, bool dry,
 	struct eco_error *error)
 {
@@ -95,14 +97,8 @@ static void put(uint8_t *at, uint64_t value, int count)
 
 static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t size)
 {
-	if (emit->payload_count == emit->payload_capacity) {
-		uint32_t capacity = emit->payload_capacity ? 2 * emit->payload_capacity : 64;
-		struct srv_payload *grown = realloc(emit->payloads, capacity * sizeof *grown);
-		if (!grown)
-			return false;
-		emit->payloads = grown;
-		emit->payload_capacity = capacity;
-	}
+	if (!eco_room(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof *emit->payloads))
+		return false;
 	emit->payloads[emit->payload_count++] = (struct srv_payload){ emit->frames.size, bytes, size };
 	return true;
 }
