@@ -35,7 +35,7 @@
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
 #define LITTLE 0.001                 /* loss for which a scale gives way to those of its neighbours */
 #define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
-#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further */
+#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further until it is chosen */
 #define FORMS_MAX 4
 #define WAYS_MAX 12                  /* reaches tried at a share: from all in full detail (0) to all in the coarsest form */
 
@@ -44,6 +44,7 @@ struct way {                         /* one reach at one share */
 	double reach, step, loss;    /* step: scale is 2^(step/8) times Cook's */
 	double play;                 /* steps by which the scale may differ from the best at little loss */
 	double finer[FORMS_MAX];     /* elements in this form or a finer one */
+	bool given_up;               /* its scale is not the best */
 };
 
 struct sample {
@@ -51,7 +52,7 @@ struct sample {
 	double reach, step, play;
 	double fp, fn;
 	bool free;                   /* its scale is there to be chosen */
-	struct way ways[WAYS_MAX];   uint32_t way_count;
+	struct way ways[WAYS_MAX];   uint32_t way_count, chosen;
 };
 
 struct organ_curve {                 /* ladders that share one curve */
@@ -202,9 +203,9 @@ static enum eco_code try_way(const struct organ_curve *curve, double share, stru
 		search.loss[i] = -1;
 	int best = (int)(start - STEP_LOW + 0.5) + STEP_LOW;
 	enum eco_code code = ECO_OK;
-	if (warm && !(code = loss_at(&search, best, &way->loss, error)) && way->loss > most) {
+	way->given_up = warm && !(code = loss_at(&search, best, &way->loss, error)) && way->loss > most;
+	if (way->given_up) {
 		way->step = best;
-		way->play = 0;
 		return ECO_OK;
 	}
 	for (int stride = warm ? 2 : 8; stride > 0 && !code; stride /= 2)
@@ -310,12 +311,31 @@ static void choose_ways(struct organ_curve *curve, uint32_t count)
 	}
 	for (uint32_t k = 1; count && k < curve->samples[0].way_count; k++)
 		at = sum[0][k] < sum[0][at] ? k : at;
-	for (uint32_t i = 0; i < count; i++) {
-		curve->samples[i].reach = curve->samples[i].ways[at].reach;
-		curve->samples[i].step = curve->samples[i].ways[at].step;
-		curve->samples[i].play = curve->samples[i].ways[at].play;
-		at = next[i][at];
+	for (uint32_t i = 0; i < count; at = next[i++][at])
+		curve->samples[i].chosen = at;
+}
+
+/* What was given up is looked for where it is chosen nevertheless, as what goes before it or comes after it was worth that. It only gets better,
+ * so this ends. */
+static enum eco_code settle_ways(struct organ_curve *curve, uint32_t count, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (bool settled = false; !settled && !code;) {
+		settled = true;
+		choose_ways(curve, count);
+		for (uint32_t i = 0; i < count && !code; i++) {
+			struct sample *sample = &curve->samples[i];
+			struct way *way = &sample->ways[sample->chosen];
+			if (way->given_up) {
+				code = try_way(curve, sample->share, way, way->step, true, 1e30, error);
+				settled = false;
+			}
+			sample->reach = way->reach;
+			sample->step = way->step;
+			sample->play = way->play;
+		}
 	}
+	return code;
 }
 
 /* ---- Which shares ---- */
@@ -487,9 +507,7 @@ static enum eco_code measure_ways(struct organ_curve *curve, struct progress *pr
 		if (!code)
 			code = advance(progress, error);
 	}
-	if (!code && several)
-		choose_ways(curve, chosen);
-	return code;
+	return code || !several ? code : settle_ways(curve, chosen, error);
 }
 
 static enum eco_code measure_errors(struct organ_curve *curve, struct progress *progress, struct eco_error *error)
