@@ -69,7 +69,8 @@ static inline int gw_packed(const void *bytes, size_t size, size_t count, size_t
 {
 	size_t at = gw_put(bytes, size);
 
-	gw_append(gw.views, sizeof gw.views, "%s{\"buffer\":1,\"byteLength\":%zu,\"extensions\":{\"%s\":{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,"
+	gw_append(gw.views, sizeof gw.views, "%s{\"buffer\":1,\"byteLength\":%zu,\"extensions\":{\"%s\":{\"buffer\":0,\"byteOffset\":%zu,"
+		"\"byteLength\":%zu,"
 		"\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\",\"filter\":\"%s\"}}}", gw.view_count > 0 ? "," : "", count * stride, extension, at, size,
 		stride, count, mode, filter);
 	return gw.view_count++;
@@ -78,7 +79,8 @@ static inline int gw_packed(const void *bytes, size_t size, size_t count, size_t
 /* view < 0: none. */
 static inline int gw_accessor(int view, int type, size_t count, const char *kind, const char *more)
 {
-	gw_append(gw.accessors, sizeof gw.accessors, "%s{\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"%s", gw.accessor_count > 0 ? "," : "", type, count,
+	gw_append(gw.accessors, sizeof gw.accessors, "%s{\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"%s", gw.accessor_count > 0 ? "," : "",
+		type, count,
 		kind, more);
 	if (view >= 0)
 		gw_append(gw.accessors, sizeof gw.accessors, ",\"bufferView\":%d", view);
@@ -96,7 +98,8 @@ static inline const char *gw_json(const char *buffer, const char *rest)
 {
 	gw.json[0] = 0;
 	gw_append(gw.json, sizeof gw.json, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu%s},{\"byteLength\":1048576,\"extensions\":"
-		"{\"EXT_meshopt_compression\":{\"fallback\":true}}}],\"bufferViews\":[%s],\"accessors\":[%s]%s}", gw.size, buffer, gw.views, gw.accessors, rest);
+		"{\"EXT_meshopt_compression\":{\"fallback\":true}}}],\"bufferViews\":[%s],\"accessors\":[%s]%s}", gw.size, buffer, gw.views,
+		gw.accessors, rest);
 	return gw.json;
 }
 

@@ -39,7 +39,8 @@ static inline void inventory_put(struct inventory *in, const struct eco_source *
 
 static inline enum eco_code inventory_read_rows(struct inventory *in, const struct eco_source *source, struct eco_error *error)
 {
-	struct eco_frame frame = { .crs = source->crs, .vertical = source->vertical, .origin = { source->origin[0], source->origin[1], source->origin[2] } };
+	struct eco_frame frame = { .crs = source->crs, .vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
+		source->origin[2] } };
 	struct eco_positions *reader;
 	struct eco_position record;
 	enum eco_code code = eco_positions_open(&reader, &source->positions[0], &frame, error);
@@ -65,7 +66,8 @@ static inline const struct inventory *inventory_of(const char *test, const char 
 
 	in = (struct inventory){ .plants = "" };
 	snprintf(path, sizeof path, "%s", input_path(test, "scene.json"));
-	snprintf(json, sizeof json, "{%s\"plants\":{\"oak\":{\"model\":\"m.obj\"},\"ash\":{\"model\":\"m.obj\"},\"elm\":{\"variants\":[\"a.obj\",\"b.obj\","
+	snprintf(json, sizeof json, "{%s\"plants\":{\"oak\":{\"model\":\"m.obj\"},\"ash\":{\"model\":\"m.obj\"},\"elm\":{\"variants\":[\"a.obj\","
+		"\"b.obj\","
 		"\"c.obj\"]}},\"instances\":[{\"from\":\"%s\"%s%s}]}", scene, file, *entry != 0 ? "," : "", entry);
 	if (eco_source_parse(&source, json, strlen(json), path, &error) == ECO_OK) {
 		inventory_read_rows(&in, &source, &error);

@@ -1,5 +1,6 @@
 /* Small random scenes for tests of the planner and of what evaluates its plans: tables only, no chunks' payloads. Every kind of ladder
- * (points, simple forms and triangles, blades, wood with levels, plain triangles), plants with and without cells, tiles in two levels, nested placements. */
+ * (points, simple forms and triangles, blades, wood with levels, plain triangles), plants with and without cells, tiles in two levels,
+ * nested placements. */
 #ifndef TESTS_SCENE_RANDOM_H
 #define TESTS_SCENE_RANDOM_H
 
@@ -117,7 +118,8 @@ static inline void random_ladder(struct random_scene *r, uint32_t plant, uint32_
 	struct eco_ladder *l = &r->ladders[r->scene.ladder_count++];
 	uint32_t k = 1 + random_below(r, r->sizes.elements);
 	*l = (struct eco_ladder){ .plant = plant, .anchor = anchor, .flags = flags, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
-		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3, .area = (float)random_real(r, 0.1, 30),
+		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = random_below(r, 4) ? 1 : 3,
+		.area = (float)random_real(r, 0.1, 30),
 		.length = (float)random_real(r, 1, 100), .epsilon = (float)random_real(r, 0, 0.05) };
 	if (kind < 3)
 		l->triangles = random_fans(r, k, plant);

@@ -110,7 +110,8 @@ static void bands_agree_with_every_edge(void **state)
 	}
 	assert_int_equal(differ, 0);
 	for (uint32_t i = 0; i < 500; i++) {
-		double low = (double)(eco_mix(10, i) >> 40) / 1000, high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY, most = -INFINITY;
+		double low = (double)(eco_mix(10, i) >> 40) / 1000, high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY,
+			most = -INFINITY;
 
 		for (uint32_t e = 0; e < CORNERS; e++) {
 			const double *a = at[e], *b = at[(e + 1) % CORNERS];

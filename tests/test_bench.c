@@ -80,7 +80,8 @@ static enum eco_code run_failing(struct bench *bench, struct eco_error *error)
 static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
 {
 	static const double x[] = { 1, 10, NAN, 1000, 1e6 }, y[] = { 0.5, 0, 0.2, -1, NAN }, one[] = { 3 };
-	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true }, { "one", one, one, 1, false }, { "none", x, y, 0, false } };
+	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true }, { "one", one, one, 1, false },
+		{ "none", x, y, 0, false } };
 	for (int log = 0; log < 4; log++) {
 		char name[32];
 		snprintf(name, sizeof name, "plot%d", log);
@@ -117,8 +118,10 @@ static enum eco_code run_crash(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny }, keys = { .name = "keys", .title = "Keys", .run = run_keys },
-	failing = { .name = "failing", .title = "Fails", .run = run_failing }, plots = { .name = "plots", .title = "Plots", .run = run_plots }, commands = { .name = "commands", .title = "Commands", .run = run_commands },
+static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny },
+	keys = { .name = "keys", .title = "Keys", .run = run_keys },
+	failing = { .name = "failing", .title = "Fails", .run = run_failing }, plots = { .name = "plots", .title = "Plots", .run = run_plots },
+		commands = { .name = "commands", .title = "Commands", .run = run_commands },
 	crash = { .name = "crash", .title = "Crashes", .run = run_crash }, last = { .name = "last", .title = "Alone", .run = run_keys, .alone = true },
 	slow = { .name = "slow", .title = "Slow", .run = run_slow };
 static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, &crash, &last, NULL };
@@ -183,7 +186,8 @@ static int set_up(void **state)
 static void test_command_line_is_checked(void **state)
 {
 	static const struct { const char *argument, *value; int status; const char *says; } cases[] = {
-		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" }, { "--nonsense", NULL, 2, "" }, { "--only", "none", 2, "no section is called none" },
+		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" }, { "--nonsense", NULL, 2, "" },
+		{ "--only", "none", 2, "no section is called none" },
 		{ "--only", "tiny,non", 2, "no section is called non" }, { "--only", "tin", 2, "no section is called tin" },
 		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
 		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" },

@@ -311,7 +311,8 @@ static void write_scene(void)
 		double x = i * 37 % 100 / 33.0 - 1.5, z = i * 71 % 101 / 33.0 - 1.5, y = 2 + i * 53 % 97 / 40.0, l = 0.1 + i % 5 * 0.02;
 		if (i % 350 == 0)
 			fprintf(file, "usemtl %s\n", i ? "blossom" : "leaf");
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y, z + l / 3,
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y,
+			z + l / 3,
 			x + l / 2, y - l / 4, z);
 	}
 	assert_int_equal(fclose(file), 0);

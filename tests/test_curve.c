@@ -354,7 +354,8 @@ static double curve_gap(struct crown *crown, uint32_t views, uint64_t least)
 	const struct eco_ladder *first = &crown->ladders[0];
 	double gap = 0;
 	uint64_t full = 0;
-	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = views, .pixels = 160 }, NULL), ECO_OK);
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = views, .pixels = 160 },
+		NULL), ECO_OK);
 	assert_true(lod_probe_keep_model(&probe));
 	for (uint32_t i = 0; i < crown->plant.ladder_count; i++)
 		full += lod_ladder_full(&probe.scene, &crown->ladders[i]);
@@ -469,7 +470,8 @@ static void large_plants_have_more_bits(void **unused)
 {
 	static const float position[9] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[6] = { 0, 1, 2, 0, 1, 7 };
-	static const struct { float size; uint32_t bits; } rows[] = { { 1e-3f, 12 }, { 6, 12 }, { 36, 12 }, { 37, 13 }, { 72, 13 }, { 73, 14 }, { 146, 15 }, { 1000, 17 },
+	static const struct { float size; uint32_t bits; } rows[] = { { 1e-3f, 12 }, { 6, 12 }, { 36, 12 }, { 37, 13 }, { 72, 13 }, { 73, 14 },
+		{ 146, 15 }, { 1000, 17 },
 		{ 1e7f, 18 } };
 	(void)unused;
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

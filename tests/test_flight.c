@@ -162,7 +162,8 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 		struct eco_error error = { 0 };
 		size_t size;
 		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
-		assert_true(keys ? script.count <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5 && script.count < f.count / 2);
+		assert_true(keys ? script.count <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
+			&& script.count < f.count / 2);
 		char *text = eco_script_text(&script, &size);
 		if (eco_camera_parse(&camera, text, size, "made", &error))
 			fail_msg("%s", error.text);
@@ -191,7 +192,8 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 
 static void still_cameras_are_one_keyframe(void **state)
 {
-	struct eco_track track = track_of("{\"camera_angle_x\": 0.8, \"frames\": [{\"transform_matrix\": [[1,0,0,5],[0,0,-1,6],[0,1,0,7],[0,0,0,1]]}]}", "t.json",
+	struct eco_track track = track_of("{\"camera_angle_x\": 0.8, \"frames\": [{\"transform_matrix\": [[1,0,0,5],[0,0,-1,6],[0,1,0,7],[0,0,0,1]]}]}",
+		"t.json",
 		NULL);
 	struct eco_script script;
 	size_t size;
@@ -200,7 +202,8 @@ static void still_cameras_are_one_keyframe(void **state)
 	struct eco_flight f = flight_of(&track, NULL);
 	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ 0 }, NULL), ECO_OK);
 	char *text = eco_script_text(&script, &size);
-	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], \"fov_y_deg\": 45.837}\n]}\n");
+	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], \"fov_y_deg\": "
+		"45.837}\n]}\n");
 	free(text);
 	eco_script_free(&script);
 	eco_flight_free(&f);
@@ -227,7 +230,8 @@ static void compare_with_table(const char *folder, const char *name)
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
 	if (eco_track_read(&track, path, NULL, &error) || eco_track_read(&wanted, table, NULL, &error) ||
-		eco_track_place(&track, &(struct eco_track_frame){ .crs = NULL }, &error) || eco_track_clean(&track, &(struct eco_cleaning){ 0 }, &report, &error))
+		eco_track_place(&track, &(struct eco_track_frame){ .crs = NULL }, &error) || eco_track_clean(&track, &(struct eco_cleaning){ 0 },
+			&report, &error))
 		fail_msg("%s", error.text);
 	struct eco_flight f = flight_of(&track, NULL);
 	/* the table's zero is the file's first fix, which may lie in another part */

@@ -85,7 +85,8 @@ static void generate(const char *name, const char *folder, uint32_t plants, uint
 static const struct { const char *name; uint32_t plants; const char *files[12]; } scenes[] = {
 	{ "park", 60, { "scene.json", "camera.json", "dem.tif", "models/oak.obj", "models/oak.mtl", "models/linden.obj", "models/spray.png",
 		"models/spruce.obj" } },
-	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv", "models/beech.obj", "models/fern.obj", "models/leaf.png" } },
+	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv", "models/beech.obj", "models/fern.obj",
+		"models/leaf.png" } },
 	{ "meadow", 500, { "scene.json", "camera.json", "dem.tif", "grasses.json", "poppies.json", "models/poppy.obj" } },
 	{ "grove", 120, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/oak.obj", "models/spruce.obj" } },
 	{ "palms", 60, { "scene.json", "camera.json", "plants.csv", "models/palm.obj" } },
@@ -246,7 +247,8 @@ static void test_plants_have_believable_sizes(void **state)
 {
 	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
 		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 }, { "spruce", 14, 18, 5, 6000 },
-		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 }, { "palm", 7, 11, 5, 3000 }, { "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
+		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 }, { "palm", 7, 11, 5, 3000 },
+		{ "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
 		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 }, { "daisy", 0.3, 0.8, 0.6, 300 },
 		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 }, { "sunflower", 1.4, 2.1, 0.7, 1000 } };
 	(void)state;

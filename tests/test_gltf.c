@@ -381,7 +381,8 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 	(void)state;
 	gw_begin();
 	gw_packed(golden, sizeof golden, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
-	gw_accessor(gw_packed(narrow, sizeof narrow, 4, 4, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_UBYTE, 4, "VEC4", ",\"normalized\":true");
+	gw_accessor(gw_packed(narrow, sizeof narrow, 4, 4, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_UBYTE, 4, "VEC4",
+		",\"normalized\":true");
 	gw_accessor(gw_packed(wide, sizeof wide, 4, 8, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_USHORT, 4, "VEC4", ",\"normalized\":true");
 	for (size_t cut = 0; cut < sizeof golden; cut++)
 		gw_packed(golden, cut, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
@@ -472,7 +473,8 @@ static void what_a_viewer_would_show_is_walked(void **state)
 		{ ",\"nodes\":[{},{\"children\":[0]},{}]", "1 0 2 ", ECO_OK },
 		{ ",\"nodes\":[{\"children\":[1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}},{},{}]", "2 ", ECO_OK },
 		{ ",\"scene\":3,\"scenes\":[{}],\"nodes\":[{},{\"children\":[0]}]", "1 0 ", ECO_OK },
-		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK }, { ",\"scene\":0", "", ECO_OK }, { ",\"scenes\":[{\"nodes\":[5]}],\"nodes\":[{}]", "", ECO_DAMAGED },
+		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK }, { ",\"scene\":0", "", ECO_OK },
+		{ ",\"scenes\":[{\"nodes\":[5]}],\"nodes\":[{}]", "", ECO_DAMAGED },
 		{ ",\"nodes\":[{\"children\":[-1]}]", "0 ", ECO_DAMAGED },
 	};
 

@@ -137,7 +137,8 @@ static void points_and_lines_are_counted_and_said(void **state)
 	(void)state;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},\"mode\":0},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
+		"\"mode\":0},"
 		"{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
 	assert_int_equal(m.triangle_count, 1);
 	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
@@ -175,7 +176,8 @@ static void quantized_meshes_are_read(void **state)
 	gw_begin();
 	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],\"translation\":[1,0,0]},{\"mesh\":1}],"
+	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
+		"\"translation\":[1,0,0]},{\"mesh\":1}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
 	expect_corner(&m, 0, 0, 1, 0, 0);
 	expect_corner(&m, 0, 1, 5, 0, 0);
@@ -193,7 +195,8 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
-	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
 	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3] == 1.25);
 	assert_string_equal(notes.text, "");
 	eco_model_free(&m);
@@ -209,7 +212,8 @@ static void parts_are_nodes_and_meshes(void **state)
 	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},{\"mesh\":1,\"name\":\"Pot\"}],"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
+		"{\"mesh\":1,\"name\":\"Pot\"}],"
 		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
 	assert_int_equal(m.part_count, 3);
 	assert_string_equal(m.parts[m.part[0]].name, "Tree/Leaves");
@@ -276,7 +280,8 @@ static void skins_stand_where_their_joints_hold_them(void **state)
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
 	gw_floats(weights[0], 3, "VEC4", 4);
 	gw_floats(inverse[0], 2, "MAT4", 16);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,0],\"scale\":[100,100,100]},{\"translation\":[7,0,0]}],"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,0],\"scale\":[100,100,100]},"
+		"{\"translation\":[7,0,0]}],"
 		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
 		"\"WEIGHTS_0\":2}}]}]");
 	expect_corner(&m, 0, 0, 5, 0, 0);
@@ -294,7 +299,8 @@ static void morph_targets_have_their_default_weights(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],\"meshes\":[{\"weights\":[0.5],\"primitives\":[{\"attributes\":{\"POSITION\":0},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],\"meshes\":[{\"weights\":[0.5],"
+		"\"primitives\":[{\"attributes\":{\"POSITION\":0},"
 		"\"targets\":[{\"POSITION\":1}]}]}]");
 	expect_corner(&m, 0, 1, 3, 0, 0);
 	expect_corner(&m, 1, 1, 1, 0, 0);
@@ -311,7 +317,8 @@ static void vertex_colours_count_in_linear_light(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
-	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
+	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1",
+		",\"material\":0") ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
 	assert_int_equal(m.materials[m.material[0]].rgb[0], 188);
 	assert_int_equal(m.materials[m.material[0]].rgb[1], 0);
 	assert_non_null(strstr(notes.text, "1 vertices have colours with alpha below 0.5"));
@@ -325,8 +332,10 @@ static void the_older_materials_and_those_without_any_have_colours(void **state)
 	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{\"POSITION\":0}},"
-		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
+		"{\"attributes\":{\"POSITION\":0}},"
+		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\","
+			"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]},"
 		"\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0,1,0,1]}}},{\"name\":\"thin\",\"alphaMode\":\"BLEND\","
 		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,0.2]}}]");
 	assert_int_equal(m.triangle_count, 2);
@@ -361,13 +370,16 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 	gw_view(png, size, "");
 	snprintf(rest, sizeof rest, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"material\":%d}",
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+			"%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"material\":%d}",
 			i > 0 ? "," : "", i);
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],\"materials\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,\"texCoord\":%d%s}}}",
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+			"%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,\"texCoord\":%d%s}}}",
 			i > 0 ? "," : "", i, i == 0, i == 1 ? ",\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
-	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "],\"textures\":[{\"source\":0},{\"source\":1},{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
+	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+		"],\"textures\":[{\"source\":0},{\"source\":1},{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
 		"{\"source\":3},{}],\"images\":[{\"bufferView\":3,\"mimeType\":\"image/png\"},{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
 		"{\"uri\":\"none.png\"}]", text);
 	free(png);
@@ -417,8 +429,10 @@ static void draco_meshes_of_any_size_are_read(void **state)
 	gw_accessor(-1, GLTF_UINT, faces * 3, "SCALAR", "");
 	gw_accessor(-1, GLTF_UINT, faces * 3 - 3, "SCALAR", "");
 	for (int i = 1; i <= 2; i++) {
-		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-			"{\"POSITION\":0},\"indices\":%d,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,\"attributes\":{\"POSITION\":0}}}}]}]", i, view);
+		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],"
+			"\"meshes\":[{\"primitives\":[{\"attributes\":"
+			"{\"POSITION\":0},\"indices\":%d,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,\"attributes\":{\"POSITION\":0}}}}]}]",
+			i, view);
 		if (i == 2) {
 			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);        /* fewer faces declared than there are */
 			assert_non_null(strstr(error.text, "more faces"));
@@ -504,11 +518,14 @@ static void references_to_nothing_are_refused(void **state)
 		{ ",\"nodes\":[{\"mesh\":4}]", "mesh 4" }, { ONE_MESH("\"POSITION\":9", ""), "accessor 9" },
 		{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" }, { ONE_MESH("\"POSITION\":1", ""), "components" },
 		{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
-		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
+			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
 			"instances without" },
-		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}}}}],\"meshes\":[{\"primitives\":"
+		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}}}}],"
+			"\"meshes\":[{\"primitives\":"
 			"[{\"attributes\":{\"POSITION\":0}}]}]", "3 and 2 places" },
-		{ ONE_MESH("\"POSITION\":0", ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}"), "Draco" },
+		{ ONE_MESH("\"POSITION\":0", ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}"),
+			"Draco" },
 	};
 
 	(void)state;

@@ -117,7 +117,8 @@ static void ground_comes_coarse_to_fine(void **state)
 		double times = stream.steps[i].ground_px / 0.1;
 		assert_true(i + 1 == stream.step_count ? times == 1 : fabs(times - 4) < 1e-9 || fabs(times - 16) < 1e-9 || fabs(times - 64) < 1e-9);
 		if (i)
-			assert_true(stream.steps[i].ground_px < stream.steps[i - 1].ground_px && ground_tiles(&stream.steps[i]) >= ground_tiles(&stream.steps[i - 1]));
+			assert_true(stream.steps[i].ground_px < stream.steps[i - 1].ground_px
+				&& ground_tiles(&stream.steps[i]) >= ground_tiles(&stream.steps[i - 1]));
 	}
 	/* a picture of the horizon long before all of it: 341 tiles are no burden on the first */
 	assert_true(scene->pack->scene.ground_count > 300 && stream.steps[0].end_bytes < stream.body_bytes / 4);

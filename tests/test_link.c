@@ -90,7 +90,8 @@ static void make(const char *scene, const char *pack, bool cached)
 	char from[512], to[512];
 	snprintf(from, sizeof from, "%s", in_root(scene));
 	snprintf(to, sizeof to, "%s", in_root(pack));
-	if (make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2, .order = LOD_ORDER_STOCHASTIC, .cache = cached ? cache : NULL }, &error))
+	if (make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2, .order = LOD_ORDER_STOCHASTIC,
+		.cache = cached ? cache : NULL }, &error))
 		fail_msg("%s: %s", scene, error.text);
 }
 
@@ -162,7 +163,8 @@ static void parts_of_other_frames_are_refused(void **state)
 	write_parts(3);
 	make_parts();
 	FILE *file = open_text("utm.json");
-	fputs("{\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 0], \"plants\": {" BOTH "}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}", file);
+	fputs("{\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 0], \"plants\": {" BOTH "}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, "
+		"0]}]}", file);
 	assert_int_equal(fclose(file), 0);
 	make("utm.json", "part2.eco", true);
 	unlink(in_root("linked.eco"));

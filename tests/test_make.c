@@ -89,7 +89,8 @@ static void test_plant_at_the_origin_is_exact(void **state)
 	double at[4][3];
 	uint32_t plant[4];
 	(void)state;
-	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}");
+	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, "
+		"0, 0]}]}");
 	struct eco_pack *pack = made("lone.json", "lone.eco");
 	assert_string_equal(pack->scene.name, "lone");
 	assert_int_equal(standing(&pack->scene, at, plant, 4), 1);
@@ -107,9 +108,11 @@ static void write_slope(void)
 	FILE *file = fopen(in_root("slope.json"), "wb");
 	assert_non_null(file);
 	fputs("{\"name\": \"slope\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"tile\": {\"instances\": 20},\n"
-		"\"plants\": {\"a\": {\"model\": \"a.obj\"}, \"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}, \"again\": {\"model\": \"a.obj\"}},\n\"instances\": [", file);
+		"\"plants\": {\"a\": {\"model\": \"a.obj\"}, \"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}, \"again\": {\"model\": "
+		"\"a.obj\"}},\n\"instances\": [", file);
 	for (int i = 0; i < 120; i++)
-		fprintf(file, "%s{\"plant\": \"%s\", \"at\": [%.3f, %.3f, %d], \"yaw_deg\": %d, \"scale\": %.2f}", i ? ",\n" : "", i % 3 == 0 ? "a" : i % 3 == 1
+		fprintf(file, "%s{\"plant\": \"%s\", \"at\": [%.3f, %.3f, %d], \"yaw_deg\": %d, \"scale\": %.2f}", i ? ",\n" : "",
+			i % 3 == 0 ? "a" : i % 3 == 1
 			? "b" : "again", (i * 37 % 101) * 0.83 - 40, (i * 59 % 103) * 0.71 - 35, i == 7 ? 2 : 0, i * 11 % 360, 0.5 + i % 10 * 0.1);
 	fputs("]}\n", file);
 	assert_int_equal(fclose(file), 0);
@@ -155,8 +158,10 @@ static void write_tree(const char *name, double reach)
 {
 	char text[1000];
 	double r = reach;
-	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n"
-		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 16 17\n",
+	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
+		"3 7 6\nf 3 4 8 7\n"
+		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
+			"16 17\n",
 		r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
 	write_text(name, text);
 }
@@ -169,7 +174,8 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 	write_tree("narrow.obj", 1);
 	write_tree("wide.obj", 5);
 	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
-	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": \"crowns.csv\", "
+	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": "
+		"\"crowns.csv\", "
 		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
 	struct eco_pack *pack = made("crowns.json", "crowns.eco");
 	const struct eco_scene *s = &pack->scene;
@@ -181,7 +187,8 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 	eco_pack_close(pack);
 	/* without a height the crown says how large: the bounds end where it does */
 	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
-	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": \"x\", \"y\": \"y\", "
+	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": "
+		"\"x\", \"y\": \"y\", "
 		"\"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
@@ -195,8 +202,10 @@ static void test_what_stands_beyond_the_ground_is_counted(void **state)
 	write_slope();
 	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
 	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}");
-	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
-		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\"}],"
+	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
+		"{\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+			"\"y\", \"plant\": \"a\"}],"
 		"\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
 	struct eco_pack *pack = made("off.json", "off.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
@@ -235,12 +244,16 @@ static void test_tiles_are_small_and_summed_up(void **state)
 static void test_nested_files_are_built_once(void **state)
 {
 	(void)state;
-	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": \"c\", \"at\": "
+	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
+		"\"c\", \"at\": "
 		"[0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
-	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": [10, 0, 0], "
+	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
+		"[10, 0, 0], "
 		"\"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": 2}]}");
-	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": \"b\", \"at\": [5, 5, 0]}], "
-		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", \"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", \"at\": [0, 50, 0]}]}");
+	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
+		"\"b\", \"at\": [5, 5, 0]}], "
+		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", \"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", "
+			"\"at\": [0, 50, 0]}]}");
 	struct eco_pack *pack = made("nest.json", "nest.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_int_equal(s->plant_count, 1);
@@ -278,7 +291,8 @@ static void test_every_triangle_is_accounted_for(void **state)
 	FILE *file = fopen(in_root("worse.obj"), "ab");
 	fputs("v 1 1 1\nv 1 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 2 6\nf 1 2 6\n", file);
 	fclose(file);
-	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, \"instances\": [{\"plant\": \"w\", \"at\": [0, 0, 0]}]}");
+	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, \"instances\": [{\"plant\": \"w\", \"at\": [0, "
+		"0, 0]}]}");
 	struct eco_pack *pack = made("worse.json", "worse.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), *plant = json_array_get(json_object_get(meta, "plants"), 0), *count;
 	json_int_t dropped = 0;
@@ -311,14 +325,18 @@ static void test_failure_leaves_the_old_pack(void **state)
 {
 	static const struct { const char *scene, *says; } bad[] = {
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, \"instances\": []}", "colour" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}", "missing.obj" },
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+			"missing.obj" },
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}", "no plants" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}", "broken.obj" },
-		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+			"broken.obj" },
+		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
+			"\"at\": [0, 0, 0]}]}",
 		  "a.obj" },
 		/* what is quickly found is said before plants are built */
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": \"north\", "
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+			"\"north\", "
 			"\"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 	};
 	(void)state;

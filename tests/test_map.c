@@ -42,8 +42,10 @@ static int make_files(void **state)
 		"\"height_m\": {\"column\": \"h\"}}]}");
 	write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, {\"plant\": \"oak\", \"at\": [10, 0]},"
 		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
-	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": \"plot.json\", \"at\": [100, 0], \"yaw_deg\": 90, \"scale\": 2}]}");
-	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, 5]}], \"children\": [{\"eco\": \"block.json\", \"at\": [0, 0]},"
+	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": \"plot.json\", \"at\": [100, 0], "
+		"\"yaw_deg\": 90, \"scale\": 2}]}");
+	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, 5]}], \"children\": [{\"eco\": \"block.json\", "
+		"\"at\": [0, 0]},"
 		"{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
 	return 0;
 }
@@ -140,7 +142,8 @@ static void test_scattered_plants_are_shown_with_their_areas(void **state)
 	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
 		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, 47]]]}}]}");
 	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], [9.002, 47.0003]]}");
-	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], " PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
+	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
+		PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
 		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": \"roads.geojson\", \"clear_m\": 4}]}");
 	gather(&m, ROOT "/scatter.json");
 	assert_int_equal(m.areas.count, 3);
@@ -170,7 +173,8 @@ static void write_rows(const char *path, uint32_t count, const char *more)
 static void test_strays_do_not_shrink_the_rest(void **state)
 {
 	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] = { { 1000, "", 1100, 0 },
-		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 }, { 1000, "2000,2000\n", 2200, 0 }, { 3, "4000000,0\n", 5e6, 0 } };
+		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 }, { 1000, "2000,2000\n", 2200, 0 },
+		{ 3, "4000000,0\n", 5e6, 0 } };
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct map m;
@@ -297,7 +301,8 @@ static void test_bad_command_lines_and_scenes_are_told(void **state)
 	static const struct { const char *line; enum eco_code code; const char *says; } cases[] = { { ROOT "/one.json", ECO_BAD_USAGE, "-o" },
 		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the scene file" }, { ROOT "/one.json -o " ROOT "/x.png --size 20", ECO_BAD_USAGE, "--size" },
 		{ ROOT "/none.json -o " ROOT "/x.png", ECO_NOT_FOUND, "none.json" }, { ROOT "/rows.csv -o " ROOT "/x.png", ECO_BAD_INPUT, "rows.csv" },
-		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" }, { ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT, "nothing to show" },
+		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" }, { ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT,
+			"nothing to show" },
 		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
 	(void)state;
 	unlink(ROOT "/x.png");

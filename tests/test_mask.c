@@ -68,7 +68,8 @@ static void hidden_is_what_no_sample_sees(void **state)
 		open_disc(&soup, &mask, &arena, size);
 		for (int i = 0; i < 1500; i++) {
 			int32_t uv[6];
-			double extent = i % 2 ? ECO_UV_ONE : ECO_UV_ONE / 8.0, u = soup_random(&soup, -3, 3) * ECO_UV_ONE, v = soup_random(&soup, -3, 3) * ECO_UV_ONE;
+			double extent = i % 2 ? ECO_UV_ONE : ECO_UV_ONE / 8.0, u = soup_random(&soup, -3, 3) * ECO_UV_ONE,
+				v = soup_random(&soup, -3, 3) * ECO_UV_ONE;
 			for (int k = 0; k < 3; k++) {
 				uv[2 * k] = (int32_t)(u + soup_random(&soup, 0, extent));
 				uv[2 * k + 1] = (int32_t)(v + soup_random(&soup, 0, extent));

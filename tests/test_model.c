@@ -161,7 +161,8 @@ static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
 		if (i % 16 < 8)
 			used += (size_t)snprintf(obj + used, sizeof obj - used, "f %d %d %d %d\n", i + 1, i / 16 * 16 + (i + 1) % 8 + 1,
 				i / 16 * 16 + (i + 1) % 8 + 9, i + 9);
-	import_file(&m, input_text("model", "willow.obj", obj), &(struct eco_model_options){ .height_m = 0, .up = ECO_UP_Y });         /* of two tubes no shape tells it */
+	import_file(&m, input_text("model", "willow.obj", obj),
+		&(struct eco_model_options){ .height_m = 0, .up = ECO_UP_Y });         /* of two tubes no shape tells it */
 	assert_true(fabs(m.foot[0]) < 1e-5 && fabs(m.foot[1]) < 1e-5 && m.foot[2] == 1);
 	assert_true(fabs(eco_model_height(&m) - 8) < 1e-5 && has_vertex(&m, 0.5f, 0, 0, NULL) && has_vertex(&m, 6.05f, 0, -1, NULL));
 	eco_model_free(&m);
@@ -190,9 +191,11 @@ static void more_triangles_than_allowed_are_refused(void **state)
 	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf 1 2 3\nf 2 4 3\nf 3 4 5\n");
 
 	(void)state;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 }, &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 },
+		&error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "3 triangles"));
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 3 }, NULL), ECO_OK);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 3 },
+		NULL), ECO_OK);
 	eco_model_free(&m);
 }
 
@@ -210,10 +213,12 @@ static void damaged_files_are_survived(void **state)
 		struct eco_model m;
 		char kept = text[at];
 
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) }, .path_count = 1 }, NULL) == ECO_OK)
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) },
+			.path_count = 1 }, NULL) == ECO_OK)
 			fail_msg("%zu of %zu bytes were taken for a model", at, size);
 		text[at] = (char)(kept ^ 1);
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) }, .path_count = 1 }, NULL) == ECO_OK)
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) },
+			.path_count = 1 }, NULL) == ECO_OK)
 			for (uint32_t i = 0; i < m.triangle_count * 3; i++)
 				assert_true(m.index[i] < m.vertex_count);
 		eco_model_free(&m);

@@ -244,7 +244,8 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 static void a_point_cloud_is_refused_as_one(void **state)
 {
 	(void)state;
-	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+		"float z\n"
 		"end_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT, "no faces in it, only 3 points; a point cloud has no surfaces: make a mesh of it first");
 	import_refuses(input_text("formats", "cloud.laz", "LASF"), ECO_UNSUPPORTED, "a point cloud");
 }
@@ -312,9 +313,11 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 static void what_the_user_says_of_axes_and_unit_wins(void **state)
 {
 	static const struct { const char *name, *text; enum eco_up up; double high; } cases[] = {
-		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 }, { "w.dae", DAE("<up_axis>Z_UP</up_axis>"), ECO_UP_Z, 100 },
+		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 },
+		{ "w.dae", DAE("<up_axis>Z_UP</up_axis>"), ECO_UP_Z, 100 },
 		{ "w.fbx", FBX("1", "2", "1", "1"), ECO_UP_Z, 100 }, { "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_Y, 0 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 }, { "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Y, 0 },
+		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 }, { "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n",
+			ECO_UP_Y, 0 },
 		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_X, 10 }, { "w.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_X, 10 },
 		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_X, 10 },
 	};
@@ -420,7 +423,8 @@ static void formats_without_axes_follow_their_convention(void **state)
 	bytes[80] = 1;
 	memcpy(bytes + 84 + 12, places, 36);
 	for (at = 0; at < 2; at++) {
-		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50) : input_text("formats", "text.STL", "solid oak\nfacet normal 0 0 1\n"
+		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50) : input_text("formats", "text.STL",
+			"solid oak\nfacet normal 0 0 1\n"
 			"outer loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\nendfacet\nendsolid oak\n"), NULL);
 		assert_true(near(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
 		assert_int_equal(m.materials[0].rgb[0], 153);
@@ -474,7 +478,8 @@ static void empty_solids_are_no_harm(void **state)
 	struct eco_model m;
 
 	(void)state;
-	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\n"
+	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
+		"5\nendloop\n"
 		"endfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
 	assert_true(near(m.source.size[2], 5, 1e-6));
@@ -485,7 +490,8 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 {
 	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says; } cases[] = {
 		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED, "packed with xz; unpack it first: xz -dk oak.obj.xz" },
-		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" }, { "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "zcat <oak.blend >unpacked-oak.blend" }, { "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
+		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" }, { "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED,
+			"zcat <oak.blend >unpacked-oak.blend" }, { "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
 		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" }, { "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
 		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT, "a pointer of Git LFS" },
 		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
@@ -530,7 +536,8 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
-	assert_true(m.source.up == ECO_UP_Z && near(m.source.size[2], 140, 1e-3) && near(m.scale, 0.0254, 1e-9) && strstr(import_said, "taken for") == NULL);
+	assert_true(m.source.up == ECO_UP_Z && near(m.source.size[2], 140, 1e-3) && near(m.scale, 0.0254, 1e-9)
+		&& strstr(import_said, "taken for") == NULL);
 	eco_model_free(&m);
 	paths[0] = input_text("formats", "metres.dae", DAE("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>"));
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });

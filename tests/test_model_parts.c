@@ -9,10 +9,13 @@ static void names_fit_patterns_whole_or_between_slashes(void **state)
 	static const struct { const char *pattern, *name; bool fits; } cases[] = {
 		{ "pot", "pot", true }, { "pot", "POT", true }, { "pot", "pots", false }, { "pot*", "pots and pans", true }, { "*pot", "flowerpot", true },
 		{ "*pot*", "a Pot here", true }, { "p?t", "pit", true }, { "p?t", "pt", false }, { "?", "", false }, { "*", "", true }, { "", "", true },
-		{ "", "x", false }, { "**a**b", "xaxxb", true }, { "*a*b", "xaxxbx", false }, { "leaves", "tree/leaves", true }, { "tree", "tree/leaves", true },
+		{ "", "x", false }, { "**a**b", "xaxxb", true }, { "*a*b", "xaxxbx", false }, { "leaves", "tree/leaves", true },
+		{ "tree", "tree/leaves", true },
 		{ "tree/*", "tree/leaves", true }, { "leaf.obj", "leaf.obj/Plane", true }, { "ree", "tree/leaves", false },
-		{ "bl\xc3\xa4tter", "BL\xc3\x84TTER", true }, { "bl?tter", "Bl\xc3\xa4tter", true }, { "\xd0\xb4\xd1\x83\xd0\xb1", "\xd0\x94\xd0\xa3\xd0\x91", true },
-		{ "a?c", "a\xff" "c", true }, { "[a]", "a", false }, { "a*b*c*d*e", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", false },
+		{ "bl\xc3\xa4tter", "BL\xc3\x84TTER", true }, { "bl?tter", "Bl\xc3\xa4tter", true },
+		{ "\xd0\xb4\xd1\x83\xd0\xb1", "\xd0\x94\xd0\xa3\xd0\x91", true },
+		{ "a?c", "a\xff" "c", true }, { "[a]", "a", false },
+		{ "a*b*c*d*e", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", false },
 	};
 
 	(void)state;
@@ -24,7 +27,8 @@ static void names_fit_patterns_whole_or_between_slashes(void **state)
 /* A square of side `size` at (x, z), standing, of two triangles that share two of their four vertices. */
 static size_t put_square(char *to, size_t room, double x, double z, double size, int first)
 {
-	return (size_t)snprintf(to, room, "v %g %g 0\nv %g %g 0\nv %g %g 0\nv %g %g 0\nf %d %d %d\nf %d %d %d\n", x, z, x + size, z, x + size, z + size, x,
+	return (size_t)snprintf(to, room, "v %g %g 0\nv %g %g 0\nv %g %g 0\nv %g %g 0\nf %d %d %d\nf %d %d %d\n", x, z, x + size, z, x + size,
+		z + size, x,
 		z + size, first, first + 1, first + 2, first, first + 2, first + 3);
 }
 
@@ -70,7 +74,8 @@ static void components_hang_together_by_place_within_a_material(void **state)
 		assert_true(near(by_material.items[i].area, areas[i], 1e-4));
 	assert_true(by_material.items[4].first < by_material.items[5].first);        /* as large as each other: as in the file */
 	for (uint32_t i = 0; i < m.triangle_count; i++)
-		assert_true(by_material.of[i] < 6 && strcmp(m.materials[m.material[i]].name, m.materials[m.material[by_material.items[by_material.of[i]].first]].name) == 0);
+		assert_true(by_material.of[i] < 6 && strcmp(m.materials[m.material[i]].name,
+			m.materials[m.material[by_material.items[by_material.of[i]].first]].name) == 0);
 	eco_components_free(&all);
 	eco_components_free(&by_material);
 	free(place);
@@ -99,8 +104,10 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 static void the_first_rule_that_fits_counts(void **state)
 {
 	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"cl?y", .is = ECO_ORGAN_WOOD },
-		{ .kind = ECO_PART_NAME, .name = (char *)"Pot", .is = ECO_PART_LEFT_OUT }, { .kind = ECO_PART_COMPONENT, .component = 2, .is = ECO_ORGAN_FLOWER },
-		{ .kind = ECO_PART_SIZE, .size = { 0, 0.15 }, .is = ECO_ORGAN_FOLIAGE }, { .kind = ECO_PART_NAME, .name = (char *)"*", .is = ECO_ORGAN_WOOD } };
+		{ .kind = ECO_PART_NAME, .name = (char *)"Pot", .is = ECO_PART_LEFT_OUT }, { .kind = ECO_PART_COMPONENT, .component = 2,
+			.is = ECO_ORGAN_FLOWER },
+		{ .kind = ECO_PART_SIZE, .size = { 0, 0.15 }, .is = ECO_ORGAN_FOLIAGE }, { .kind = ECO_PART_NAME, .name = (char *)"*",
+			.is = ECO_ORGAN_WOOD } };
 	uint32_t count[256] = { 0 };
 	struct eco_model m;
 
@@ -129,7 +136,8 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 
 	(void)state;
 	import_with(&m, rules, 3, 0);
-	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects and groups "
+	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects "
+		"and groups "
 		"are \"Stem\", \"Pot\", \"Crown\"");
 	import_says("the rule {\"component\": 7} fits nothing: there are 6 components");
 	import_says("the rule {\"size\": [2, 3]} fits nothing");

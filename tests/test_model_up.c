@@ -51,7 +51,8 @@ static void bare_tree(struct soup *s)
 	for (int i = 0; i < 25; i++) {
 		struct lod_v3 d = soup_direction(s);
 		d.z = fabs(d.z);
-		soup_tube(s, m, (struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_add((struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_scale(d, 1.8)), 0.05, 0.01, 5, 6);
+		soup_tube(s, m, (struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_add((struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_scale(d, 1.8)), 0.05,
+			0.01, 5, 6);
 	}
 }
 
@@ -104,7 +105,8 @@ static void weeping_tree(struct soup *s)
 		struct lod_v3 tip = lod_v3_add((struct lod_v3){ 0, 0, 4 }, lod_v3_scale(d, 2.5));
 		soup_tube(s, m, (struct lod_v3){ 0, 0, 4 }, tip, 0.06, 0.02, 5, 4);
 		for (int k = 0; k < 30; k++)
-			soup_leaf(s, n, (struct lod_v3){ tip.x + soup_random(s, -0.3, 0.3), tip.y + soup_random(s, -0.3, 0.3), tip.z - 4 * soup_random(s, 0, 1) }, 0.15, 0.04);
+			soup_leaf(s, n, (struct lod_v3){ tip.x + soup_random(s, -0.3, 0.3), tip.y + soup_random(s, -0.3, 0.3), tip.z - 4 * soup_random(s, 0, 1) },
+				0.15, 0.04);
 	}
 }
 

@@ -28,7 +28,8 @@ static double random_real(uint64_t *state, double from, double to)
 static void begin(struct pair *pair, uint64_t *state)
 {
 	double plants = exp2(random_real(state, 0, 14)), box = exp2(random_real(state, -6, 12));
-	double points = floor(fmin(4096, fmax(1, plants * exp2(random_real(state, -3, 3))))), extra = random_real(state, 0, 1), part = random_real(state, 0.01, 1);
+	double points = floor(fmin(4096, fmax(1, plants * exp2(random_real(state, -3, 3))))), extra = random_real(state, 0, 1),
+		part = random_real(state, 0.01, 1);
 	pair->view = (struct lod_summary_view){ .plants = plants, .box = plants * box, .covered = plants * box * random_real(state, 0.05, 1),
 		.area = plants * box * random_real(state, 0.1, 4), .points = points, .wide = sqrt(plants * box) * random_real(state, 0.5, 4) };
 	pair->view.high = pair->view.wide * random_real(state, 0.05, 1);
@@ -38,7 +39,8 @@ static void begin(struct pair *pair, uint64_t *state)
 	lod_points_all(&pair->all);
 	pair->falls = true;
 	for (uint32_t i = 1; i < pair->all.count; i++)
-		pair->falls = pair->falls && lod_steps_error(&pair->all.steps, &pair->all.samples[i]) <= lod_steps_error(&pair->all.steps, &pair->all.samples[i - 1])
+		pair->falls = pair->falls && lod_steps_error(&pair->all.steps, &pair->all.samples[i]) <= lod_steps_error(&pair->all.steps,
+			&pair->all.samples[i - 1])
 			&& pair->all.samples[i].fn <= pair->all.samples[i - 1].fn;
 }
 

@@ -32,7 +32,8 @@ static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
 	for (uint32_t i = 0; i < count; i++) {
 		bool bit = next(&state) % 100 == 0;
 		uint32_t byte = next(&state) & next(&state) & 255, wide = next(&state), bits = next(&state) % 65;
-		uint64_t raw = ((uint64_t)next(&state) << 40 ^ (uint64_t)next(&state) << 20 ^ next(&state)) & (bits == 64 ? UINT64_MAX : ((uint64_t)1 << bits) - 1);
+		uint64_t raw = ((uint64_t)next(&state) << 40 ^ (uint64_t)next(&state) << 20 ^ next(&state)) & (bits == 64 ? UINT64_MAX
+			: ((uint64_t)1 << bits) - 1);
 		int32_t value = numbers[next(&state) % 8];
 		assert_int_equal(eco_range_bit(r, rare, writing && bit), bit);
 		assert_int_equal(eco_range_tree(r, tree, 8, writing ? byte : 0) & 255, byte);

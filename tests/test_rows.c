@@ -155,7 +155,8 @@ static void points_as_text_are_the_geometry(void **state)
 {
 	(void)state;
 	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
-		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT POINT (x y),bad",
+		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
+		"POINT (x y),bad",
 		NULL, NULL);
 	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n", "id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
 	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n", "id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
@@ -201,9 +202,11 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 	(void)state;
 	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
-	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},", FEATURE(POINT("121000,487000"), "\"id\":1")),
+	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
+		FEATURE(POINT("121000,487000"), "\"id\":1")),
 		"id / (121000 487000) 1", NULL, "EPSG:28992");
-	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},", FEATURE(POINT("2,48"), "\"id\":1")),
+	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
+		FEATURE(POINT("2,48"), "\"id\":1")),
 		"id / (2 48) 1", NULL, "EPSG:4326");
 	expect("d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979");
 	source.path = input_text("rows", "metres.geojson", COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
@@ -222,7 +225,8 @@ static void each_feature_is_a_row_whatever_its_geometry(void **state)
 		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
 		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
 		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / Geometry Collec 7", NULL, "EPSG:4326");
-	expect("f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL, "EPSG:4326");
+	expect("f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL,
+		"EPSG:4326");
 	expect("g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")), "Größe / (1 2) 3.5", NULL, "EPSG:4326");
 }
 
@@ -305,9 +309,11 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	expect_made("XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
-	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data name=\"dbh\"><value>30</value></Data>"
+	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data "
+		"name=\"dbh\"><value>30</value></Data>"
 		"</ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
-		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30", NULL, "EPSG:4326");
+		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
+			NULL, "EPSG:4326");
 }
 
 static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
@@ -357,7 +363,8 @@ static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 
 static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 {
-	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" xmlns:gml=\"http://www.opengis.net/gml/3.2\">"
+	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" "
+		"xmlns:gml=\"http://www.opengis.net/gml/3.2\">"
 		"<ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry><gml:Point srsName=\"%s\"><gml:pos>%s</gml:pos></gml:Point></ogr:geometry>"
 		"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>";
 	char text[2000];
@@ -377,7 +384,8 @@ static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 
 static void a_child_hands_over_the_same_rows(void **state)
 {
-	struct eco_rows_source source = { .path = input_text("rows", "child.geojson", COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") ","
+	struct eco_rows_source source = { .path = input_text("rows", "child.geojson",
+		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") ","
 		FEATURE("null", "\"s\":\"a\\nb\""))) };
 	const char *const wanted[] = { "s" };
 	struct eco_error error = { .code = ECO_OK };

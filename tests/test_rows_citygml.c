@@ -48,8 +48,10 @@ static void attributes_of_the_standard_and_generic_ones_are_columns(void **state
 {
 	(void)state;
 	expect(model("EPSG:25832", TREE("<gml:name>Linde am Platz</gml:name><veg:class>1070</veg:class><veg:species>1640</veg:species>"
-			"<veg:height uom=\"urn:adv:uom:m\">12.5</veg:height><veg:trunkDiameter uom=\"cm\">40</veg:trunkDiameter><veg:crownDiameter>6</veg:crownDiameter>"
-			"<gen:stringAttribute name=\"Baumart\"><gen:value> B&#228;rche &amp; Co </gen:value></gen:stringAttribute>" IMPLICIT("690100.5 5335200.25 515.5"))
+			"<veg:height uom=\"urn:adv:uom:m\">12.5</veg:height><veg:trunkDiameter "
+			"uom=\"cm\">40</veg:trunkDiameter><veg:crownDiameter>6</veg:crownDiameter>"
+			"<gen:stringAttribute name=\"Baumart\"><gen:value> B&#228;rche &amp; Co </gen:value></gen:stringAttribute>"
+				IMPLICIT("690100.5 5335200.25 515.5"))
 		TREE("<gen:measureAttribute name=\"height\"><gen:value uom=\"#ft\">30</gen:value></gen:measureAttribute>" IMPLICIT("690101 5335201 516"))),
 		"id,name,class,species,height,trunkDiameter,crownDiameter,Baumart"
 		" / (690100.5 5335200.25 515.5) t,Linde am Platz,1070,1640,12.5 m,40 cm,6,Bärche & Co / (690101 5335201 516) t,,,,30 ft,,,");
@@ -65,7 +67,8 @@ static void all_versions_are_read(void **state)
 	/* CityGML 3 */
 	expect("<CityModel xmlns=\"http://www.opengis.net/citygml/3.0\"><cityObjectMember><veg:SolitaryVegetationObject gml:id=\"x\"><genericAttribute>"
 		"<gen:StringAttribute><gen:name>Art</gen:name><gen:value>Eiche</gen:value></gen:StringAttribute></genericAttribute><lod1ImplicitRepresentation>"
-		"<ImplicitGeometry><transformationMatrix>0 -1 0 2 1 0 0 3 0 0 1 0.5 0 0 0 1</transformationMatrix><referencePoint><gml:Point><gml:pos>690000 5335000 "
+		"<ImplicitGeometry><transformationMatrix>0 -1 0 2 1 0 0 3 0 0 1 0.5 0 0 0 "
+			"1</transformationMatrix><referencePoint><gml:Point><gml:pos>690000 5335000 "
 		"500</gml:pos></gml:Point></referencePoint></ImplicitGeometry></lod1ImplicitRepresentation><veg:species>1640</veg:species>"
 		"</veg:SolitaryVegetationObject></cityObjectMember></CityModel>", "id,Art,species / (690002 5335003 500.5) x,Eiche,1640");
 }
@@ -79,10 +82,12 @@ static void a_geometry_stands_on_the_middle_of_its_lowest_part(void **state)
 		"id / (11 21 500) t");
 	/* what is in local axes, or lies along the terrain, does not count */
 	expect(model("EPSG:25832", TREE("<veg:lod1TerrainIntersection><gml:posList>0 0 0 1 1 1</gml:posList></veg:lod1TerrainIntersection>"
-		"<veg:lod1ImplicitRepresentation><core:ImplicitGeometry><core:relativeGMLGeometry><gml:Point><gml:pos>1 2 3</gml:pos></gml:Point></core:relativeGMLGeometry>"
+		"<veg:lod1ImplicitRepresentation><core:ImplicitGeometry><core:relativeGMLGeometry><gml:Point><gml:pos>1 2 "
+		"3</gml:pos></gml:Point></core:relativeGMLGeometry>"
 		"<core:referencePoint>" POINT_3D "7 8 9</gml:pos></gml:Point></core:referencePoint></core:ImplicitGeometry></veg:lod1ImplicitRepresentation>")),
 		"id / (7 8 9) t");
-	expect(model("EPSG:25832", TREE("<veg:lod1Geometry xlink:href=\"#other\"/>") TREE("<veg:lod1Geometry><gml:Point srsDimension=\"2\"><gml:pos>1 2</gml:pos>"
+	expect(model("EPSG:25832", TREE("<veg:lod1Geometry xlink:href=\"#other\"/>") TREE("<veg:lod1Geometry><gml:Point srsDimension=\"2\"><gml:pos>1 "
+		"2</gml:pos>"
 		"</gml:Point></veg:lod1Geometry>")), "id / empty t / (1 2) t");
 }
 
@@ -93,7 +98,8 @@ static void a_crs_is_known_in_any_spelling_and_order(void **state)
 		{ "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", "690000 5335000 500", "EPSG:25832+7837", "(690000 5335000 500)", NULL },
 		{ "urn:adv:crs:ETRS89_UTM33", "390000 5820000 40", "EPSG:25833", "(390000 5820000 40)", NULL },
 		{ "http://www.opengis.net/gml/srs/epsg.xml#28992", "121000 487000 2", "EPSG:28992", "(121000 487000 2)", NULL },
-		{ "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837", "690000 5335000 500", "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837", "(690000 5335000 500)", NULL },
+		{ "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837", "690000 5335000 500", "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837",
+			"(690000 5335000 500)", NULL },
 		{ "urn:ogc:def:crs:EPSG::4979", "48.1 11.5 520", "urn:ogc:def:crs:EPSG::4979", "(11.5 48.1 520)", NULL },
 		{ "http://www.opengis.net/def/crs/EPSG/0/4258", "48.1 11.5 520", "http://www.opengis.net/def/crs/EPSG/0/4258", "(11.5 48.1 520)", NULL },
 		{ "EPSG:4258", "48.1 11.5 520", "EPSG:4258", "(11.5 48.1 520)", "easting or longitude first" },

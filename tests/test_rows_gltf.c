@@ -53,8 +53,10 @@ static void a_row_for_each_instance(void **state)
 	gw_floats(sizes[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(species, sizeof species, ""), GLTF_USHORT, 3, "SCALAR", "");
 	gw_floats(places[0], 1, "VEC3", 3);
-	expect_rows(",\"nodes\":[{\"name\":\"oaks\",\"mesh\":0,\"translation\":[100,0,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,"
-		"\"ROTATION\":1,\"SCALE\":2,\"_SPECIES\":3}}}},{\"mesh\":0},{\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":4}}}}],"
+	expect_rows(",\"nodes\":[{\"name\":\"oaks\",\"mesh\":0,\"translation\":[100,0,0],"
+		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,"
+		"\"ROTATION\":1,\"SCALE\":2,\"_SPECIES\":3}}}},{\"mesh\":0},"
+			"{\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":4}}}}],"
 		"\"meshes\":[{\"name\":\"oak\"}]", "x,y,z,name,mesh,yaw_deg,scale,height_m,_SPECIES",
 		(const char *const[]){ "101,-3,2,oaks,oak,0.0000,1,,7", "104,6,0,oaks,oak,90.0000,2,,9", "100,0,0,oaks,oak,315.0000,2,,7",
 			"1,-3,2,,,0.0000,1,," }, 4);
@@ -64,8 +66,10 @@ static void a_row_for_each_node_with_a_mesh(void **state)
 {
 	(void)state;
 	gw_begin();
-	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,\"translation\":[1,0,-1],\"extras\":{\"dbh_cm\":31.5,\"alive\":true}},"
-		"{\"mesh\":0,\"name\":\"Ash.001\",\"extras\":{\"species\":\"ash\",\"list\":[1],\"dbh_cm\":12}},{\"name\":\"lamp\"}],\"meshes\":[{\"name\":\"ash\"}]",
+	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,\"translation\":[1,0,-1],"
+		"\"extras\":{\"dbh_cm\":31.5,\"alive\":true}},"
+		"{\"mesh\":0,\"name\":\"Ash.001\",\"extras\":{\"species\":\"ash\",\"list\":[1],\"dbh_cm\":12}},{\"name\":\"lamp\"}],"
+			"\"meshes\":[{\"name\":\"ash\"}]",
 		"x,y,z,name,mesh,yaw_deg,scale,height_m,dbh_cm,alive,species",
 		(const char *const[]){ "2,2,0,ash,ash,0.0000,2,,31.5,true,", "0,0,0,Ash.001,ash,0.0000,2,,12,,ash" }, 2);
 }
@@ -81,7 +85,8 @@ static void heights_are_those_of_meshes_however_packed(void **state)
 	gw_accessor(gw_view(f, sizeof f, ""), GLTF_FLOAT, 2, "VEC3", ",\"min\":[0,0,0],\"max\":[4,10,4]");
 	gw_accessor(gw_view(q, sizeof q, ",\"byteStride\":8"), GLTF_SHORT, 2, "VEC3", ",\"normalized\":true,\"min\":[-32767,-32767,-32767],\"max\":"
 		"[32767,32767,32767]");
-	expect_rows(",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3],\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[2,5,2],\"scale\":[2,5,2],\"name\":\"quantized\"}],\"meshes\":["
+	expect_rows(",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3],\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[2,5,2],\"scale\":[2,5,2],"
+		"\"name\":\"quantized\"}],\"meshes\":["
 		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]",
 		"x,y,z,name,mesh,yaw_deg,scale,height_m", (const char *const[]){ "1,-3,2,,,0.0000,2,20", "2,-2,0,quantized,,0.0000,,10" }, 2);
 }
@@ -92,7 +97,8 @@ static void a_scene_without_plants_is_no_inventory(void **state)
 	struct eco_rows *rows;
 
 	(void)state;
-	assert_int_equal(eco_rows_open_gltf(&rows, input_text("rows_gltf", "none.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}"), &error), ECO_BAD_INPUT);
+	assert_int_equal(eco_rows_open_gltf(&rows, input_text("rows_gltf", "none.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}"), &error),
+		ECO_BAD_INPUT);
 	assert_null(rows);
 	assert_non_null(strstr(error.text, "none.gltf: no node"));
 	assert_int_equal(eco_rows_open_gltf(&rows, "build/tmp/rows_gltf/nowhere.glb", NULL), ECO_NOT_FOUND);

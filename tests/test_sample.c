@@ -94,7 +94,8 @@ static void texels_wrap(void **state)
 	const double places[][2] = { { 0.3, 0.6 }, { 0.01, 0.99 } };
 	for (size_t i = 0; i < 2; i++)
 		for (int turn = -3; turn <= 3; turn++)
-			assert_ptr_equal(lod_texel_at(soup.image, places[i][0] + turn, places[i][1] - turn), lod_texel_at(soup.image, places[i][0], places[i][1]));
+			assert_ptr_equal(lod_texel_at(soup.image, places[i][0] + turn, places[i][1] - turn),
+				lod_texel_at(soup.image, places[i][0], places[i][1]));
 	soup_free(&soup);
 }
 

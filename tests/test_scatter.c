@@ -65,7 +65,8 @@ static char *areas(const char *name, const char *features)
 
 static struct eco_scatter_spec spec_of(char *path)
 {
-	return (struct eco_scatter_spec){ .path = path, .crs = "EPSG:32617", .plants = two, .plant_count = 2, .height_low_m = NAN, .height_high_m = NAN, .seed = 1 };
+	return (struct eco_scatter_spec){ .path = path, .crs = "EPSG:32617", .plants = two, .plant_count = 2, .height_low_m = NAN, .height_high_m = NAN,
+		.seed = 1 };
 }
 
 static size_t count_of(const struct scattered *s, uint32_t plant)
@@ -193,7 +194,8 @@ static void what_is_to_be_clear_is_clear(void **state)
 	struct scattered s;
 
 	(void)state;
-	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,10],[200,10]]}},"
+	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\","
+		"\"coordinates\":[[0,10],[200,10]]}},"
 		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
 	spec.clear_m = 5;
 	spec.height_low_m = 2;
@@ -225,7 +227,8 @@ static void a_mask_scales_densities(void **state)
 	(void)state;
 	for (int row = 0; row < 40; row++)
 		for (int column = 0; column < 60; column++)
-			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1", column < 59 ? " " : "\n");
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1",
+				column < 59 ? " " : "\n");
 	spec = spec_of((char *)input_text("scatter", "mask.asc", text));
 	s = scatter(&spec);
 	for (size_t i = 0; i < s.count; i++) {

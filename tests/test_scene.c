@@ -27,7 +27,8 @@ static void everything_that_may_be_said_is_read(void **state)
 	(void)state;
 	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], \"tile\": {\"instances\": 7},\n"
 		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
-		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": \"c.obj\"}},\n"
+		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
+			"\"c.obj\"}},\n"
 		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, {\"plant\": \"ash\", \"at\": [1, 2]},\n"
 		"  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", \"z\": \"h\", \"crs\": \"EPSG:4326\", \"species\": \"sp\", \"separator\": \";\",\n"
 		"   \"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": \"y\",\n"
@@ -158,8 +159,10 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"\"crs\": \"EPSG:26917\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\"}}]}", ":2:", "needs \"max\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"value\": 3}}]}", ":2:", "exactly one" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"unit\": \"yd\"}}]}", ":2:", "not one of m, cm" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": 1}}]}", ":2:",
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"unit\": \"yd\"}}]}", ":2:",
+		"not one of m, cm" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
+		"1}}]}", ":2:",
 		"leave out \"unit\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:", "\"separator\"" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
@@ -193,7 +196,8 @@ static void what_may_not_be_said_has_a_line_and_a_column(void **state)
 
 static void every_truncation_is_an_error(void **state)
 {
-	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", \"at\": [0, 0]}]}";
+	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
+		"\"at\": [0, 0]}]}";
 
 	(void)state;
 	for (size_t size = 0; size < sizeof json - 1; size++) {

@@ -1,5 +1,5 @@
-/* Whole plants of all kinds, as models have them: their leaves in at most three quarters of what plain corners take, or little more, no chunk in more, and
- * every corner as near to where it was as rounding to the grid would put it. */
+/* Whole plants of all kinds, as models have them: their leaves in at most three quarters of what plain corners take, or little more, no
+ * chunk in more, and every corner as near to where it was as rounding to the grid would put it. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -60,7 +60,8 @@ static void compare(const struct eco_elements *in, uint32_t first, const uint32_
 		uint32_t of = first + order[i];
 		assert_int_equal(out->corners[i], in->corners[of]);
 		if (in->extra_count)
-			assert_memory_equal(out->extra + (size_t)in->extra_count * i, in->extra + (size_t)in->extra_count * of, in->extra_count * sizeof *in->extra);
+			assert_memory_equal(out->extra + (size_t)in->extra_count * i, in->extra + (size_t)in->extra_count * of,
+				in->extra_count * sizeof *in->extra);
 		if (in->uv)
 			assert_memory_equal(out->uv + 2 * corner, in->uv + 2 * from[of], 2 * in->corners[of] * sizeof *in->uv);
 		for (uint32_t k = 0; k < in->corners[of]; k++) {
@@ -84,8 +85,10 @@ static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint3
 	assert_non_null(order);
 	for (uint32_t i = first; i < end; i++)
 		primitives += plain.corners[i] - 2u;
-	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &plain, first, end, ordinal }, &soup, &soup_size, NULL, &error), ECO_OK);
-	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &draft->elements, first, end, ordinal }, &bytes, &size, order, &error), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &plain, first, end, ordinal }, &soup, &soup_size, NULL,
+		&error), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &draft->elements, first, end, ordinal }, &bytes, &size, order,
+		&error), ECO_OK);
 	assert_true(size <= soup_size);
 	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = primitives, .element_count = end - first };
 	assert_int_equal(eco_chunk_decode(&draft->list, &chunk, ordinal, bytes, size, &out, &error), ECO_OK);
@@ -103,7 +106,8 @@ static void leaves_of_all_kinds_of_plants_are_small(void **unused)
 {
 	(void)unused;
 	/* blades of grass bend each in its own way, and the file's four digits are too few for the grid: these have no shape in common */
-	static const struct { const char *name; double share; } kinds[] = { { "birch", SHARE }, { "pine", SHARE }, { "shrub", SHARE }, { "linden", SHARE },
+	static const struct { const char *name; double share; } kinds[] = { { "birch", SHARE }, { "pine", SHARE }, { "shrub", SHARE },
+		{ "linden", SHARE },
 		{ "palm", SHARE }, { "azalea", SHARE }, { "fern", SHARE }, { "grass", 0.8 }, { "daisy", SHARE }, { "sunflower", SHARE } };
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		struct lod_plant plant = { 0 };
@@ -118,7 +122,8 @@ static void leaves_of_all_kinds_of_plants_are_small(void **unused)
 		lod_plant_free(&plant);
 		assert_true(tally.leaves > 0);
 		if (getenv("ECO_VERBOSE"))
-			print_message("%s: %.0f leaves, %.1f bits of %.1f: %.2f\n", kinds[i].name, tally.leaves, tally.coded / tally.leaves, tally.soup / tally.leaves,
+			print_message("%s: %.0f leaves, %.1f bits of %.1f: %.2f\n", kinds[i].name, tally.leaves, tally.coded / tally.leaves,
+				tally.soup / tally.leaves,
 				tally.coded / tally.soup);
 		if (tally.soup >= SOUP_BITS * tally.leaves && tally.coded > kinds[i].share * tally.soup)
 			fail_msg("%s: %.1f bits a leaf, and %.1f as corners", kinds[i].name, tally.coded / tally.leaves, tally.soup / tally.leaves);

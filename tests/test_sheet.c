@@ -79,7 +79,8 @@ static int make_packs(void **state)
 	main_progress_quiet(true);
 	write_tree(ROOT "/tree.obj", 400);
 	write_card();
-	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": \"y\"}},"
+	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
+		"\"y\"}},"
 		" \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", \"at\": [9, 0]}]}");
 	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1 }, &error))
 		fail_msg("%s", error.text);
@@ -322,8 +323,10 @@ static void test_bad_command_lines_are_told_what_fits(void **state)
 {
 	static const struct { const char *line; enum eco_code code; const char *says; } cases[] = { { ROOT "/two.eco", ECO_BAD_USAGE, "-o" },
 		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the pack" }, { ROOT "/two.eco -o " ROOT "/x.png --columns 2/1", ECO_BAD_USAGE, "2/1" },
-		{ ROOT "/two.eco -o " ROOT "/x.png --columns 1/2,", ECO_BAD_USAGE, "share" }, { ROOT "/two.eco -o " ROOT "/x.png --columns 1/0", ECO_BAD_USAGE, "1/0" },
-		{ ROOT "/two.eco -o " ROOT "/x.png --columns 2.5", ECO_BAD_USAGE, "2.5" }, { ROOT "/two.eco -o " ROOT "/x.png --size 5", ECO_BAD_USAGE, "--size" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 1/2,", ECO_BAD_USAGE, "share" }, { ROOT "/two.eco -o " ROOT "/x.png --columns 1/0",
+			ECO_BAD_USAGE, "1/0" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 2.5", ECO_BAD_USAGE, "2.5" }, { ROOT "/two.eco -o " ROOT "/x.png --size 5", ECO_BAD_USAGE,
+			"--size" },
 		{ ROOT "/two.eco -o " ROOT "/x.png --plants fir", ECO_NOT_FOUND, "tree" }, { ROOT "/none.eco -o " ROOT "/x.png", ECO_IO, "none.eco" },
 		{ ROOT "/two.json -o " ROOT "/x.png", ECO_DAMAGED, "not a pack" }, { ROOT "/two.eco -o " ROOT "/two.json", ECO_BAD_INPUT, "kept" },
 		{ ROOT "/two.eco -o " ROOT "/none/x.png", ECO_NOT_FOUND, "none" } };
@@ -348,7 +351,8 @@ static void test_damaged_packs_are_an_error(void **state)
 	const struct eco_scene *s = &pack->scene;
 	const uint8_t *payload;
 	size_t payload_size;
-	assert_int_equal(eco_pack_payload(pack, s->lists[s->ladders[s->plants[0].ladder_first].triangles].chunk_first, &payload, &payload_size, NULL), ECO_OK);
+	assert_int_equal(eco_pack_payload(pack, s->lists[s->ladders[s->plants[0].ladder_first].triangles].chunk_first, &payload, &payload_size,
+		NULL), ECO_OK);
 	size_t at = (size_t)(payload - pack->map) + payload_size / 2;
 	eco_pack_close(pack);
 	FILE *file = fopen(ROOT "/two.eco", "rb");
@@ -370,7 +374,8 @@ static void test_many_plants_are_several_pages(void **state)
 	int wide, high;
 	(void)state;
 	for (int i = 0; i < 19; i++) {
-		sprintf(text + strlen(text), "%s\"t%d\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": \"y\", \"height_m\": %d}", i ? ", " : "", i, i + 1);
+		sprintf(text + strlen(text), "%s\"t%d\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": \"y\", \"height_m\": %d}", i ? ", " : "",
+			i, i + 1);
 		sprintf(at + strlen(at), "%s{\"plant\": \"t%d\", \"at\": [%d, 0]}", i ? ", " : "", i, 20 * i);
 	}
 	sprintf(text + strlen(text), "}, \"instances\": [%s]}", at);

@@ -24,8 +24,10 @@ static void assert_even(const struct eco_track *track, double start_x)
 static void bogus_backward_equal_and_missing_stamps_are_repaired(void **state)
 {
 	static const struct { const char *name; struct { uint32_t fix; double time_s; } slips[4]; uint64_t bogus, backward, missing; } rows[] = {
-		{ "1970", { { 0, -1.5e9 } }, 1, 0, 0 }, { "years later", { { 20, 9e8 } }, 1, 0, 0 }, { "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } }, 0, 0, 3 },
-		{ "one runs back", { { 30, 110.5 } }, 0, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 0, 1, 0 }, { "first is missing", { { 0, NAN } }, 0, 0, 1 },
+		{ "1970", { { 0, -1.5e9 } }, 1, 0, 0 }, { "years later", { { 20, 9e8 } }, 1, 0, 0 }, { "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } },
+			0, 0, 3 },
+		{ "one runs back", { { 30, 110.5 } }, 0, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 0, 1, 0 },
+		{ "first is missing", { { 0, NAN } }, 0, 0, 1 },
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -93,7 +95,8 @@ static void repeated_fixes_become_even_motion(void **state)
 	assert_int_equal(m.track.count, 600);
 	struct eco_flight flight;
 	struct eco_error error = { 0 };
-	assert_int_equal(eco_flight_make(&flight, &m.track, &(struct eco_smoothing){ .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN }, &error), ECO_OK);
+	assert_int_equal(eco_flight_make(&flight, &m.track, &(struct eco_smoothing){ .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN },
+		&error), ECO_OK);
 	for (uint32_t i = 1; i < flight.count; i++) {
 		double v = (flight.samples[i].eye[0] - flight.samples[i - 1].eye[0]) / flight.step_s, t = i * flight.step_s;
 		assert_true(t > 9 || (v > 9.5 && v < 10.5));
@@ -201,7 +204,8 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 
 static void degrees_become_metres_of_the_scene(void **state)
 {
-	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv", NULL), grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n",
+	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv", NULL),
+		grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n",
 		"b.csv", NULL), metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv", NULL);
 	struct eco_track_frame utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
 	struct eco_error error = { 0 };

@@ -1,5 +1,6 @@
 /* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood, lines, leaves that grow
- * by codes, a point for each, and two cells, one with simple forms too; a bush of textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary. */
+ * by codes, a point for each, and two cells, one with simple forms too; a bush of textured cut-outs; both planted on a hilly ground, some
+ * in a nested placement; a summary. */
 #ifndef TESTS_VIEW_SCENE_H
 #define TESTS_VIEW_SCENE_H
 
@@ -351,8 +352,8 @@ static inline uint64_t scene_count(const struct view_scene *s, const struct eco_
 	return vertices;
 }
 
-/* Near trees in cells (leaves and points below, simple forms and points above), far ones as points; wood as triangles or lines; half the bushes by share; a
- * nested placement of everything further back; a summary beyond it. `end_share` shortens prefixes. */
+/* Near trees in cells (leaves and points below, simple forms and points above), far ones as points; wood as triangles or lines; half the
+ * bushes by share; a nested placement of everything further back; a summary beyond it. `end_share` shortens prefixes. */
 static inline void scene_plan(const struct view_scene *s, const struct eco_view *view, double end_share, struct eco_plan *plan)
 {
 	struct lod_eye eye;
