@@ -6,7 +6,7 @@
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   test                 everything that tests, counted; layers and headers alone check the includes
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
-#   determinism          same pack and same plans by gcc -O0 and -O3 and by clang, same plans under valgrind
+#   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   deps, clean          installs what is missing; removes all output
@@ -176,19 +176,19 @@ demo: deps
 forest: deps
 	@test -n "$(DATA)" || { echo "make forest needs DATA=DIR, a folder with inventories/, terrain/ and models/" >&2; exit 2; }
 	@$(MAKE) --no-print-directory -j$$(nproc) all
-	BUILD=$(B) sh tests/demo/forest.sh $(DATA)
+	BUILD=$(B) sh tests/demo/forest.sh "$(DATA)"
 
 survey: deps
 	@test -n "$(DATA)" || { echo "make survey needs DATA=DIR, a folder with models/ and inventories/" >&2; exit 2; }
 	@$(MAKE) --no-print-directory -j$$(nproc) all
-	BUILD=$(B) sh tests/demo/survey.sh $(DATA)
+	BUILD=$(B) sh tests/demo/survey.sh "$(DATA)"
 
 # What is done is kept, and done anew only where programs or inputs changed; Ctrl-C, and go on another time. DATA is a folder as above;
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests $(B)/tests/test_link
-	$(B)/bench/ecobench --build $(B) --jobs 2 $(if $(FULL),--full) $(if $(DATA_BENCH),--data $(DATA_BENCH)) $(if $(ONLY),--only $(ONLY))
+	$(B)/bench/ecobench --build $(B) --jobs 2 $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps

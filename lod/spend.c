@@ -479,7 +479,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 	struct lod_market *m = spend->market;
 	struct lod_planning *p = m->p;
 	double (*drawn)[ECO_ORGAN_COUNT] = calloc(2 * (size_t)p->visible.slot_count + 1, sizeof *drawn);
-	double (*all)[ECO_ORGAN_COUNT] = drawn + p->visible.slot_count;
+	double (*all)[ECO_ORGAN_COUNT] = drawn ? drawn + p->visible.slot_count : NULL;
 	enum eco_code code = drawn ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", p->visible.slot_count);
 	if (drawn)
 		find_densities(spend, drawn, all);

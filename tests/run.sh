@@ -19,7 +19,7 @@ mkdir -p "$results" build/tmp
 
 case $folder in
 */sanitize|*/fuzz) limit=600 ;;
-*) limit=120 ;;
+*) limit=300 ;;
 esac
 # a size that no machine has is an error to be handled, not the sanitizer's business
 export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}"

@@ -25,9 +25,9 @@ END
 cat >Makefile <<END
 TILES := \$(sort \$(wildcard tiles/*.json))
 country.eco: \$(TILES:.json=.eco)
-	$pack link \$^ -o \$@ --quiet
+	'$pack' link \$^ -o \$@ --quiet
 %.eco: %.json
-	$pack make \$< -o \$@ --jobs 1 --order stochastic --cache cache --quiet
+	'$pack' make \$< -o \$@ --jobs 1 --order stochastic --cache cache --quiet
 	echo \$@ >>built
 END
 unset MAKEFLAGS MFLAGS MAKELEVEL || true
