@@ -435,6 +435,14 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 
 /* ---- Entries ---- */
 
+/* Of the plants of a bid together, so that it grows with the share of those that are ahead. */
+static double mean_density(const struct lod_spend *spend, const struct lod_bid *bid)
+{
+	const struct lod_way *way = way_of(spend, bid);
+	double low = lod_way_density(way, bid->low);
+	return bid->ahead ? low + (double)bid->ahead / (double)bid->count * (lod_way_density(way, bid->high) - low) : low;
+}
+
 /* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
 static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_ORGAN_COUNT], double (*all)[ECO_ORGAN_COUNT])
 {
@@ -446,7 +454,7 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 			continue;
 		const struct eco_ladder *ladder = &p->scene->ladders[m->offers[bid->offer].ladder];
 		uint32_t slot = m->offers[bid->offer].slot;
-		drawn[slot][ladder->organ] += lod_way_density(lod_planning_way(p, m->offers[bid->offer].ladder), bid->low) * ladder->area;
+		drawn[slot][ladder->organ] += mean_density(spend, bid) * ladder->area;
 		all[slot][ladder->organ] += ladder->area;
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
