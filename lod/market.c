@@ -38,11 +38,11 @@ static void price_lots(struct lod_market *m)
 		lot->cells_worth = 0;
 		for (uint32_t i = lot->offer_first; i < lot->offer_first + lot->offer_count; i++) {
 			struct lod_offer *offer = &m->offers[i];
-			offer->position = offer->worth > 0 ? lod_steps_position(offer->steps, m->price / offer->worth, offer->position) : 0;
+			offer->position = offer->worth > 0 ? lod_steps_position(&offer->steps, m->price / offer->worth, offer->position) : 0;
 			if (offer->when != LOD_NEAR)
-				buy(&lot->cost[0], offer->steps, offer->worth, offer->position);
+				buy(&lot->cost[0], &offer->steps, offer->worth, offer->position);
 			if (offer->when != LOD_FAR)
-				buy(&lot->cost[1], offer->steps, offer->worth, offer->position);
+				buy(&lot->cost[1], &offer->steps, offer->worth, offer->position);
 		}
 	}
 }
@@ -89,7 +89,7 @@ static double count_near(const struct lod_market *m, uint32_t plant)
 		if (s == ECO_NONE)
 			continue;
 		const struct lod_lot *lot = &m->lots[s];
-		double plants = (double)m->counts[s], extra = lod_extra_weight(lot->extra), worth = plants * lot->worth[0];
+		double plants = (double)m->counts[s], extra = lot->extra, worth = plants * lot->worth[0];
 		bands[count++] = (struct bands){ plants, worth - plants * paid(&lot->cost[1], extra, m->price) - paid(&lot->cells, extra, m->price),
 			worth - plants * paid(&lot->cost[0], extra, m->price) };
 		count = join_bands(bands, count);
@@ -138,7 +138,7 @@ static struct lod_cost plants_cost(const struct lod_market *m, uint32_t n)
 		const struct lod_tally *t = &node->tallies[i];
 		const struct lod_slot *slot = &m->p->visible.slots[t->slot];
 		const struct lod_lot *lot = &m->lots[t->slot];
-		double near = lod_planning_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band) * t->count, extra = lod_extra_weight(lot->extra);
+		double near = lod_planning_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band) * t->count, extra = lot->extra;
 		if (near > 0)
 			add_cost(&sum, &lot->cost[1], extra, near, near * factor);
 		if (!slot->cell && near < t->count)
@@ -217,8 +217,8 @@ static void price_stalls(struct lod_market *m)
 
 static void widen(const struct lod_steps *steps, double worth, double *high, double *low)
 {
-	for (uint32_t i = 1; i < steps->count && steps->amounts[i].price > 0; i++) {
-		double price = steps->amounts[i].price * worth;
+	for (uint32_t i = 1; i < steps->count && lod_steps_price(steps, i) > 0; i++) {
+		double price = lod_steps_price(steps, i) * worth;
 		*high = fmax(*high, price * LOD_STEPS_BLUR);
 		*low = fmin(*low, price / LOD_STEPS_BLUR);
 	}
@@ -238,7 +238,7 @@ void lod_market_prices(const struct lod_market *m, double *high, double *low)
 	*high = 0;
 	*low = INFINITY;
 	for (uint32_t i = 0; i < m->offer_count; i++)
-		widen(m->offers[i].steps, m->offers[i].worth, high, low);
+		widen(&m->offers[i].steps, m->offers[i].worth, high, low);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->stalls[n].summary)
 			widen_points(&m->stalls[n], high, low);
@@ -312,7 +312,7 @@ static void settle_points(struct lod_stall *stall, double points)
 	}
 	stall->part[1] = stall->part[0];
 	stall->part[1].vertices = (uint64_t)all;
-	stall->part[1].price = LAST_PRICE;
+	stall->part[1].fn_price = LAST_PRICE;
 	stall->parts = (struct lod_steps){ stall->part, stall->part[1].vertices > stall->part[0].vertices ? 2 : 1, stall->points.steps.extra };
 }
 

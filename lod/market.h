@@ -28,14 +28,14 @@ struct lod_offer {                   /* a ladder for the plants of one slot */
 	uint32_t slot, ladder;
 	uint8_t when;
 	double worth;                /* seen pixels of one plant that it is about, times its importance: wrong by this much at an error of 1 */
-	const struct lod_steps *steps;
+	struct lod_steps steps;
 	double position;             /* at the last price */
 };
 
 struct lod_lot {                     /* a slot, per plant; [0]: as far plants are drawn, [1] as near ones are */
 	uint32_t offer_first, offer_count;
 	double seen, bare;           /* pixels of one of its plants that are seen, and where no other is, means; of a cell likewise */
-	uint32_t extra;              /* bare / seen: what a pixel too many weighs, in LOD_EXTRAS - 1 parts */
+	double extra;                /* bare / seen: what a pixel too many weighs */
 	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
 	double worth[2];             /* wrong when nothing is drawn, ... */
 	double absent;               /* ... and what it counts besides (lod/steps.h) */

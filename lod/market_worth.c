@@ -30,10 +30,9 @@ static struct lod_amount *take_amounts(struct lod_market *m, uint32_t count)
 	return m->blocks[m->block_count - 1] + m->block_used;
 }
 
-static uint32_t extra_of(double bare, double seen)
+static double extra_of(double bare, double seen)
 {
-	double part = seen > 0 ? bare / seen : 0;
-	return (uint32_t)((part < 1 ? part : 1) * (LOD_EXTRAS - 1) + 0.5);
+	return seen > 0 ? fmin(1, fmax(LOD_EXTRA_LEAST, bare / seen)) : 1;
 }
 
 static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
@@ -41,7 +40,7 @@ static bool add_offer(struct lod_market *m, const struct lod_offer *offer)
 	if (!eco_room(&m->offers, &m->offer_capacity, m->offer_count, sizeof *m->offers))
 		return false;
 	m->offers[m->offer_count++] = *offer;
-	m->p->candidates += offer->steps->count - 1;
+	m->p->candidates += offer->steps.count - 1;
 	return true;
 }
 
@@ -95,7 +94,8 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 	const struct lod_tables_ladder *table = lod_tables_ladder(m->p->tables, id);
 	if (!table)
 		return false;
-	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = &table->steps[0][m->lots[s].extra] };
+	struct lod_offer offer = { .slot = s, .ladder = id, .worth = worth, .steps = table->steps[0] };
+	offer.steps.extra = m->lots[s].extra;
 	offer.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_offer(m, &offer))
 		return false;
@@ -103,7 +103,8 @@ static bool add_offers(struct lod_market *m, uint32_t s, uint32_t id, double wor
 		return true;
 	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
 	offer.when = LOD_NEAR;
-	offer.steps = &table->steps[1][m->lots[s].extra];
+	offer.steps = table->steps[1];
+	offer.steps.extra = m->lots[s].extra;
 	offer.worth = worth * lod_way_density(&table->way, table->way.full);
 	return add_offer(m, &offer);
 }
@@ -128,9 +129,9 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	}
 	lot->offer_count = m->offer_count - lot->offer_first;
 	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
-		const struct lod_amount *none = &m->offers[i].steps->amounts[0];
+		const struct lod_amount *none = &m->offers[i].steps.amounts[0];
 		double absent = none->vertices ? 0 : m->offers[i].worth * lod_steps_absent(&scene->ladders[m->offers[i].ladder]);
-		double wrong = m->offers[i].worth * lod_steps_error(m->offers[i].steps, none) - absent;
+		double wrong = m->offers[i].worth * lod_steps_error(&m->offers[i].steps, none) - absent;
 		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
 		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
 		lot->absent += m->offers[i].when == LOD_NEAR ? 0 : absent;

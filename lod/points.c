@@ -43,7 +43,7 @@ static void make_hull(struct lod_points *points)
 	for (uint32_t i = 0; i < points->count; i++)
 		if (knows(points, i))
 			steps->amounts[steps->count++] = points->samples[i];
-	lod_steps_hull(steps);
+	lod_steps_hull(steps, 1);
 }
 
 void lod_points_begin(struct lod_points *points, const struct lod_summary_view *view, double part, double pixels, double extra,

@@ -59,7 +59,7 @@ enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, stru
 		const struct lod_offer *o = &m->offers[i];
 		uint64_t count = plants_of(p, o);
 		if (count)
-			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = o->steps, .count = count, .worth = o->worth,
+			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = i, .node = ECO_NONE, .steps = &o->steps, .count = count, .worth = o->worth,
 				.seen = o->worth * m->scratch[o->slot] * ((double)count / (double)p->visible.slots[o->slot].count) };
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
@@ -269,7 +269,7 @@ static void sift_down(struct choice *heap, uint32_t count, uint32_t at)
 
 static double next_price(const struct lod_bid *bid)
 {
-	return lod_bid_ended(bid) ? 0 : lod_bid_amount(bid)[1].price * bid->worth;
+	return lod_bid_ended(bid) ? 0 : lod_steps_price(bid->steps, bid->step + 1) * bid->worth;
 }
 
 static const struct lod_way *way_of(const struct lod_spend *spend, const struct lod_bid *bid)

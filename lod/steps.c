@@ -3,25 +3,31 @@
 
 #include <math.h>
 
-#define PER_OCTAVE_STEP 2u       /* amounts grow by half: curves are smooth, and the fewer steps, the fewer plants take one as a camera moves */
+#define GROWTH 4u                /* amounts that are looked at grow by a quarter: curves are smooth */
 
-void lod_steps_hull(struct lod_steps *steps)
+/* The step from one amount to the next. */
+static void set_prices(const struct lod_amount *from, struct lod_amount *to)
+{
+	double vertices = (double)(to->vertices - from->vertices);
+	to->fn_price = (from->fn - to->fn) / vertices;
+	to->fp_price = (from->fp - to->fp) / vertices;
+}
+
+void lod_steps_hull(struct lod_steps *steps, double spread)
 {
 	struct lod_amount *a = steps->amounts;
 	uint32_t kept = 1;
-	a[0].price = INFINITY;
+	a[0].fn_price = INFINITY;
+	a[0].fp_price = 0;
 	for (uint32_t i = 1; i < steps->count; i++) {
-		struct lod_amount next = a[i];
-		if (next.fn > a[kept - 1].fn)        /* noise */
-			next.fn = a[kept - 1].fn;
-		for (;; kept--) {
-			double gain = lod_steps_error(steps, &a[kept - 1]) - lod_steps_error(steps, &next);
-			next.price = gain / (double)(next.vertices - a[kept - 1].vertices);
-			if (kept == 1 || next.price < a[kept - 1].price)
+		a[kept] = a[i];
+		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);       /* noise */
+		for (;; kept--, a[kept] = a[kept + 1]) {
+			set_prices(&a[kept - 1], &a[kept]);
+			if (kept == 1 || spread * lod_steps_price(steps, kept) < lod_steps_price(steps, kept - 1))
 				break;
 		}
-		if (next.price > 0)
-			a[kept++] = next;
+		kept += lod_steps_price(steps, kept) > 0;
 	}
 	steps->count = kept;
 }
@@ -72,7 +78,7 @@ uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct
 	uint32_t count = 1;
 	amounts[0] = lod_steps_amount(way, from);
 	while (at < to && count < LOD_STEPS_MAX - 2) {
-		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / PER_OCTAVE_STEP + 1);
+		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
 		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
 			next = stage;
@@ -88,22 +94,21 @@ void lod_steps_complete(struct lod_steps *steps, uint64_t to)
 {
 	const struct lod_amount *last = &steps->amounts[steps->count - 1];
 	if (last->vertices < to)
-		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn, .price = 0 };
+		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn };
 }
 
 double lod_steps_position(const struct lod_steps *steps, double price, double near)
 {
-	const struct lod_amount *a = steps->amounts;
 	double taken = price * LOD_STEPS_BLUR;
 	/* the last step that all plants have taken */
 	uint32_t low = (uint32_t)near;
-	while (low + 1 < steps->count && a[low + 1].price >= taken)
+	while (low + 1 < steps->count && lod_steps_price(steps, low + 1) >= taken)
 		low++;
-	while (low > 0 && a[low].price < taken)
+	while (low > 0 && lod_steps_price(steps, low) < taken)
 		low--;
 	/* steps close to each other overlap: their shares add up */
 	double position = low;
-	for (uint32_t i = low + 1; i < steps->count && a[i].price * LOD_STEPS_BLUR > price; i++)
-		position += (a[i].price * LOD_STEPS_BLUR / price - 1) / (LOD_STEPS_BLUR * LOD_STEPS_BLUR - 1);
+	for (uint32_t i = low + 1; i < steps->count && lod_steps_price(steps, i) * LOD_STEPS_BLUR > price; i++)
+		position += (lod_steps_price(steps, i) * LOD_STEPS_BLUR / price - 1) / (LOD_STEPS_BLUR * LOD_STEPS_BLUR - 1);
 	return position;
 }

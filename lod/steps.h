@@ -2,8 +2,12 @@
  * that only becomes worth it together with the next is taken together with it. They depend on no view: a slot's steps are
  * its ladder's, times what a wrong pixel of it weighs.
  *
+ * Nor do they depend on what a pixel too many weighs, which differs from slot to slot and changes as a camera moves: if each weight had a hull of
+ * its own, all plants of a slot would change at once where one gives way to the next. So amounts are those on the hulls of the least weight
+ * and of the greatest. A step's gain is linear in the weight; being convex at both ends, they are in between.
+ *
  *   n = lod_steps_sample(amounts, &way, from, to)               amounts[0] is `from`; amount i has error amounts[i].fp + amounts[i].fn
- *   lod_steps_hull(&steps)                                      those that are worth it, in place
+ *   lod_steps_hull(&steps, spread)                              those that are worth it at steps.extra, in place
  *   lod_steps_complete(&steps, to)
  *   x = lod_steps_position(&steps, price, near)                 how far up at that price of a vertex: amounts[floor(x)], and the next for a
  *                                                               share of x - floor(x) of the plants */
@@ -11,10 +15,10 @@
 #define LOD_STEPS_H
 
 #include "lod/ladder.h"
+#include "lod/share.h"
 
 #define LOD_STEPS_MAX 97u        /* with the last */
-#define LOD_EXTRAS 9u            /* weights of pixels too many that steps are made for: 0 to 1. The fewer, the more plants change as theirs does */
-static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (LOD_EXTRAS - 1); }
+#define LOD_EXTRA_LEAST LOD_OWNER_WORTH          /* weights of pixels too many; the greatest is 1 */
 
 /* What it counts besides its pixels that nothing of a plant's foliage is drawn: as much again, as a tree without leaves is another tree. Else thin
  * crowns, in which coarse leaves cover more gaps than leaves, stay bare until there are vertices for fine ones. Wrong pixels in
@@ -25,8 +29,7 @@ static inline double lod_extra_weight(uint32_t extra) { return (double)extra / (
 struct lod_amount {
 	uint64_t vertices;           /* a value that lod_ladder_floor returns */
 	double fp, fn;               /* over covered pixels; fn never rises, nor does fn + extra * fp; of nothing, with lod_steps_absent */
-	double price;                /* gain of the step that ends here, per vertex; falls from each amount to the next; of [0]: infinity; 0 only
-	                              * of the last: it gains nothing and completes what is drawn where all of everything can be had */
+	double fn_price, fp_price;   /* what the step that ends here saves of each, per vertex */
 };
 
 struct lod_steps {
@@ -42,10 +45,19 @@ double lod_steps_absent(const struct eco_ladder *ladder);
 /* Errors at an amount that lod_way_floor returns. */
 struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices);
 
-/* The hull of any amounts in ascending vertices, in place, with steps->extra as it is. */
-void lod_steps_hull(struct lod_steps *steps);
+/* The hull of any amounts in ascending vertices, in place, with steps->extra as it is; of two steps whose prices are not `spread` times apart one is made.
+ * A hull of a hull at another weight is one at both, and between. */
+void lod_steps_hull(struct lod_steps *steps, double spread);
+#define LOD_STEPS_SPREAD 1.25    /* of ladders: where a curve is nearly straight, a step between does not save more, but more plants change as a camera moves */
 /* All there is, for who can have everything: `to` as the last amount. Needs room for one more. */
 void lod_steps_complete(struct lod_steps *steps, uint64_t to);
+
+/* Gain of the step that ends at amounts[i], per vertex; falls from each amount to the next; of [0]: infinity; 0 only of the last: it gains nothing
+ * and completes what is drawn where all of everything can be had. */
+static inline double lod_steps_price(const struct lod_steps *steps, uint32_t i)
+{
+	return steps->amounts[i].fn_price + steps->extra * steps->amounts[i].fp_price;
+}
 
 /* In [0, count - 1]. A step is taken by all plants where its gain is above LOD_STEPS_BLUR times the price, by none where below 1 / that, and
  * between by a share that grows: so that a slot's amounts change little by little where a price does. */

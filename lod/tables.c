@@ -110,21 +110,19 @@ double lod_tables_ellipse(const struct lod_tables *tables) { return tables->elli
 /* ---- Ladders ---- */
 
 struct hulls {                       /* of one ladder, while they are made */
-	struct lod_steps steps[2][LOD_EXTRAS];
-	struct lod_amount amounts[2][LOD_EXTRAS][LOD_STEPS_MAX];
+	struct lod_steps steps[2];
+	struct lod_amount amounts[2][LOD_STEPS_MAX];
 };
 
-static void make_hulls(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
+static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
 {
-	struct lod_amount sampled[LOD_STEPS_MAX];
-	uint32_t count = lod_steps_sample(sampled, way, from, to);
-	for (uint32_t extra = 0; extra < LOD_EXTRAS; extra++) {
-		struct lod_steps *steps = &hulls->steps[beside][extra];
-		*steps = (struct lod_steps){ hulls->amounts[beside][extra], count, lod_extra_weight(extra) };
-		memcpy(steps->amounts, sampled, count * sizeof *sampled);
-		lod_steps_hull(steps);
-		lod_steps_complete(steps, to);
-	}
+	struct lod_steps *steps = &hulls->steps[beside];
+	*steps = (struct lod_steps){ hulls->amounts[beside], 0, LOD_EXTRA_LEAST };
+	steps->count = lod_steps_sample(steps->amounts, way, from, to);
+	lod_steps_hull(steps, LOD_STEPS_SPREAD);
+	steps->extra = 1;
+	lod_steps_hull(steps, LOD_STEPS_SPREAD);
+	lod_steps_complete(steps, to);
 }
 
 static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, struct hulls *hulls)
@@ -133,9 +131,9 @@ static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, s
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
 	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first;
 	uint64_t end = coarse ? lod_way_stage_end(way) : way->full;
-	make_hulls(hulls, 0, way, 0, end);
+	make_hull(hulls, 0, way, 0, end);
 	if (coarse && !(ladder->flags & ECO_LADDER_FAR))
-		make_hulls(hulls, 1, way, end, way->full);
+		make_hull(hulls, 1, way, end, way->full);
 }
 
 /* One piece of memory: the ladder, its legs, its amounts. */
@@ -151,8 +149,8 @@ static struct lod_tables_ladder *make_ladder(const struct eco_scene *scene, uint
 		lod_way_keep(&way, kept);
 		hulls_of(scene, &way, hulls);
 		legs = way.forms.leg_count * sizeof *kept;
-		for (uint32_t i = 0; i < 2 * LOD_EXTRAS; i++)
-			amounts += hulls->steps[i / LOD_EXTRAS][i % LOD_EXTRAS].count * sizeof(struct lod_amount);
+		for (int i = 0; i < 2; i++)
+			amounts += hulls->steps[i].count * sizeof(struct lod_amount);
 		made = malloc(*bytes = sizeof *made + legs + amounts);
 	}
 	if (made) {
@@ -163,8 +161,8 @@ static struct lod_tables_ladder *make_ladder(const struct eco_scene *scene, uint
 		made->way = way;
 		made->way.forms.legs = leg;
 		memcpy(made->steps, hulls->steps, sizeof made->steps);
-		for (uint32_t i = 0; i < 2 * LOD_EXTRAS; i++) {
-			struct lod_steps *steps = &made->steps[i / LOD_EXTRAS][i % LOD_EXTRAS];
+		for (int i = 0; i < 2; i++) {
+			struct lod_steps *steps = &made->steps[i];
 			if (steps->count)
 				memcpy(next, steps->amounts, steps->count * sizeof *next);
 			steps->amounts = next;

@@ -16,7 +16,7 @@
 
 struct lod_tables_ladder {
 	struct lod_way way;
-	struct lod_steps steps[2][LOD_EXTRAS];       /* alone; and beside the plant's cells, of whole-plant lists that are drawn there, else none */
+	struct lod_steps steps[2];   /* alone; and beside the plant's cells, of whole-plant lists that are drawn there, else none; for any extra */
 };
 
 struct lod_tables;
@@ -34,7 +34,7 @@ const struct lod_body *lod_tables_bodies(const struct lod_tables *tables);
 double lod_tables_ellipse(const struct lod_tables *tables);
 
 /* Bytes of memory that they take now: of a ladder's part at most the second. */
-#define LOD_TABLES_LADDER_BYTES_MAX (2 * LOD_EXTRAS * LOD_STEPS_MAX * sizeof(struct lod_amount) + (1u << 15))
+#define LOD_TABLES_LADDER_BYTES_MAX (2 * LOD_STEPS_MAX * sizeof(struct lod_amount) + (1u << 15))
 size_t lod_tables_bytes(const struct lod_tables *tables);
 
 #endif

@@ -50,13 +50,13 @@ static struct lod_amount bought(const struct lod_points *points, double price)
 	double position = lod_steps_position(&points->steps, price, 0), part = position - floor(position);
 	const struct lod_amount *a = &points->steps.amounts[(uint32_t)position], *b = part > 0 ? a + 1 : a;
 	double wrong = lod_steps_error(&points->steps, a), next = lod_steps_error(&points->steps, b);
-	return (struct lod_amount){ .fn = wrong + part * (next - wrong), .price = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
+	return (struct lod_amount){ .fn = wrong + part * (next - wrong), .fn_price = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
 }
 
 static double saved(const struct lod_points *points, double price)
 {
 	struct lod_amount amount = bought(points, price);
-	return 1 - amount.fn - price * amount.price;
+	return 1 - amount.fn - price * amount.fn_price;
 }
 
 static double random_price(uint64_t *state) { return exp2(random_real(state, -24, 2)); }
@@ -76,7 +76,7 @@ static void what_is_asked_for_is_what_all_amounts_give(void **state)
 				;
 			struct lod_amount a = bought(&pair.asked, price), b = bought(&pair.all, price);
 			if (pair.falls)
-				assert_true(fabs(a.fn - b.fn) < 1e-9 && fabs(a.price - b.price) < 1e-6);
+				assert_true(fabs(a.fn - b.fn) < 1e-9 && fabs(a.fn_price - b.fn_price) < 1e-6);
 			else
 				assert_true(saved(&pair.asked, price) > saved(&pair.all, price) - 0.05);
 			assert_true(lod_points_most(&pair.asked, price) >= saved(&pair.asked, price) - 1e-9);
@@ -140,7 +140,7 @@ static void amounts_are_halves_down_to_one_point(void **state)
 		lod_points_all(&points);
 		assert_int_equal(gains, cases[i].count);
 		for (uint32_t k = 1; k < points.steps.count; k++)
-			assert_true(points.steps.amounts[k].price <= high * (1 + 1e-9));
+			assert_true(lod_steps_price(&points.steps, k) <= high * (1 + 1e-9));
 	}
 }
 
