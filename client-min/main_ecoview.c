@@ -292,7 +292,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->decode_ms = view_store_stats(v->store)->decode_ms;
 	if (result.nothing) {
 		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: no picture fits in the budget, nothing is drawn\n", f->frame);
+		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow more\n", f->frame);
 	} else {
 		f->predicted_q = view_predicted_q(&view_store_plan(v->store)->prediction);
 	}

@@ -230,7 +230,8 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 	const char *detail = json_string_value(json_object_get(root, "detail"));
 	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
 	if (title)
-		eco_fail(error, code, "%s: the server answered %ld: %s%s%s", fetch->options.url, status, title, detail ? ": " : "", detail ? detail : "");
+		eco_fail(error, code, "%s: the server answered %ld: %s%s%s%s", fetch->options.url, status, title, detail ? ": " : "", detail ? detail : "",
+			strstr(fetch->options.url, "/v1/scenes/") ? "" : "; a scene's URL is http://host:port/v1/scenes/NAME");
 	else
 		stranger(fetch, code, NULL, error);
 	json_decref(root);
@@ -250,7 +251,8 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	if (fetch->stream_error.code)
 		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url, fetch->stream_error.text);
 	if (rc && !(rc == CURLE_WRITE_ERROR && fetch->result->status >= 400))
-		return eco_fail(error, ECO_IO, "%s: %s", fetch->options.url, fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc));
+		return eco_fail(error, ECO_IO, "%s: %s%s", fetch->options.url, fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc),
+			rc == CURLE_COULDNT_CONNECT ? "; start ecoserve there, or take the URL that it printed" : "");
 	if (fetch->result->status == 204) {
 		fetch->result->nothing = true;
 		return ECO_OK;

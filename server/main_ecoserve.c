@@ -28,6 +28,7 @@ static const char usage[] =
 	"\n"
 	"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a\n"
 	"second one ends at once.\n"
+	"Put a new pack in place of one that is served by renaming it, as ecopack does, and start again.\n"
 	"ECO_TRACE=plan,cache,connection prints on stderr why things are as they are.\n"
 	"Exit status: 0 ended as asked, 1 failed, 2 wrong usage.\n";
 
@@ -95,6 +96,15 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 	srv_daemon_stop(daemon);
 }
 
+/* Packs are mapped: one that is cut short, or a disk that fails, is met here, wherever that is. Nothing can be trusted then. */
+static void pack_is_gone(int number)
+{
+	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed (SIGBUS): start ecoserve again. Put a new pack "
+		"in place by renaming it (mv, or ecopack make), not by writing over the old one (cp)\n";
+	(void)number;
+	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
+}
+
 static int run(struct srv_config *config, char **arguments, int count)
 {
 	struct eco_error error = { 0 };
@@ -102,6 +112,7 @@ static int run(struct srv_config *config, char **arguments, int count)
 	struct srv_daemon *daemon = NULL;
 	sigset_t signals;
 	signal(SIGPIPE, SIG_IGN);
+	signal(SIGBUS, pack_is_gone);
 	sigemptyset(&signals);
 	sigaddset(&signals, SIGTERM);
 	sigaddset(&signals, SIGINT);

@@ -16,6 +16,7 @@
 #include "tests/sample_pack.h"
 
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
+#define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
 #define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
 
 static char program[PATH_MAX];
@@ -193,6 +194,27 @@ static void a_client_that_leaves_does_no_harm(void **state)
 	assert_string_equal(err, "");
 }
 
+static void a_pack_cut_short_ends_it_with_advice(void **state)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", CUT_PATH, NULL };
+	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
+		"Host: t\r\n\r\n";
+	char line[256], out[8192], err[8192];
+	struct eco_error error = { 0 };
+	(void)state;
+	if (!program[0])
+		skip();
+	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
+	struct process process = spawn(arguments);
+	uint16_t port = wait_ready(&process, line);
+	assert_int_equal(truncate(CUT_PATH, 0), 0);
+	int fd = http_connect(port);
+	assert_true(http_send(fd, request, sizeof request - 1));
+	assert_int_equal(finish(&process, out, err), 1);
+	assert_non_null(strstr(err, "a pack was cut short"));
+	close(fd);
+}
+
 /* Importers and decoders are hostile ground: none of them is in the daemon, neither as a library nor linked in. */
 static void it_links_no_importer_and_no_decoder(void **state)
 {
@@ -231,6 +253,7 @@ int main(void)
 		cmocka_unit_test(it_says_when_it_is_ready_and_ends_when_asked),
 		cmocka_unit_test(ipv6_is_served_where_there_is_some),
 		cmocka_unit_test(a_client_that_leaves_does_no_harm),
+		cmocka_unit_test(a_pack_cut_short_ends_it_with_advice),
 		cmocka_unit_test(it_links_no_importer_and_no_decoder),
 	};
 	return cmocka_run_group_tests(tests, prepare, NULL);
