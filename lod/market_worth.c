@@ -312,7 +312,7 @@ static bool measure_summary(struct lod_market *m, uint32_t n)
 	/* its points are those of all its plants, in view or not */
 	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > stall->plants ? stall->plants / all : 1;
 	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = stall->look.covered, .box = stall->look.box,
-		.plants = stall->plants, .points = p->scene->lists[list].primitive_count };
+		.plants = stall->plants, .points = p->scene->lists[list].primitive_count, .worth = stall->worth };
 	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
 	look.wide = 2 * across * px;
 	look.high = 2 * lod_tilt_height(&tilt, across, up) * px;

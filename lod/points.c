@@ -28,8 +28,9 @@ uint32_t lod_points_count(double points)
 static void compute(struct lod_points *points, uint32_t i)
 {
 	struct lod_amount *sample = &points->samples[i];
-	struct eco_curve curve = lod_summary_curve(&points->view, points->part * (double)sample->vertices);
-	sample->fp = points->pixels * curve.fp;
+	double n = points->part * (double)sample->vertices;
+	struct eco_curve curve = lod_summary_curve(&points->view, n);
+	sample->fp = points->pixels * curve.fp + lod_summary_outside(&points->view, n);
 	sample->fn = points->pixels * (curve.fn + LOD_OWNER_WORTH * (1 - curve.fn));
 	points->known |= 1u << i;
 	++*points->gains;

@@ -9,7 +9,7 @@
 
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
-#define SEEN_LEAST 1e-5          /* cells of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
+#define SEEN_LEAST 1e-4          /* of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
 #define HILL 1.0f                /* columns on either side of a foot, up to where ground may hide */
 #define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
 #define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
@@ -279,8 +279,7 @@ static void finish(const struct lod_screen *screen, struct lod_sight *sight, con
 	sight->shown = shown_of((double)sight->opacity);
 	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
 	double bare = hide ? alone(screen, sight, light->clear) : seen;
-	double least = SEEN_LEAST / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y);
-	sight->share = (float)(seen > least ? seen : least);
+	sight->share = (float)(seen > SEEN_LEAST ? seen : SEEN_LEAST);
 	bare = LOD_OWNER_WORTH * (double)sight->share + (1 - LOD_OWNER_WORTH) * bare;
 	sight->bare = bare < (double)sight->share ? (float)bare : sight->share;
 }

@@ -321,6 +321,13 @@ static double filled(const struct lod_summary_view *view, double splat, double n
 	return region > 0 ? hit_share(splat * inside_box(sqrt(splat), view->wide, view->high), region, FILLING * n) : 0;
 }
 
+double lod_summary_outside(const struct lod_summary_view *view, double n)
+{
+	double region = view->wide * view->high, splat = view->area / n, side = sqrt(splat);
+	double ring = (view->wide + side) * (view->high + side) - region;
+	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring, n) / view->worth : 0;
+}
+
 /* A splat's centre is on a plant, and each plant has its part of the splats. Of a splat's area, what lies in the plant's crown covers it and its
  * gaps alike; the rest lies around the crown, and hides other plants as their splats hide this one. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)

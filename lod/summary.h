@@ -51,9 +51,14 @@ struct lod_summary_view {
 	double plants;               /* how many */
 	double points;               /* N */
 	double wide, high;           /* of the tile in the picture, where its splats fill each other's gaps; 0: not known */
+	double worth;                /* what it counts that nothing of it is drawn; above 0 where wide and high are known */
 };
 /* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);
+
+/* Pixels around the tile that the first n points cover, over its worth. What hides the tile need not hide them: large splats of a tile behind a hill
+ * stand out above the hill. 0 where the tile's part of the picture is not known. */
+double lod_summary_outside(const struct lod_summary_view *view, double n);
 
 /* Largest power of two that is not above v > 0. Exact. */
 double lod_power_below(double v);
