@@ -98,7 +98,7 @@ static struct edge edge_make(struct point a, struct point b, int32_t row)
 	return (struct edge){ (int64_t)a.x * 65536 + slope * (row * SUBPIXEL + SUBPIXEL / 2 - a.y), slope * SUBPIXEL };
 }
 
-static void set_bits(uint64_t *row, int32_t first, int32_t end)
+static inline void set_bits(uint64_t *row, int32_t first, int32_t end)
 {
 	uint32_t a = (uint32_t)first / 64, b = (uint32_t)(end - 1) / 64;
 	uint64_t low = ~UINT64_C(0) << ((uint32_t)first % 64), high = ~UINT64_C(0) >> (63 - (uint32_t)(end - 1) % 64);
@@ -144,13 +144,37 @@ static uint32_t wrap(int64_t at, uint32_t size)
 	return (uint32_t)(rest < 0 ? rest + (int64_t)size : rest);
 }
 
+/* Whether all of `count` steps from `at` on lie in an image of `size` texels. */
+static bool stays_inside(uint64_t at, uint64_t step, int32_t count, uint32_t size)
+{
+	uint64_t end = (uint64_t)size << 32;
+	return at < end && step + end < 2 * end && at + (uint64_t)(count - 1) * step < end;
+}
+
+/* 64 pixels at most, of one word. Inlined twice: nearly all lie in the image, and need no division. */
+static inline __attribute__((always_inline)) uint64_t opaque_bits(const struct lod_mask *mask, int32_t first, int32_t end, uint64_t u,
+	uint64_t u_x, uint64_t v, uint64_t v_x, bool inside)
+{
+	uint64_t bits = 0;
+	for (int32_t x = first; x < end; x++, u += u_x, v += v_x) {
+		uint32_t column = inside ? (uint32_t)(u >> 32) : wrap((int64_t)u, mask->width);
+		uint32_t line = inside ? (uint32_t)(v >> 32) : wrap((int64_t)v, mask->height);
+		bits |= (mask->opaque[(size_t)line * mask->words + column / 64] >> column % 64 & 1) << (x % 64);
+	}
+	return bits;
+}
+
 static void set_opaque(uint64_t *row, int32_t first, int32_t end, int32_t y, const struct texture *t)
 {
 	uint64_t u = (uint64_t)texel_of(t->u + first * t->u_x + y * t->u_y), u_x = (uint64_t)texel_of(t->u_x);
 	uint64_t v = (uint64_t)texel_of(t->v + first * t->v_x + y * t->v_y), v_x = (uint64_t)texel_of(t->v_x);
-	for (int32_t x = first; x < end; x++, u += u_x, v += v_x) {
-		uint32_t column = wrap((int64_t)u, t->mask->width), line = wrap((int64_t)v, t->mask->height);
-		row[x / 64] |= (t->mask->opaque[(size_t)line * t->mask->words + column / 64] >> column % 64 & 1) << (x % 64);
+	bool inside = stays_inside(u, u_x, end - first, t->mask->width) && stays_inside(v, v_x, end - first, t->mask->height);
+	while (first < end) {
+		int32_t stop = (first | 63) + 1 < end ? (first | 63) + 1 : end, count = stop - first;
+		row[first / 64] |= inside ? opaque_bits(t->mask, first, stop, u, u_x, v, v_x, true)
+			: opaque_bits(t->mask, first, stop, u, u_x, v, v_x, false);
+		u += (uint64_t)count * u_x, v += (uint64_t)count * v_x;
+		first = stop;
 	}
 }
 

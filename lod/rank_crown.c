@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/bits.h"
 #include "lod/sort.h"
 
 #define PIXELS_LEAST 256u
@@ -151,15 +152,15 @@ void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struc
 	}
 }
 
-struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views)
+LOD_CLONES struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views)
 {
 	const struct lod_sights *sights = &crown->level->sights;
 	struct lod_crown_sum sum = { 0 };
 	for (uint32_t v = views.first; v < sights->count; v += views.stride) {
 		for (uint32_t i = 0; i < sights->words; i++) {
 			const uint64_t *times = crown->level->canvas[v].times[i], covered = times[0];
-			sum.right += (uint64_t)__builtin_popcountll(covered & sights->reference[v][i]);
-			sum.wrong += (uint64_t)__builtin_popcountll(covered & ~sights->reference[v][i]);
+			sum.right += lod_bits_of(covered & sights->reference[v][i]);
+			sum.wrong += lod_bits_of(covered & ~sights->reference[v][i]);
 		}
 		sum.wanted += sights->reference_pixels[v];
 	}

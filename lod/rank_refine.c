@@ -101,8 +101,7 @@ struct prints {
 	const struct lod_eye *eye;
 	double area;                 /* of the point that stands for it */
 	uint32_t pixels, count, used;
-	bool points;                 /* what is held is of points */
-	uint8_t slot[LOD_CROWN_EDGES];       /* of an edge: 1 + its place below, or 0 */
+	uint8_t slot[2][LOD_CROWN_EDGES];    /* of an edge, of the leaf and of its point: 1 + its place below, or 0 */
 	struct print items[PRINTS];
 	struct lod_footprint drawn;
 	uint64_t room[ROOM];
@@ -125,10 +124,9 @@ static bool cover(struct lod_footprint *drawn, const struct prints *prints, doub
 	return lod_fan_cover(drawn, &point, edge, pixels);
 }
 
-static void forget_prints(struct prints *prints, uint32_t pixels, bool points)
+static void forget_prints(struct prints *prints, uint32_t pixels)
 {
 	prints->pixels = pixels;
-	prints->points = points;
 	prints->count = prints->used = 0;
 	memset(prints->slot, 0, sizeof prints->slot);
 }
@@ -138,19 +136,19 @@ static void make_room(struct prints *prints)
 {
 	uint32_t largest = prints->pixels * ((prints->pixels + 63) / 64);
 	if (prints->count + 3 > PRINTS || prints->used + 3 * largest > ROOM)
-		forget_prints(prints, prints->pixels, prints->points);
+		forget_prints(prints, prints->pixels);
 }
 
-static const struct print *find_print(struct prints *prints, const struct lod_crown_edges *edges, uint32_t code)
+static const struct print *find_print(struct prints *prints, const struct key *key, uint32_t code)
 {
-	uint8_t *slot = &prints->slot[edges->step[code]];
+	uint8_t *slot = &prints->slot[key->points][key->edges.step[code]];
 	if (*slot)
 		return &prints->items[*slot - 1];
 	struct lod_footprint *drawn = &prints->drawn;
 	struct print *print = &prints->items[prints->count++];
 	*slot = (uint8_t)prints->count;
 	*print = (struct print){ .bits = prints->room + prints->used };
-	if (cover(drawn, prints, edges->edge[code], prints->pixels, prints->points)) {
+	if (cover(drawn, prints, key->edges.edge[code], prints->pixels, key->points)) {
 		print->y = drawn->y, print->rows = drawn->rows;
 		print->word = drawn->word, print->words = drawn->words;
 		memcpy(prints->room + prints->used, drawn->bits, (size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
@@ -195,8 +193,8 @@ static void redraw(const struct refine *r, struct key *key, uint32_t k)
 			if (r->first[e] > k)
 				continue;
 			see(r, &prints, e, v);
-			forget_prints(&prints, sights->pixels, key->points);
-			draw(key, v, find_print(&prints, &key->edges, r->code[e]), true);
+			forget_prints(&prints, sights->pixels);
+			draw(key, v, find_print(&prints, key, r->code[e]), true);
 		}
 	}
 	key->used = 0;
@@ -362,11 +360,11 @@ static void look_in_key(const struct refine *r, const struct look *l, uint32_t k
 	if (k >= l->settled && key->edges.step[l->low_code] == key->edges.step[l->high_code])
 		return;
 	make_room(prints);
-	const struct print *own = r->first[l->element] <= k ? find_print(prints, &key->edges, r->code[l->element]) : NULL;
+	const struct print *own = r->first[l->element] <= k ? find_print(prints, key, r->code[l->element]) : NULL;
 	double brings = 0;
 	for (uint32_t c = l->low_code; c <= l->high_code; c++) {
 		if (c == l->low_code || key->edges.step[c] != key->edges.step[c - 1])
-			brings = gain(key, view, find_print(prints, &key->edges, c), own);
+			brings = gain(key, view, find_print(prints, key, c), own);
 		worth[c] += brings;
 	}
 }
@@ -379,8 +377,8 @@ static void look(const struct refine *r, const struct look *l, struct worth *wor
 		see(r, &prints, l->element, v);
 		for (uint32_t k = l->low_key; k < l->end_key; k++) {
 			const struct key *key = &r->keys[k];
-			if (k == l->low_key || key->level != key[-1].level || key->points != prints.points)
-				forget_prints(&prints, key->level->sights.pixels, key->points);
+			if (k == l->low_key || key->level != key[-1].level)
+				forget_prints(&prints, key->level->sights.pixels);
 			look_in_key(r, l, k, v, &prints, worth->of[k]);
 		}
 	}
@@ -439,13 +437,13 @@ static void apply_in_view(const struct refine *r, uint32_t element, uint32_t vie
 	for (uint32_t k = from; k < r->key_count; k++) {
 		const struct key *key = &r->keys[k];
 		bool was = r->first[element] <= k, is = first <= k, other = key->edges.step[code] != key->edges.step[r->code[element]];
-		if (k == from || key->level != key[-1].level || key->points != prints->points)
-			forget_prints(prints, key->level->sights.pixels, key->points);
+		if (k == from || key->level != key[-1].level)
+			forget_prints(prints, key->level->sights.pixels);
 		make_room(prints);
 		if (was && (!is || other))
-			draw(key, view, find_print(prints, &key->edges, r->code[element]), false);
+			draw(key, view, find_print(prints, key, r->code[element]), false);
 		if (is && (!was || other))
-			draw(key, view, find_print(prints, &key->edges, code), true);
+			draw(key, view, find_print(prints, key, code), true);
 	}
 }
 
