@@ -113,7 +113,13 @@ static inline void set_bits(uint64_t *row, int32_t first, int32_t end)
 }
 
 /* Texture coordinates as a linear function of pixels. */
-struct texture { const struct lod_mask *mask; double u, v, u_x, u_y, v_x, v_y; };
+struct texture { const struct lod_mask *mask; const struct lod_canvas *canvas; double u, v, u_x, u_y, v_x, v_y; uint64_t u_step, v_step; };
+
+/* Texels in 1/2^32, so that a step is an addition. */
+static inline uint64_t texel_of(double at)
+{
+	return fabs(at) < 1 << 30 ? (uint64_t)(int64_t)(at * 4294967296.0) : 0;
+}
 
 static bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3], const float *const uv[3])
 {
@@ -126,55 +132,48 @@ static bool texture_make(struct texture *t, const struct lod_mask *mask, const s
 	double x = 0.5 - (double)p[0].x / SUBPIXEL, y = 0.5 - (double)p[0].y / SUBPIXEL;
 	t->u = (double)uv[0][0] * mask->width + x * t->u_x + y * t->u_y;
 	t->v = (double)uv[0][1] * mask->height + x * t->v_x + y * t->v_y;
+	t->u_step = texel_of(t->u_x);
+	t->v_step = texel_of(t->v_x);
 	return true;
 }
 
-/* Texels in 1/2^32, so that a step is an addition. */
-static int64_t texel_of(double at)
+/* Nearly all lie in the image, and need no division. */
+static inline uint32_t wrap(uint64_t at, uint32_t size)
 {
-	return fabs(at) < 1 << 30 ? (int64_t)(at * 4294967296.0) : 0;
-}
-
-static uint32_t wrap(int64_t at, uint32_t size)
-{
-	int64_t texel = at >> 32, rest;
-	if (texel >= 0 && texel < (int64_t)size)
-		return (uint32_t)texel;
-	rest = texel % (int64_t)size;
+	if (at >> 32 < size)
+		return (uint32_t)(at >> 32);
+	int64_t rest = ((int64_t)at >> 32) % (int64_t)size;
 	return (uint32_t)(rest < 0 ? rest + (int64_t)size : rest);
 }
 
-/* Whether all of `count` steps from `at` on lie in an image of `size` texels. */
-static bool stays_inside(uint64_t at, uint64_t step, int32_t count, uint32_t size)
+/* Pixels that can make a difference to what is counted there. */
+static inline uint64_t open_pixels(const struct lod_canvas *canvas, size_t at)
 {
-	uint64_t end = (uint64_t)size << 32;
-	return at < end && step + end < 2 * end && at + (uint64_t)(count - 1) * step < end;
+	return ~canvas->times[at][0] | (~canvas->times[at][1] & canvas->reference[at]);
 }
 
-/* 64 pixels at most, of one word. Inlined twice: nearly all lie in the image, and need no division. */
-static inline __attribute__((always_inline)) uint64_t opaque_bits(const struct lod_mask *mask, int32_t first, int32_t end, uint64_t u,
-	uint64_t u_x, uint64_t v, uint64_t v_x, bool inside)
+static void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, const struct texture *t)
 {
-	uint64_t bits = 0;
-	for (int32_t x = first; x < end; x++, u += u_x, v += v_x) {
-		uint32_t column = inside ? (uint32_t)(u >> 32) : wrap((int64_t)u, mask->width);
-		uint32_t line = inside ? (uint32_t)(v >> 32) : wrap((int64_t)v, mask->height);
-		bits |= (mask->opaque[(size_t)line * mask->words + column / 64] >> column % 64 & 1) << (x % 64);
-	}
-	return bits;
-}
-
-static void set_opaque(uint64_t *row, int32_t first, int32_t end, int32_t y, const struct texture *t)
-{
-	uint64_t u = (uint64_t)texel_of(t->u + first * t->u_x + y * t->u_y), u_x = (uint64_t)texel_of(t->u_x);
-	uint64_t v = (uint64_t)texel_of(t->v + first * t->v_x + y * t->v_y), v_x = (uint64_t)texel_of(t->v_x);
-	bool inside = stays_inside(u, u_x, end - first, t->mask->width) && stays_inside(v, v_x, end - first, t->mask->height);
-	while (first < end) {
-		int32_t stop = (first | 63) + 1 < end ? (first | 63) + 1 : end, count = stop - first;
-		row[first / 64] |= inside ? opaque_bits(t->mask, first, stop, u, u_x, v, v_x, true)
-			: opaque_bits(t->mask, first, stop, u, u_x, v, v_x, false);
-		u += (uint64_t)count * u_x, v += (uint64_t)count * v_x;
-		first = stop;
+	const struct lod_mask *mask = t->mask;
+	uint64_t u = 0, v = 0;
+	bool known = false;
+	for (uint32_t word = first / 64; word <= (end - 1) / 64; word++) {
+		uint64_t bits = 0, wanted = ~UINT64_C(0);
+		wanted &= word == first / 64 ? ~UINT64_C(0) << first % 64 : wanted;
+		wanted &= word == (end - 1) / 64 ? ~UINT64_C(0) >> (63 - (end - 1) % 64) : wanted;
+		if (t->canvas)
+			wanted &= open_pixels(t->canvas, (size_t)y * t->canvas->row_words + word);
+		if (wanted && !known) {
+			u = texel_of(t->u + first * t->u_x + y * t->u_y);
+			v = texel_of(t->v + first * t->v_x + y * t->v_y);
+			known = true;
+		}
+		for (; wanted; wanted &= wanted - 1) {
+			uint32_t bit = (uint32_t)__builtin_ctzll(wanted), steps = 64 * word + bit - first;
+			uint32_t column = wrap(u + steps * t->u_step, mask->width), line = wrap(v + steps * t->v_step, mask->height);
+			bits |= (mask->opaque[(size_t)line * mask->words + column / 64] >> column % 64 & 1) << bit;
+		}
+		row[word] |= bits;
 	}
 }
 
@@ -207,7 +206,7 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 			continue;
 		uint64_t *row = print->bits + (size_t)((uint32_t)y - print->y) * print->words - print->word;
 		if (texture)
-			set_opaque(row, (int32_t)first, (int32_t)after, y, texture);
+			set_opaque(row, (uint32_t)first, (uint32_t)after, y, texture);
 		else
 			set_bits(row, (int32_t)first, (int32_t)after);
 	}
@@ -269,8 +268,9 @@ static inline void project(struct point *p, const struct lod_fan_seen *seen, dou
 	}
 }
 
-/* The words of the box, cleared, and what the fan covers of them. */
-static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p, const struct lod_fan *fan, int32_t pixels)
+/* The words of the box, cleared, and what the fan covers of them; with a canvas, of a cut-out only what can make a difference there. */
+static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p, const struct lod_fan *fan, int32_t pixels,
+	const struct lod_canvas *canvas)
 {
 	bool solid = !fan->cutout || !fan->uv;
 	print->y = (uint32_t)box->y0;
@@ -283,15 +283,19 @@ static void fill_box(struct lod_footprint *print, const struct box *box, const s
 		struct texture texture;
 		if (!solid) {
 			const float *const uv[3] = { fan->uv[0], fan->uv[t + 1], fan->uv[t + 2] };
-			if (texture_make(&texture, fan->cutout, corner, uv))
+			if (texture_make(&texture, fan->cutout, corner, uv)) {
+				texture.canvas = canvas;
 				fill(print, corner, &texture, pixels);
+			}
 		} else {
 			fill(print, corner, NULL, pixels);
 		}
 	}
 }
 
-LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+/* With a canvas, of a cut-out only what can make a difference there. */
+static inline __attribute__((always_inline)) bool cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge,
+	uint32_t pixels, const struct lod_canvas *canvas)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
 	const struct lod_fan *fan = &seen->fan;
@@ -300,7 +304,7 @@ LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_
 	if (!find_box(&box, p, fan->corners, (int32_t)pixels))
 		return false;
 	if (!seen->way || edge > EDGE_WHOLE) {
-		fill_box(print, &box, p, fan, (int32_t)pixels);
+		fill_box(print, &box, p, fan, (int32_t)pixels, canvas);
 		return true;
 	}
 	struct spans spans;
@@ -315,6 +319,11 @@ LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_
 		if (spans.left[y] < spans.right[y])
 			set_bits(row, spans.left[y], spans.right[y]);
 	return true;
+}
+
+LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+{
+	return cover(print, seen, edge, pixels, NULL);
 }
 
 /* ---- Counting ---- */
@@ -351,7 +360,7 @@ LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint3
 		return;
 	if (!seen->way || edge > EDGE_WHOLE) {
 		struct lod_footprint print;
-		fill_box(&print, &box, p, fan, (int32_t)pixels);
+		fill_box(&print, &box, p, fan, (int32_t)pixels, canvas);
 		lod_footprint_gain(&print, canvas, gain);
 		return;
 	}
@@ -377,15 +386,17 @@ LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint3
 	*gain = sum;
 }
 
-void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas)
+LOD_CLONES void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas)
 {
-	const uint64_t *bits = print->bits;
-	for (uint32_t r = 0; r < print->rows; r++) {
-		size_t at = (size_t)(print->y + r) * canvas->row_words + print->word;
-		for (uint32_t w = 0; w < print->words; w++, bits++) {
-			uint64_t *times = canvas->times[at + w];
-			times[1] |= *bits & times[0];
-			times[0] |= *bits;
+	struct lod_footprint print;
+	if (!cover(&print, seen, edge, pixels, canvas))
+		return;
+	const uint64_t *bits = print.bits;
+	for (uint32_t r = 0; r < print.rows; r++) {
+		uint64_t (*times)[2] = canvas->times + (size_t)(print.y + r) * canvas->row_words + print.word;
+		for (uint32_t w = 0; w < print.words; w++, bits++) {
+			times[w][1] |= *bits & times[w][0];
+			times[w][0] |= *bits;
 		}
 	}
 }

@@ -2,7 +2,8 @@
  *
  *   lod_fan_see(&seen, &fan, &eye);                      once an element and view
  *   lod_fan_cover(&print, &seen, edge, pixels);          for each scale that is tried
- *   lod_footprint_gain(&print, &canvas, &gain);          what it would add; lod_footprint_add: adds it
+ *   lod_footprint_gain(&print, &canvas, &gain);          what it would add
+ *   lod_fan_add(&seen, edge, pixels, &canvas);           adds it
  *
  * Corners are snapped to 1/256 pixel and pixels whose centres lie inside are covered, as in raster.h, from which it differs where an edge
  * passes a centre within a thousandth of a pixel. Integers after the snapping: the same on every machine. */
@@ -51,6 +52,7 @@ struct lod_gain { uint32_t right, wrong, second; };      /* pixels newly covered
 void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain);
 /* lod_fan_cover and lod_footprint_gain in one. */
 void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain);
-void lod_footprint_add(const struct lod_footprint *print, const struct lod_canvas *canvas);
+/* Covers pixels once more; those that make no difference to what lod_footprint_gain counts may be left out. */
+void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas);
 
 #endif

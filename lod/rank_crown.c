@@ -144,11 +144,9 @@ void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const doubl
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views)
 {
 	struct lod_fan_seen seen;
-	struct lod_footprint print;
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_crown_see(crown, &seen, element, v, crown->points);
-		if (lod_fan_cover(&print, &seen, edge, crown->level->sights.pixels))
-			lod_footprint_add(&print, &crown->level->canvas[v]);
+		lod_fan_add(&seen, edge, crown->level->sights.pixels, &crown->level->canvas[v]);
 	}
 }
 

@@ -54,7 +54,7 @@ struct key {
 	double right, wrong, second, price, base_price;
 	const struct lod_crown_level *level;
 	uint64_t (**planes)[PLANES];         /* per view and word */
-	uint64_t *trial;             /* a view's words */
+	uint64_t (*trial)[2];        /* a view's words, as of a canvas */
 	bool drawn, wrong_pixels;
 };
 
@@ -206,11 +206,11 @@ static void redraw(const struct refine *r, struct key *key, uint32_t k)
 /* Pixels covered and of the reference, covered and not, of the reference in all. */
 struct tally { uint64_t right, wrong, wanted; };
 
-LOD_CLONES static void count_words(struct tally *tally, const uint64_t *covered, const uint64_t *reference, uint32_t words)
+LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], const uint64_t *reference, uint32_t words)
 {
 	for (uint32_t w = 0; w < words; w++) {
-		tally->right += lod_bits_of(covered[w] & reference[w]);
-		tally->wrong += lod_bits_of(covered[w] & ~reference[w]);
+		tally->right += lod_bits_of(covered[w][0] & reference[w]);
+		tally->wrong += lod_bits_of(covered[w][0] & ~reference[w]);
 	}
 }
 
@@ -240,7 +240,7 @@ static double measure(struct key *key, uint32_t stride)
 	for (uint32_t v = 0; v < sights->count; v += stride) {
 		for (uint32_t w = 0; w < sights->words; w++) {
 			const uint64_t *p = key->planes[v][w];
-			key->trial[w] = p[0] | p[1] | p[2] | p[3];
+			key->trial[w][0] = p[0] | p[1] | p[2] | p[3];
 		}
 		count_words(&tally, key->trial, sights->reference[v], sights->words);
 		tally.wanted += sights->reference_pixels[v];
@@ -266,23 +266,18 @@ static double try_scale(const struct refine *r, uint32_t k, struct key *key, dou
 {
 	const struct lod_sights *sights = &key->level->sights;
 	struct lod_crown_edges edges;
-	struct prints prints;
-	struct lod_footprint print;
+	struct lod_fan_seen seen;
 	struct tally tally = { 0 };
-	uint32_t row_words = sights->words / sights->pixels;
 	lod_crown_set_scale(&edges, scale, key->points);
 	for (uint32_t v = 0; v < sights->count; v += trial_stride(key)) {
-		memcpy(key->trial, sights->wood[v], sights->words * sizeof *key->trial);
+		const struct lod_canvas canvas = { sights->words / sights->pixels, sights->reference[v], key->trial };
+		for (uint32_t w = 0; w < sights->words; w++)
+			key->trial[w][0] = key->trial[w][1] = sights->wood[v][w];
 		for (uint32_t e = 0; e < r->count; e++) {
 			if (r->first[e] > k)
 				continue;
-			see(r, &prints, e, v);
-			if (!cover(&print, &prints, edges.edge[r->code[e]], sights->pixels, key->points))
-				continue;
-			const uint64_t *bits = print.bits;
-			for (uint32_t y = 0; y < print.rows; y++)
-				for (uint32_t w = 0; w < print.words; w++)
-					key->trial[(size_t)(print.y + y) * row_words + print.word + w] |= *bits++;
+			lod_crown_see(r->crown, &seen, e, v, key->points);
+			lod_fan_add(&seen, edges.edge[r->code[e]], sights->pixels, &canvas);
 		}
 		count_words(&tally, key->trial, sights->reference[v], sights->words);
 		tally.wanted += sights->reference_pixels[v];

@@ -52,8 +52,7 @@ static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *ma
 			struct lod_fan_seen seen;
 			lod_sights_draw(&sights, v, &(struct lod_sights_drawing){ .order = &i, .count = 1, .scale = scale }, &raster, drawn);
 			lod_fan_see(&seen, &fan, &sights.eyes[v]);
-			if (lod_fan_cover(&print, &seen, sqrt(scale), PIXELS))
-				lod_footprint_add(&print, &canvas);
+			lod_fan_add(&seen, sqrt(scale), PIXELS, &canvas);
 			for (uint32_t w = 0; w < sights.words; w++) {
 				differ += bits_of((canvas.times[w][0] ^ drawn[w]) & ~sights.wood[v][w]);
 				*covered += bits_of(drawn[w]);
@@ -95,12 +94,24 @@ static struct lod_eye eye_above(void)
 	return (struct lod_eye){ .at = { 0, 0, 1000 }, .right = { 1, 0, 0 }, .up = { 0, 1, 0 }, .forward = { 0, 0, -1 }, .tan_x = 0.001, .tan_y = 0.001 };
 }
 
-static bool cover(const float (*corner)[3], uint32_t corners, double edge)
+static struct lod_fan_seen see(const float (*corner)[3], uint32_t corners)
 {
 	struct lod_eye eye = eye_above();
 	struct lod_fan_seen seen;
 	lod_fan_see(&seen, &(struct lod_fan){ corner, NULL, corners, NULL }, &eye);
+	return seen;
+}
+
+static bool cover(const float (*corner)[3], uint32_t corners, double edge)
+{
+	struct lod_fan_seen seen = see(corner, corners);
 	return lod_fan_cover(&print, &seen, edge, 64);
+}
+
+static void add(const float (*corner)[3], uint32_t corners, double edge, const struct lod_canvas *canvas)
+{
+	struct lod_fan_seen seen = see(corner, corners);
+	lod_fan_add(&seen, edge, 64, canvas);
 }
 
 static void gains_count_right_wrong_and_second(void **state)
@@ -118,17 +129,51 @@ static void gains_count_right_wrong_and_second(void **state)
 	assert_int_equal(gain.right, 32 * 16);
 	assert_int_equal(gain.wrong, 32 * 48);
 	assert_int_equal(gain.second, 0);
-	lod_footprint_add(&print, &canvas);
+	add(half, 4, 1, &canvas);
 	assert_true(cover(top, 4, 1));
 	gain = (struct lod_gain){ 0 };
 	lod_footprint_gain(&print, &canvas, &gain);
 	assert_int_equal(gain.right, 32 * 16);
 	assert_int_equal(gain.wrong, 32 * 16);
 	assert_int_equal(gain.second, 32 * 16);
-	lod_footprint_add(&print, &canvas);
+	add(top, 4, 1, &canvas);
 	gain = (struct lod_gain){ 0 };
 	lod_footprint_gain(&print, &canvas, &gain);
 	assert_int_equal(gain.right + gain.wrong, 0);
+}
+
+/* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the whole footprint counts the same. */
+static void gains_of_cutouts_are_those_of_their_footprints(void **state)
+{
+	uint64_t reference[256], times[256][2], dice = 9;
+	static const float moved[] = { 0, 0.4f, -1.7f };
+	struct eco_image image = holed();
+	struct lod_mask mask;
+	(void)state;
+	begin();
+	lod_mask_open(&mask, &image, &arena);
+	for (uint32_t round = 0; round < 300; round++) {
+		float corner[4][3] = { { 0 } }, uv[4][2];
+		const struct lod_canvas canvas = { 2, reference, times };
+		struct lod_eye eye = eye_above();
+		struct lod_fan_seen seen;
+		struct lod_gain whole = { 0 }, open = { 0 };
+		for (uint32_t k = 0; k < 4; k++)
+			for (int a = 0; a < 2; a++) {
+				corner[k][a] = (float)foliage_dice(&dice) * 0.9f;
+				uv[k][a] = (float)(k / 2 ^ (a ? 0 : (k & 1))) + moved[round % 3];
+			}
+		for (uint32_t w = 0; w < 256; w++) {
+			reference[w] = lod_mix(3 * (round * 1000 + w));
+			times[w][0] = lod_mix(3 * (round * 1000 + w) + 1);
+			times[w][1] = times[w][0] & lod_mix(3 * (round * 1000 + w) + 2);
+		}
+		lod_fan_see(&seen, &(struct lod_fan){ (const float (*)[3])corner, (const float (*)[2])uv, 4, &mask }, &eye);
+		if (lod_fan_cover(&print, &seen, 1, 128))
+			lod_footprint_gain(&print, &canvas, &whole);
+		lod_fan_gain(&seen, 1, 128, &canvas, &open);
+		assert_memory_equal(&whole, &open, sizeof whole);
+	}
 }
 
 /* In any view as many pixels as its area has there. */
@@ -199,8 +244,7 @@ static void fans_that_turn_back_are_their_triangles(void **state)
 			for (int a = 0; a < 2; a++)
 				corner[k][a] = (float)foliage_dice(&dice) * 0.9f;
 		struct lod_canvas canvas = { 1, whole, (uint64_t (*)[2])lod_arena_take(&arena, 64, 16) };
-		if (cover((const float (*)[3])corner, 5, 1))
-			lod_footprint_add(&print, &canvas);
+		add((const float (*)[3])corner, 5, 1, &canvas);
 		for (uint32_t t = 0; t < 3; t++) {
 			float triangle[3][3];
 			memcpy(triangle[0], corner[0], sizeof triangle[0]);
@@ -228,7 +272,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(footprints_are_what_is_drawn),
-		cmocka_unit_test(gains_count_right_wrong_and_second),
+		cmocka_unit_test(gains_count_right_wrong_and_second), cmocka_unit_test(gains_of_cutouts_are_those_of_their_footprints),
 		cmocka_unit_test(points_are_squares_that_face_the_eye),
 		cmocka_unit_test(what_lies_outside_covers_nothing),
 		cmocka_unit_test(footprints_fill_the_picture_at_any_size),
