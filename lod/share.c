@@ -102,11 +102,11 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
 	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
 	struct lod_sight *sight = &screen->sights[screen->count++];
-	double y = 0.5 * screen->rows - dot(eye->up, d) * rows;
+	double y = 0.5 * screen->rows - dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
 	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
 		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
 		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .foot = (float)(y + body->up * tilt.upright * rows),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0), .foot = (float)(y + body->up * tilt.upright * rows),
 		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
 		.within = (float)(within > 0 ? within : 0), .before = (float)(before < 0 ? 0 : before < 1 ? before : 1) };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
@@ -144,25 +144,28 @@ static float inside(const struct span *s, int i)
 
 /* ---- Front to back ---- */
 
-/* Indices sorted by depth, nearest first, of equal ones in order: radix sort of the bits of positive floats. */
-static void sort_by_depth(const struct lod_screen *screen, uint32_t *order, uint32_t *spare)
+/* The bits of depths, or ranges. */
+static uint32_t key_of(const struct lod_sight *sight, bool by_range)
 {
+	uint32_t bits;
+	memcpy(&bits, by_range ? &sight->range : &sight->depth, sizeof bits);
+	return bits;
+}
+
+/* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result is in `to`. */
+static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
+{
+	uint32_t *spare = to;
 	for (uint32_t i = 0; i < screen->count; i++)
 		order[i] = i;
 	for (int shift = 0; shift < 33; shift += 11) {
 		uint32_t start[2049] = { 0 };
-		for (uint32_t i = 0; i < screen->count; i++) {
-			uint32_t bits;
-			memcpy(&bits, &screen->sights[i].depth, sizeof bits);
-			start[(bits >> shift & 2047) + 1]++;
-		}
+		for (uint32_t i = 0; i < screen->count; i++)
+			start[(key_of(&screen->sights[i], by_range) >> shift & 2047) + 1]++;
 		for (int k = 0; k < 2047; k++)
 			start[k + 1] += start[k];
-		for (uint32_t i = 0; i < screen->count; i++) {
-			uint32_t bits;
-			memcpy(&bits, &screen->sights[order[i]].depth, sizeof bits);
-			spare[start[bits >> shift & 2047]++] = order[i];
-		}
+		for (uint32_t i = 0; i < screen->count; i++)
+			spare[start[key_of(&screen->sights[order[i]], by_range) >> shift & 2047]++] = order[i];
 		uint32_t *swap = order;
 		order = spare;
 		spare = swap;
@@ -263,12 +266,22 @@ static void look_down(const struct lod_screen *screen, struct lod_sight *sight, 
 	}
 }
 
+/* Which row ground hides each sight from. */
+static void look_down_at_all(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
+{
+	for (uint32_t c = 0; c < screen->columns; c++)
+		horizon[c] = (float)screen->rows;
+	sort_sights(screen, true, order, spare);
+	for (uint32_t i = 0; i < screen->count; i++) {
+		struct lod_sight *sight = &screen->sights[spare[i]];
+		if (sight->range > 0 && sight->before > 0)
+			look_down(screen, sight, horizon);
+	}
+}
+
 /* From the nearest to the farthest: what shows behind those before it; then it hides. */
 static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light)
 {
-	sight->bottom = (float)screen->rows;
-	if (screen->ground && sight->before > 0)
-		look_down(screen, sight, light->horizon);
 	sight->share = (float)show(screen, sight, light->through);
 	if (!sight->beside)
 		dim(screen, sight, light);
@@ -293,10 +306,10 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	if (good) {
 		for (uint32_t i = 0; i < cells; i++)
 			light.through[i] = light.clear[i] = 1;
-		for (uint32_t c = 0; c < screen->columns; c++)
-			light.horizon[c] = (float)screen->rows;
-		sort_by_depth(screen, order, spare);
-		for (uint32_t i = 0; hide && i < screen->count; i++)     /* an odd number of passes: the result is in `spare` */
+		if (screen->ground && hide)
+			look_down_at_all(screen, light.horizon, order, spare);
+		sort_sights(screen, false, order, spare);
+		for (uint32_t i = 0; hide && i < screen->count; i++)
 			look(screen, &screen->sights[spare[i]], &light);
 		for (uint32_t i = 0; i < screen->count; i++)
 			finish(screen, &screen->sights[i], &light, hide);

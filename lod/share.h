@@ -8,7 +8,8 @@
  *
  * A plant's crown is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random
  * leaves in random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it:
- * whatever is farther away and lower on the screen than a foot in the same column is behind the ground.
+ * whatever is farther away along the ground and lower on the screen than a foot in the same column is behind the ground. (Not in depth: seen from
+ * above, what is lower on a slope is deeper, and not hidden.)
  *
  * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
  * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH. So does all that a tile's summary covers, as no one
@@ -33,6 +34,7 @@ struct lod_sight {
 	float crown_y, crown_reach_x, crown_reach_y;     /* where its leaves are: what hides others and covers */
 	float foot;                  /* row of its foot */
 	float depth;                 /* metres in front of the eye */
+	float range;                 /* the same along level ground; 0 of what lies behind, looking steeply down */
 	float opacity;               /* of its crown, at full detail */
 	float pixels;                /* covered at full detail, seen or not */
 	double shown;                /* opacity in a picture, where its leaves stand along twigs: set by lod_screen_shares */
