@@ -80,8 +80,7 @@ static inline int gw_packed(const void *bytes, size_t size, size_t count, size_t
 static inline int gw_accessor(int view, int type, size_t count, const char *kind, const char *more)
 {
 	gw_append(gw.accessors, sizeof gw.accessors, "%s{\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"%s", gw.accessor_count > 0 ? "," : "",
-		type, count,
-		kind, more);
+		type, count, kind, more);
 	if (view >= 0)
 		gw_append(gw.accessors, sizeof gw.accessors, ",\"bufferView\":%d", view);
 	gw_append(gw.accessors, sizeof gw.accessors, "}");

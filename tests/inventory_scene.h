@@ -67,8 +67,7 @@ static inline const struct inventory *inventory_of(const char *test, const char 
 	in = (struct inventory){ .plants = "" };
 	snprintf(path, sizeof path, "%s", input_path(test, "scene.json"));
 	snprintf(json, sizeof json, "{%s\"plants\":{\"oak\":{\"model\":\"m.obj\"},\"ash\":{\"model\":\"m.obj\"},\"elm\":{\"variants\":[\"a.obj\","
-		"\"b.obj\","
-		"\"c.obj\"]}},\"instances\":[{\"from\":\"%s\"%s%s}]}", scene, file, *entry != 0 ? "," : "", entry);
+		"\"b.obj\",\"c.obj\"]}},\"instances\":[{\"from\":\"%s\"%s%s}]}", scene, file, *entry != 0 ? "," : "", entry);
 	if (eco_source_parse(&source, json, strlen(json), path, &error) == ECO_OK) {
 		inventory_read_rows(&in, &source, &error);
 		eco_source_free(&source);

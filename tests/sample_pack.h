@@ -162,11 +162,9 @@ static inline void sample_commit(struct sample *s, const uint32_t instances[4], 
 		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_FOLIAGE, .points = leaves + 1, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = leaves,
 			.total = SAMPLE_LEAVES, .area = 20, .curve_count = 3 },
 		{ .plant = 0, .anchor = 0, .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = wood, .simple = ECO_NONE, .triangles = ECO_NONE,
-			.total = 300,
-			.area = 2, .length = 30, .epsilon = .01f, .curve_count = 3 },
+			.total = 300, .area = 2, .length = 30, .epsilon = .01f, .curve_count = 3 },
 		{ .plant = 1, .anchor = 1, .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = bush,
-			.total = 400,
-			.area = 5, .curve_count = 3 },
+			.total = 400, .area = 5, .curve_count = 3 },
 	};
 	for (int i = 0; i < 3; i++)
 		ladders[i].importance = 1;

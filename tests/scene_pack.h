@@ -106,8 +106,7 @@ static inline enum eco_code scene_pack_plant(struct scene_pack *p, struct eco_pa
 	p->anchors[1] = (struct eco_anchor){ { 0, 0, 8 }, 2 };
 	for (int i = 0; i < 4; i++)
 		p->ladders[i] = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1,
-			.total = 1,
-			.area = 1, .length = 1 };
+			.total = 1, .area = 1, .length = 1 };
 	p->ladders[0].organ = p->ladders[1].organ = ECO_ORGAN_FOLIAGE;
 	p->ladders[0].points = id[2];
 	p->ladders[0].triangles = id[1];

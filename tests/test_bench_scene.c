@@ -153,8 +153,7 @@ static void test_models_are_those_that_read(void **unused)
 	uint32_t count;
 	(void)unused;
 	assert_int_equal(system("mkdir -p " ROOT "/data/models/a/b && cd " ROOT "/data/models && printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nf 1 2 3\\n' "
-		">a/b/good.obj "
-		"&& echo nonsense >a/bad.obj && echo text >readme.txt && : >a/empty.glb && xz -c a/b/good.obj >packed.OBJ.xz"), 0);
+		">a/b/good.obj && echo nonsense >a/bad.obj && echo text >readme.txt && : >a/empty.glb && xz -c a/b/good.obj >packed.OBJ.xz"), 0);
 	bench.data = ROOT "/data";
 	assert_int_equal(bench_models(&bench, &models, &count, &error), ECO_OK);
 	static const char *const names[] = { "good.obj", "packed.OBJ", "generated-forest.obj", "generated-park.obj", "generated-sunflowers.obj" };

@@ -312,8 +312,7 @@ static void write_scene(void)
 		if (i % 350 == 0)
 			fprintf(file, "usemtl %s\n", i ? "blossom" : "leaf");
 		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y,
-			z + l / 3,
-			x + l / 2, y - l / 4, z);
+			z + l / 3, x + l / 2, y - l / 4, z);
 	}
 	assert_int_equal(fclose(file), 0);
 	write_text("scene.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", \"unit\": \"m\"}},\n"

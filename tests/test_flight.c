@@ -193,8 +193,7 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 static void still_cameras_are_one_keyframe(void **state)
 {
 	struct eco_track track = track_of("{\"camera_angle_x\": 0.8, \"frames\": [{\"transform_matrix\": [[1,0,0,5],[0,0,-1,6],[0,1,0,7],[0,0,0,1]]}]}",
-		"t.json",
-		NULL);
+		"t.json", NULL);
 	struct eco_script script;
 	size_t size;
 	(void)state;

@@ -138,8 +138,7 @@ static void points_and_lines_are_counted_and_said(void **state)
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
-		"\"mode\":0},"
-		"{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
+		"\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
 	assert_int_equal(m.triangle_count, 1);
 	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
 	assert_non_null(strstr(notes.text, "1 primitives without positions"));
@@ -300,8 +299,7 @@ static void morph_targets_have_their_default_weights(void **state)
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],\"meshes\":[{\"weights\":[0.5],"
-		"\"primitives\":[{\"attributes\":{\"POSITION\":0},"
-		"\"targets\":[{\"POSITION\":1}]}]}]");
+		"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]");
 	expect_corner(&m, 0, 1, 3, 0, 0);
 	expect_corner(&m, 1, 1, 1, 0, 0);
 	expect_corner(&m, 2, 1, 3, 0, 0);
@@ -317,8 +315,8 @@ static void vertex_colours_count_in_linear_light(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
-	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1",
-		",\"material\":0") ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
+	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
+		"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
 	assert_int_equal(m.materials[m.material[0]].rgb[0], 188);
 	assert_int_equal(m.materials[m.material[0]].rgb[1], 0);
 	assert_non_null(strstr(notes.text, "1 vertices have colours with alpha below 0.5"));
@@ -370,13 +368,12 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 	gw_view(png, size, "");
 	snprintf(rest, sizeof rest, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-			"%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"material\":%d}",
-			i > 0 ? "," : "", i);
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
+			"\"material\":%d}", i > 0 ? "," : "", i);
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],\"materials\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-			"%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,\"texCoord\":%d%s}}}",
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,"
+			"\"texCoord\":%d%s}}}",
 			i > 0 ? "," : "", i, i == 0, i == 1 ? ",\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
 		"],\"textures\":[{\"source\":0},{\"source\":1},{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
@@ -432,7 +429,7 @@ static void draco_meshes_of_any_size_are_read(void **state)
 		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],"
 			"\"meshes\":[{\"primitives\":[{\"attributes\":"
 			"{\"POSITION\":0},\"indices\":%d,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,\"attributes\":{\"POSITION\":0}}}}]}]",
-			i, view);
+				i, view);
 		if (i == 2) {
 			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);        /* fewer faces declared than there are */
 			assert_non_null(strstr(error.text, "more faces"));
@@ -519,11 +516,9 @@ static void references_to_nothing_are_refused(void **state)
 		{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" }, { ONE_MESH("\"POSITION\":1", ""), "components" },
 		{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
 		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
-			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
-			"instances without" },
+			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "instances without" },
 		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}}}}],"
-			"\"meshes\":[{\"primitives\":"
-			"[{\"attributes\":{\"POSITION\":0}}]}]", "3 and 2 places" },
+			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "3 and 2 places" },
 		{ ONE_MESH("\"POSITION\":0", ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}"),
 			"Draco" },
 	};

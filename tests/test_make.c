@@ -161,8 +161,7 @@ static void write_tree(const char *name, double reach)
 	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
 		"3 7 6\nf 3 4 8 7\n"
 		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
-			"16 17\n",
-		r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
+			"16 17\n", r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
 	write_text(name, text);
 }
 
@@ -188,8 +187,7 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 	/* without a height the crown says how large: the bounds end where it does */
 	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
 	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": "
-		"\"x\", \"y\": \"y\", "
-		"\"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
+		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
@@ -205,8 +203,7 @@ static void test_what_stands_beyond_the_ground_is_counted(void **state)
 	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
 		"{\"model\": \"a.obj\"}},"
 		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-			"\"y\", \"plant\": \"a\"}],"
-		"\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
+			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
 	struct eco_pack *pack = made("off.json", "off.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
 	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
@@ -245,11 +242,9 @@ static void test_nested_files_are_built_once(void **state)
 {
 	(void)state;
 	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
-		"\"c\", \"at\": "
-		"[0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
+		"\"c\", \"at\": [0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
 	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
-		"[10, 0, 0], "
-		"\"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": 2}]}");
+		"[10, 0, 0], \"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": 2}]}");
 	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
 		"\"b\", \"at\": [5, 5, 0]}], "
 		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", \"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", "
@@ -332,12 +327,10 @@ static void test_failure_leaves_the_old_pack(void **state)
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
 			"broken.obj" },
 		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
-			"\"at\": [0, 0, 0]}]}",
-		  "a.obj" },
+			"\"at\": [0, 0, 0]}]}", "a.obj" },
 		/* what is quickly found is said before plants are built */
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-			"\"north\", "
-			"\"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
+			"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 	};
 	(void)state;
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");

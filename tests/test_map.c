@@ -45,8 +45,7 @@ static int make_files(void **state)
 	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": \"plot.json\", \"at\": [100, 0], "
 		"\"yaw_deg\": 90, \"scale\": 2}]}");
 	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, 5]}], \"children\": [{\"eco\": \"block.json\", "
-		"\"at\": [0, 0]},"
-		"{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
+		"\"at\": [0, 0]},{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
 	return 0;
 }
 

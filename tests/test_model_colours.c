@@ -183,8 +183,7 @@ static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 		char rest[500];
 
 		snprintf(rest, sizeof rest, ",\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
-			"\"baseColorTexture\":{\"index\":0}}}],"
-			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
+			"\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
 		import_high(&m, gltf("alpha.gltf", "{\"mesh\":0}", rest), 0);
 		assert_int_equal(m.image_count, 1);
 		assert_int_equal(m.materials[0].cutout, modes[i].cutout);

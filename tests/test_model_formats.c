@@ -424,8 +424,7 @@ static void formats_without_axes_follow_their_convention(void **state)
 	memcpy(bytes + 84 + 12, places, 36);
 	for (at = 0; at < 2; at++) {
 		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50) : input_text("formats", "text.STL",
-			"solid oak\nfacet normal 0 0 1\n"
-			"outer loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\nendfacet\nendsolid oak\n"), NULL);
+			"solid oak\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\nendfacet\nendsolid oak\n"), NULL);
 		assert_true(near(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
 		assert_int_equal(m.materials[0].rgb[0], 153);
 		eco_model_free(&m);
@@ -479,8 +478,7 @@ static void empty_solids_are_no_harm(void **state)
 
 	(void)state;
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
-		"5\nendloop\n"
-		"endfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
+		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
 	assert_true(near(m.source.size[2], 5, 1e-6));
 	eco_model_free(&m);

@@ -28,8 +28,7 @@ static void names_fit_patterns_whole_or_between_slashes(void **state)
 static size_t put_square(char *to, size_t room, double x, double z, double size, int first)
 {
 	return (size_t)snprintf(to, room, "v %g %g 0\nv %g %g 0\nv %g %g 0\nv %g %g 0\nf %d %d %d\nf %d %d %d\n", x, z, x + size, z, x + size,
-		z + size, x,
-		z + size, first, first + 1, first + 2, first, first + 2, first + 3);
+		z + size, x, z + size, first, first + 1, first + 2, first, first + 2, first + 3);
 }
 
 /* Bark of 4 x 4, a pot of 6 x 6 below it in two materials, and three leaves of sides 1, 1 and 2. */
@@ -137,8 +136,7 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 	(void)state;
 	import_with(&m, rules, 3, 0);
 	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects "
-		"and groups "
-		"are \"Stem\", \"Pot\", \"Crown\"");
+		"and groups are \"Stem\", \"Pot\", \"Crown\"");
 	import_says("the rule {\"component\": 7} fits nothing: there are 6 components");
 	import_says("the rule {\"size\": [2, 3]} fits nothing");
 	eco_model_free(&m);

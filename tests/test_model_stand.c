@@ -32,8 +32,7 @@ static void tube(double x0, double y0, double z0, double x1, double y1, double z
 static void leaf(double x, double y, double z, double size)
 {
 	used += (size_t)snprintf(text + used, sizeof text - used, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf %d %d %d %d\n", x - size / 2,
-		y, z, x, y,
-		z - size / 2, x + size / 2, y, z, x, y, z + size / 2, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
+		y, z, x, y, z - size / 2, x + size / 2, y, z, x, y, z + size / 2, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
 	vertices += 4;
 }
 
@@ -100,8 +99,7 @@ static void a_pot_carries_its_plant(void **state)
 			double c = side % 2 == 0 ? (side == 0 ? 1 : -1) : 0, s = side % 2 == 1 ? (side == 1 ? 1 : -1) : 0;
 
 			used += (size_t)snprintf(text + used, sizeof text - used, "v %g %g 0\nv %g %g 0\nv %g %g 3.5\nv %g %g 3.5\nf %d %d %d %d\n", c - s, s + c,
-				c + s, s - c,
-				c + s, s - c, c - s, s + c, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
+				c + s, s - c, c + s, s - c, c - s, s + c, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
 			vertices += 4;
 		}
 		crown(0.5, 0, 8, 2);

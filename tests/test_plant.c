@@ -35,8 +35,7 @@ static void make_model(struct soup *soup, enum kind kind)
 static struct lod_plant_options options_for(enum kind kind)
 {
 	return (struct lod_plant_options){ .name = "test", .seed = 3, .order = LOD_ORDER_COMBINED, .grid_bits = 14,
-		.cell_triangles = kind == SMALL_TREE ? 0 : 600,
-		.importance = { [ECO_ORGAN_FLOWER] = 3 } };
+		.cell_triangles = kind == SMALL_TREE ? 0 : 600, .importance = { [ECO_ORGAN_FLOWER] = 3 } };
 }
 
 static void build(struct lod_plant *plant, struct soup *soup, enum kind kind)

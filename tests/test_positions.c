@@ -80,12 +80,10 @@ static void rows_that_cannot_be_used_are_counted_by_reason(void **state)
 {
 	(void)state;
 	expect("", "sp,x,y\n" "oak,1,2\n" "lime,1,2\n" "oak,,2\n" "oak,1,NA\n" "oak,1,2m\n" "oak,0x10,2\n" "oak,nan,2\n" "stump,1,2\n" "oak,1\n"
-		"oak,1e9,2\n"
-		"lime,3,3\n" " Oak ,7,8\n", "\"species\":\"sp\",\"map\":{\"oak\":\"oak\",\"stump\":null,\"gone\":null}," XY, "oak 1 2 / oak 7 8",
+		"oak,1e9,2\nlime,3,3\n" " Oak ,7,8\n", "\"species\":\"sp\",\"map\":{\"oak\":\"oak\",\"stump\":null,\"gone\":null}," XY, "oak 1 2 / oak 7 8",
 		"12 rows, 2 plants|3  left out: no coordinates (first in line 4)|2  left out: a coordinate that is not a number (first in line 6: \"2m\")|"
 		"1  left out: more than 10,000 km|1  left out by the map: stump (first in line 9: \"stump\")|1  left out: too few fields (first in line 10: "
-			"\"oak\")|"
-		"2  left out: 1 species that the map does not have; add them, or \"*\" (first in line 3: \"lime\")|of these 2: \"lime\"|"
+			"\"oak\")|2  left out: 1 species that the map does not have; add them, or \"*\" (first in line 3: \"lime\")|of these 2: \"lime\"|"
 		"1 key of the map fit no row: \"gone\"");
 	expect("", "x,y\n", "\"plant\":\"oak\"," XY, "", "it has no rows");
 }
@@ -103,8 +101,7 @@ static void species_fit_exactly_before_by_wildcard_before_by_fallback(void **sta
 		"3  left out by the map: *robur* (first in line 2");
 	expect("", "s,x,y\nASH,1,1\noak,2,2\n", "\"species\":\"s\"," XY, "ash 1 1 / oak 2 2", "1 key of the map fit no row: \"elm\"");
 	expect("", "Baumart;x;y\nB\xc3\xa4renfichte;1;1\nB\xe4" "renfichte;2;2\n", "\"species\":\"Baumart\",\"map\":{\"BÄRENFICHTE\":\"oak\"}," XY,
-		"oak 1 1 / oak 2 2",
-		"not UTF-8 (first in line 3)");
+		"oak 1 1 / oak 2 2", "not UTF-8 (first in line 3)");
 	expect_error("", csv, "\"species\":\"s\",\"map\":{\"Tilia\":\"oak\",\"tilia \":\"ash\"}," XY, "are one species");
 }
 
@@ -145,7 +142,7 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 	expect_json(UTM32, "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\","
 		"\"coordinates\":[11.5,48.1]},"
 		"\"properties\":{\"h\":\"7,5 m\"}}]}", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}", NULL,
-		".geojson, feature 1: \"7,5 m\" has a comma");
+			".geojson, feature 1: \"7,5 m\" has a comma");
 	expect("", "x;y;h\n1;2;3\n1;3;12,5\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1 2 h3 / oak 1 3",
 		"(first in line 3: \"12,5\")");
 	expect("", csv, "\"plant\":\"oak\",\"decimal\":\",\",\"height_m\":{\"column\":\"h\"}," XY, "oak 1.5 2.25 h12.5 / oak 1234.5 3 h4",
@@ -186,8 +183,7 @@ static void a_crs_is_never_guessed(void **state)
 	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"ENGCRS[\\\"plan\\\",EDATUM[\\\"d\\\"],CS[Cartesian,2],AXIS[\\\"x\\\",east],AXIS[\\\"y\\\",north],"
 		"LENGTHUNIT[\\\"metre\\\",1]]\"," XY, "no place on Earth");
 	expect_error("", "lon,lat\n11.5,48.1\n", "\"plant\":\"oak\",\"x\":\"lon\",\"y\":\"lat\"", "are degrees, and the scene is in plain metres; add "
-		"\"crs\": "
-		"\"EPSG:4326\" to its entry, and \"crs\": \"EPSG:32632\"");
+		"\"crs\": \"EPSG:4326\" to its entry, and \"crs\": \"EPSG:32632\"");
 }
 
 #define FEATURE(x, y) "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Point\",\"coordinates\":[" x "," y "]}}"
@@ -203,8 +199,7 @@ static void a_file_that_says_its_crs_needs_no_more(void **state)
 	expect_json(UTM32, FEATURES("", FEATURE("690001", "5335002")), "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"", "oak 1 2",
 		"the file says CRS \"EPSG:4326\", its entry says \"EPSG:25832\": the entry's is taken");
 	expect_json(UTM32, FEATURES("", FEATURE("690001", "5335002")), "\"plant\":\"oak\"", NULL, "cannot be degrees, which this format means unless "
-		"it says "
-		"otherwise; add \"crs\": \"EPSG:25832\"");
+		"it says otherwise; add \"crs\": \"EPSG:25832\"");
 	expect_json("", FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\"", NULL, "the scene has no CRS; add \"crs\"");
 	expect(UTM32, "x,y\n690001,5335002\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25832\",\"layer\":\"trees\"," XY, "oak 1 2",
 		"it is one table; \"layer\" says nothing");
@@ -218,8 +213,7 @@ static void a_file_that_says_its_crs_needs_no_more(void **state)
 	expect_json(UTM32, FEATURES("", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":null}," FEATURE("1e30", "3") ","
 		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}}," FEATURE("11.5", "48.1")),
 		"\"plant\":\"oak\",\"crs\":\"EPSG:4326\"", "oak -3878.244 -4561.87", "1  left out: no geometry (first in feature 1)|not a point (areas with "
-			"many plants: see "
-		"\"scatter\") (first in feature 3: \"Line String\")|not convertible to the scene's CRS (first in feature 2: \"1e+30, 3");
+			"many plants: see \"scatter\") (first in feature 3: \"Line String\")|not convertible to the scene's CRS (first in feature 2: \"1e+30, 3");
 }
 
 static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
@@ -236,9 +230,8 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 	expect_error(UTM32 "\"vertical\":\"EPSG:6360\",", csv, with, "does not count in metres, as scenes do; take its twin in metres");
 	expect_error(UTM32 "\"vertical\":\"sea\",", csv, with, "not a vertical datum that PROJ knows; write a code");
 	expect("\"crs\":\"EPSG:25832+7837\",\"origin\":[690000,5335000,500],", csv, with, "oak 1 2 z12.5", "1 plant");
-	expect_json(UTM32, FEATURES(SAYS("EPSG:25832"),
-		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Point\",\"coordinates\":[690001,5335002,7]}}"),
-		"\"plant\":\"oak\",\"z\":\"geometry\"", "oak 1 2 z7", "neither says a vertical datum");
+	expect_json(UTM32, FEATURES(SAYS("EPSG:25832"), "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Point\","
+		"\"coordinates\":[690001,5335002,7]}}"), "\"plant\":\"oak\",\"z\":\"geometry\"", "oak 1 2 z7", "neither says a vertical datum");
 	expect_json(UTM32, FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\",\"z\":\"geometry\"", NULL,
 		"its points have no heights; leave \"z\" out");
 }
@@ -278,8 +271,7 @@ static void heights_come_from_the_first_source_that_has_one(void **state)
 		"1  kept: a size with a unit of its own, which counts (first in line 8: \"9 m\")|1  kept: a size that is not understood, the next source or "
 			"the plant's own is taken (first in line 5: \"-1\")");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":{\"column\":\"d\",\"unit\":\"cm\"}," XY, "oak 1 1 h3 / oak 2 2 h3 / oak 3 3 h1 / oak 4 4 / oak "
-		"5 5 / oak 6 6 / "
-		"oak 7 7 / oak 8 8", "5  kept at their plant's own height: no usable one (first in line 5)");
+		"5 5 / oak 6 6 / oak 7 7 / oak 8 8", "5  kept at their plant's own height: no usable one (first in line 5)");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":9.5,\"only\":{\"h\":\"0\"}," XY, "oak 8 8 h9.5", "1 plant");
 }
 
@@ -289,8 +281,7 @@ static void allometry_may_differ_by_plant(void **state)
 
 	(void)state;
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,\"rate\":0.004,"
-		"\"per_plant\":{\"ash\":{\"max\":21.3,\"rate\":0.01,"
-		"\"shape\":2}}}," XY, "oak 1 1 h12.41 / ash 2 2 h9.292 / elm 3 3 h12.41", "3 plants");
+		"\"per_plant\":{\"ash\":{\"max\":21.3,\"rate\":0.01,\"shape\":2}}}," XY, "oak 1 1 h12.41 / ash 2 2 h9.292 / elm 3 3 h12.41", "3 plants");
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_girth\":\"g\",\"unit\":\"cm\",\"per_plant\":{\"oak\":{\"max\":35,\"rate\":0.004}}}," XY,
 		"oak 1 1 h12.41 / ash 2 2 / elm 3 3", "2  kept at their plant's own height");
 	expect_error("", csv, "\"species\":\"s\",\"height_m\":{\"from_dbh\":\"d\",\"max\":35,\"rate\":0.004}," XY, "\"unit\" is missing: one of");
@@ -311,11 +302,10 @@ static void crowns_and_scales_are_handed_on(void **state)
 static void implausible_sizes_are_said(void **state)
 {
 	(void)state;
-	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n",
-		"\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,\"rate\":0.004}]," XY,
+	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,"
+		"\"rate\":0.004}]," XY,
 		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" "
-			"another? (first in line 2: \"200\")|"
-		"1  kept at their plant's own height: no usable one (first in line 4: \"900\")");
+			"another? (first in line 2: \"200\")|1  kept at their plant's own height: no usable one (first in line 4: \"900\")");
 }
 
 static void levels_keep_the_tall_few_and_the_relative_error(void **state)
@@ -407,8 +397,8 @@ static void inventories_of_many_countries_go_through(void **state)
 	/* a census: trunk diameters in inches, a state of each tree, degrees */
 	expect("\"crs\":\"EPSG:32618\",\"origin\":[583960,4507523,0],", "created_at,tree_id,tree_dbh,stump_diam,status,spc_latin,latitude,longitude\n"
 		"08/27/2015,1,3,0,Alive,Acer rubrum,40.72309177,-73.84421522\n09/03/2015,2,0,7,Stump,,40.79411067,-73.81867946\n"
-		"09/05/2015,3,21,0,Dead,,40.71758074,-73.9366077\n",
-			"\"x\":\"longitude\",\"y\":\"latitude\",\"crs\":\"EPSG:4326\",\"only\":{\"status\":\"Alive\"},\"species\":"
+		"09/05/2015,3,21,0,Dead,,40.71758074,-73.9366077\n", "\"x\":\"longitude\",\"y\":\"latitude\",\"crs\":\"EPSG:4326\","
+			"\"only\":{\"status\":\"Alive\"},\"species\":"
 		"\"spc_latin\",\"map\":{\"Acer*\":\"ash\",\"*\":\"oak\"},\"height_m\":{\"from_dbh_in\":\"tree_dbh\",\"max\":30,\"rate\":0.004}",
 		"ash 13649.938 1137.705 h8.84", "3 rows, 1 plant|2  left out: \"status\" is none of \"only\" (first in line 3: \"Stump\")");
 	/* an export of a GIS: a byte order mark, OBJECTID, X and Y in feet */
@@ -420,8 +410,7 @@ static void inventories_of_many_countries_go_through(void **state)
 	expect(UTM32, "id,observed_on,quality_grade,latitude,longitude,positional_accuracy,scientific_name,description\n"
 		"1,2023-05-01,research,48.1,11.5,5,Quercus robur,\"old tree,\nby the lake\"\n2,2023-05-02,casual,,,,Tilia cordata,\n",
 		"\"x\":\"longitude\",\"y\":\"latitude\",\"crs\":\"EPSG:4326\",\"species\":\"scientific_name\",\"map\":{\"*\":\"oak\"},"
-			"\"skip\":{\"quality_grade\":\"needs_id\"}",
-		"oak -3878.244 -4561.87", "2 rows, 1 plant|1  left out: no coordinates (first in line 4)");
+			"\"skip\":{\"quality_grade\":\"needs_id\"}", "oak -3878.244 -4561.87", "2 rows, 1 plant|1  left out: no coordinates (first in line 4)");
 	/* a city's open data: one text for both coordinates is beside real columns and does no harm */
 	expect(UTM32, "geo_point_2d;GENRE;HAUTEUR (m);x;y\n\"48.1, 11.5\";Platanus;12;690001;5335002\n",
 		"\"crs\":\"EPSG:25832\",\"species\":\"GENRE\",\"map\":{\"*\":\"oak\"},"
@@ -441,8 +430,7 @@ static void a_dutch_feature_collection_goes_through(void **state)
 			"srsName=\"urn:ogc:def:crs:EPSG::28992\"><gml:pos>"
 		"121000.5 487000.25</gml:pos></gml:Point></app:geometrie></app:bomen></wfs:member></wfs:FeatureCollection>");
 	in = inventory_of("positions", "\"crs\":\"EPSG:28992\",\"origin\":[121000,487000,0],", "bomen.gml",
-		"\"species\":\"boomsoort\",\"map\":{\"tilia*\":\"ash\"},"
-		"\"height_m\":{\"column\":\"hoogte\"}");
+		"\"species\":\"boomsoort\",\"map\":{\"tilia*\":\"ash\"},\"height_m\":{\"column\":\"hoogte\"}");
 	assert_string_equal(in->error, "");
 	assert_string_equal(in->plants, "ash 0.5 0.25 h10.5");
 }

@@ -156,8 +156,7 @@ static void points_as_text_are_the_geometry(void **state)
 	(void)state;
 	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
 		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
-		"POINT (x y),bad",
-		NULL, NULL);
+		"POINT (x y),bad", NULL, NULL);
 	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n", "id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
 	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n", "id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
 }
@@ -203,11 +202,9 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
 	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
-		FEATURE(POINT("121000,487000"), "\"id\":1")),
-		"id / (121000 487000) 1", NULL, "EPSG:28992");
+		FEATURE(POINT("121000,487000"), "\"id\":1")), "id / (121000 487000) 1", NULL, "EPSG:28992");
 	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
-		FEATURE(POINT("2,48"), "\"id\":1")),
-		"id / (2 48) 1", NULL, "EPSG:4326");
+		FEATURE(POINT("2,48"), "\"id\":1")), "id / (2 48) 1", NULL, "EPSG:4326");
 	expect("d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979");
 	source.path = input_text("rows", "metres.geojson", COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
 	rows = open_good(&source);
@@ -310,8 +307,7 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
 	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data "
-		"name=\"dbh\"><value>30</value></Data>"
-		"</ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
+		"name=\"dbh\"><value>30</value></Data></ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
 			NULL, "EPSG:4326");
 }
@@ -385,8 +381,7 @@ static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 static void a_child_hands_over_the_same_rows(void **state)
 {
 	struct eco_rows_source source = { .path = input_text("rows", "child.geojson",
-		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") ","
-		FEATURE("null", "\"s\":\"a\\nb\""))) };
+		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null", "\"s\":\"a\\nb\""))) };
 	const char *const wanted[] = { "s" };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;

@@ -69,8 +69,7 @@ static void a_row_for_each_node_with_a_mesh(void **state)
 	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,\"translation\":[1,0,-1],"
 		"\"extras\":{\"dbh_cm\":31.5,\"alive\":true}},"
 		"{\"mesh\":0,\"name\":\"Ash.001\",\"extras\":{\"species\":\"ash\",\"list\":[1],\"dbh_cm\":12}},{\"name\":\"lamp\"}],"
-			"\"meshes\":[{\"name\":\"ash\"}]",
-		"x,y,z,name,mesh,yaw_deg,scale,height_m,dbh_cm,alive,species",
+			"\"meshes\":[{\"name\":\"ash\"}]", "x,y,z,name,mesh,yaw_deg,scale,height_m,dbh_cm,alive,species",
 		(const char *const[]){ "2,2,0,ash,ash,0.0000,2,,31.5,true,", "0,0,0,Ash.001,ash,0.0000,2,,12,,ash" }, 2);
 }
 

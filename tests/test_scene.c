@@ -162,8 +162,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"unit\": \"yd\"}}]}", ":2:",
 		"not one of m, cm" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
-		"1}}]}", ":2:",
-		"leave out \"unit\"" },
+		"1}}]}", ":2:", "leave out \"unit\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:", "\"separator\"" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },

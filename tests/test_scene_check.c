@@ -178,8 +178,7 @@ static void every_inconsistency_is_found(void **state)
 #define CASE(id) { #id, break_##id }
 	static const struct { const char *name; void (*apply)(struct loose *); } cases[] = {
 		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near), CASE(near_zero), CASE(ground), CASE(ground_range),
-			CASE(ground_size),
-		CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level), CASE(ground_column), CASE(ground_twice),
+			CASE(ground_size), CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level), CASE(ground_column), CASE(ground_twice),
 		CASE(ground_children), CASE(ground_child_first), CASE(ground_orphans), CASE(ground_cycle), CASE(ground_error),
 		CASE(ground_error_nan), CASE(ground_error_child), CASE(ground_bounds), CASE(ground_bounds_child), CASE(ground_grid),
 		CASE(ground_chunks), CASE(level_large), CASE(level_other),

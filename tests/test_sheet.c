@@ -80,8 +80,7 @@ static int make_packs(void **state)
 	write_tree(ROOT "/tree.obj", 400);
 	write_card();
 	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
-		"\"y\"}},"
-		" \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", \"at\": [9, 0]}]}");
+		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", \"at\": [9, 0]}]}");
 	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1 }, &error))
 		fail_msg("%s", error.text);
 	return 0;

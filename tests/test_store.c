@@ -437,8 +437,7 @@ static void blends_are_recognised(void **state)
 		static const uint8_t roles[L_COUNT] = { [L_WOOD] = VIEW_ROLE_TRIANGLES, [L_LINES] = VIEW_ROLE_LINES,
 			[L_LEAVES] = VIEW_ROLE_TRIANGLES, [L_POINTS] = VIEW_ROLE_POINTS, [L_LOW] = VIEW_ROLE_BLEND_TRIANGLES,
 			[L_LOW_POINTS] = VIEW_ROLE_BLEND_POINTS, [L_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [L_HIGH_POINTS] = VIEW_ROLE_BLEND_POINTS,
-				[L_BUSH] = VIEW_ROLE_TRIANGLES,
-			[L_SUMMARY] = VIEW_ROLE_SUMMARY };
+				[L_BUSH] = VIEW_ROLE_TRIANGLES, [L_SUMMARY] = VIEW_ROLE_SUMMARY };
 		assert_int_equal(s.roles[c], roles[view_store_plan(store)->cuts[c].list]);
 	}
 	view_select_free(&s);

@@ -47,8 +47,7 @@ static void subtitles_of_every_drone_are_read(void **state)
 			"[iso : 120] [shutter : 1/2500.0] [latitude : 31.452012] [longtitude : 74.398751] [altitude: 213.983002] </font>\n", 1,
 			FIX(0, 74.398751, 31.452012, 213.983002, NAN, NAN, NAN) },
 		{ "rel_alt, abs_alt, gimbal", "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 31.2] [longitude: 121.6] [rel_alt: 79.969 abs_alt: "
-			"96.474]\r\n"
-			"\r\n2\r\n00:00:00,033 --> 00:00:00,066\r\n[latitude: 31.3] [longitude: 121.7] [rel_alt: 80 abs_alt: 97] "
+			"96.474]\r\n\r\n2\r\n00:00:00,033 --> 00:00:00,066\r\n[latitude: 31.3] [longitude: 121.7] [rel_alt: 80 abs_alt: 97] "
 			"[gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]\r\n", 2, FIX(0.033, 121.7, 31.3, 97, 80, -67.6, -30) },
 		{ "gimbal in brackets of its own", "1\n00:00:01,500 --> 00:00:02,000\n[latitude : 40.7] [longitude : -74.0] [altitude: 150.0]\n"
 			"[gb_yaw : 45.2] [gb_pitch : -15.3] [gb_roll : 0.1]</font>\n", 1, FIX(1.5, -74, 40.7, 150, NAN, 45.2, -15.3) },
@@ -58,8 +57,7 @@ static void subtitles_of_every_drone_are_read(void **state)
 			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
 		{ "F.PRY and G.PRY, height of home", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS (-58.85, -34.23, 15), HOME (-58.84, -34.24, "
 			"-57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, F.PRY (2.7\xc2\xb0, -7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, "
-			"0.0\xc2\xb0, "
-			"110.4\xc2\xb0)\n", 1, FIX(0, -58.85, -34.23, -57.98 + 85.80, 85.80, 110.4, -24.4) },
+			"0.0\xc2\xb0, 110.4\xc2\xb0)\n", 1, FIX(0, -58.85, -34.23, -57.98 + 85.80, 85.80, 110.4, -24.4) },
 		{ "RTK in place of GPS", "1\n00:00:35,000 --> 00:00:36,000\nF/6.3, RTK (120.08, 30.21, 28), H 76.19m, H.S n/a, V.S n/a\n", 1,
 			FIX(35, 120.08, 30.21, NAN, 76.19, NAN, NAN) },
 		{ "latitude first with a capital M", "1\n00:00:00,000 --> 00:00:01,000\n2022.06.21 16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
@@ -69,8 +67,7 @@ static void subtitles_of_every_drone_are_read(void **state)
 			"[latitude : -20.3] [longtitude : 149.1]\n", 2, FIX(1501942312.393525, 149.1, -20.3, NAN, NAN, NAN, NAN) },
 		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS (n/a, n/a, n/a), H 1.0m\n\n2\n"
 			"00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] [longitude: 0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), "
-			"H 45.60m"
-			"\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
+			"H 45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -198,8 +195,7 @@ static void geojson_lines_with_and_without_times(void **state)
 	assert_true(track.count == 2 && track.fixes[1].time_s - track.fixes[0].time_s == 2 && track.fixes[0].at[2] == 3 && isnan(track.fixes[1].at[2]));
 	eco_track_free(&track);
 	track = track_of("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":1577836800000,"
-		"\"heading\":270,"
-		"\"altitude\":7},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,50]}}]}", "b.geojson", NULL);
+		"\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,50]}}]}", "b.geojson", NULL);
 	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800 && track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
 	eco_track_free(&track);
 	track = track_of("{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,5500000]]}", "c.json", NULL);
@@ -247,8 +243,7 @@ static void poses_have_the_axes_of_their_formats(void **state)
 		{ "kitti, numbered", "7 1 0 0 4 0 1 0 5 0 0 1 6\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
 		{ "kitti, z up", "1 0 0 4 0 1 0 5 0 0 1 6\n", { .world = ECO_WORLD_Z }, ECO_TRACK_KITTI, { 4, 5, 6 }, 180, 90 },
 		{ "colmap", "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n1 1 0 0 0 -4 -5 -6 "
-			"1 a b.jpg"
-			"\n\n", { 0 }, ECO_TRACK_COLMAP, { 4, 6, -5 }, 0, 0 },
+			"1 a b.jpg\n\n", { 0 }, ECO_TRACK_COLMAP, { 4, 6, -5 }, 0, 0 },
 		{ "euroc", "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n"
 			"1403636580838555648,4,5,6,1,0,0,0\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_CSV, { 4, 5, 6 }, 90, 0 },
 	};
@@ -291,8 +286,7 @@ static void gltf_cameras_move_with_their_parents(void **state)
 		"\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":0,\"byteOffset\":48,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}],"
 			"\"animations\":[{\"channels\":"
 		"[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},{\"sampler\":1,\"target\":{\"node\":0,\"path\":\"rotation\"}}],"
-			"\"samplers\":"
-		"[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}]}]}", base64);
+			"\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}]}]}", base64);
 	struct eco_track track = track_of(json, "a.gltf", NULL);
 	const struct eco_fix *last = &track.fixes[track.count - 1];
 	assert_true(track.format == ECO_TRACK_GLTF && track.posed && track.count == 17);
@@ -312,11 +306,9 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", { 0 }, true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
 		{ "airdata", "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),altitude_above_seaLevel(feet), "
 			"compass_heading(degrees), pitch(degrees), gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 "
-			"00:00:00,50,10,100,1000,1,2,-170.5,-30"
-			"\n", { 0 }, true, FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
+			"00:00:00,50,10,100,1000,1,2,-170.5,-30\n", { 0 }, true, FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
 		{ "flight log", "sep=,\nOSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height [m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
-			{ 0 }, true,
-			FIX(2, 10, 50, NAN, 30, 350, -12) },
+			{ 0 }, true, FIX(2, 10, 50, NAN, 30, 350, -12) },
 		{ "German, semicolons", "Zeit;Laenge;Breite;Hoehe\n12:00:01,5;10,5;50,25;7\n", { 0 }, true, FIX(43201.5, 10.5, 50.25, 7, NAN, NAN, NAN) },
 		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n", { 0 }, false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
 		{ "yaw from x", "t,x,y,z,yaw\n0,1,2,3,30\n", { .yaw_from_x = true }, false, FIX(0, 1, 2, 3, NAN, 60, NAN) },
@@ -365,8 +357,7 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 static void files_are_read_in_a_child_to_the_same_track(void **state)
 {
 	static const char text[] = "1\n00:00:00,000 --> 00:00:01,000\nHOME(8.2,47.4) GPS(8.2,47.4,12.5m) BAROMETER:3\n\n2\n00:00:01,000 --> "
-		"00:00:02,000\n"
-		"GPS(n/a,n/a,n/a)\n";
+		"00:00:02,000\nGPS(n/a,n/a,n/a)\n";
 	struct eco_track track, same = track_of(text, "a.srt", NULL);
 	struct eco_error error = { 0 };
 	(void)state;

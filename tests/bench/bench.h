@@ -77,7 +77,8 @@ enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, str
 /* A PNG of `out` in the report. */
 void bench_picture(struct bench *bench, const char *file, const char *caption);
 /* Writes one: 3 bytes a pixel, rows from the top. */
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb, struct eco_error *error);
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb,
+	struct eco_error *error);
 
 /* Of a file's bytes; 0 where it cannot be read. */
 uint64_t bench_file_hash(const char *path);

@@ -149,7 +149,8 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 
 static void make_scene(struct random_scene *r, uint64_t seed, struct eco_request *request)
 {
-	random_scene_sized(r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40, .places = 4, .cells = 3 });
+	random_scene_sized(r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40, .places = 4,
+		.cells = 3 });
 	for (uint32_t i = 0; i < r->scene.ladder_count; i++)
 		if (!(r->ladders[i].flags & ECO_LADDER_NEAR))
 			r->plants[r->ladders[i].plant].area += r->ladders[i].area;

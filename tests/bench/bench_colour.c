@@ -68,8 +68,8 @@ static enum eco_code compare(const struct view_picture *a, const struct view_pic
 {
 	uint64_t different = 0;
 	compare_tones(a, r, hue);
-	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb }, &(struct eco_pixels){ r->width, r->height, 3, r->rgb },
-		&different, error);
+	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb }, &(struct eco_pixels){ r->width, r->height, 3,
+		r->rgb }, &different, error);
 	hue->perceptual = hue->perceptual > 0 ? (double)different / hue->perceptual : NAN;
 	return code;
 }
@@ -106,8 +106,8 @@ static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum vi
 	if (code)
 		return code;
 	return gl ? view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye, near_m, tint }, picture, error)
-		: view_reference_draw(&(struct view_reference_job){ .store = frame->store, .selection = &frame->selection, .eye = &frame->eye, .near_m = near_m },
-			picture, error);
+		: view_reference_draw(&(struct view_reference_job){ .store = frame->store, .selection = &frame->selection, .eye = &frame->eye,
+		.near_m = near_m }, picture, error);
 }
 
 /* Plain mean of an image's bytes, whatever is clear. */
@@ -325,11 +325,13 @@ static struct eco_view away(const struct eco_view *view, double times)
 
 struct sums { double rms[VARIANTS], tone[VARIANTS], perceptual[VARIANTS]; uint32_t count[VARIANTS]; };
 
-static void add_row(struct sums *sums, struct bench_table *table, const char *scene, uint32_t view, double distance, uint64_t budget, const json_t *row)
+static void add_row(struct sums *sums, struct bench_table *table, const char *scene, uint32_t view, double distance, uint64_t budget,
+	const json_t *row)
 {
 	for (int v = 0; v < VARIANTS; v++) {
 		const json_t *h = json_object_get(row, variant_names[v]);
-		double rms = bench_shot_number(h, "rms"), tone[3] = { bench_shot_number(h, "red"), bench_shot_number(h, "green"), bench_shot_number(h, "blue") };
+		double rms = bench_shot_number(h, "rms"), tone[3] = { bench_shot_number(h, "red"), bench_shot_number(h, "green"),
+			bench_shot_number(h, "blue") };
 		double perceptual = bench_shot_number(h, "perceptual");
 		if (isnan(rms) || isnan(tone[0]))
 			continue;
@@ -406,8 +408,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. Tone is the mean light over covered pixels; the first "
-		"three are drawn by OpenGL with light and shade, the last flat, each against full detail drawn in the same way.");
+	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. Tone is the mean light over covered pixels; "
+		"the first three are drawn by OpenGL with light and shade, the last flat, each against full detail drawn in the same way.");
 	means = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual", true);
 	for (int v = 0; v < VARIANTS; v++)
 		if (sums.count[v])

@@ -119,15 +119,18 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			bool pass = json_is_true(json_object_get(unit, "pass"));
 			if (!pass && failed++ < 4)
 				snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", *names ? "; " : "", row->name);
-			bench_table_row(table, "%s,%s,%s,%s,%s", (*f)->name, without_commas(row->name, name, sizeof name), without_commas(row->must, must, sizeof must),
+			bench_table_row(table, "%s,%s,%s,%s,%s", (*f)->name, without_commas(row->name, name, sizeof name),
+				without_commas(row->must, must, sizeof must),
 				without_commas(json_string_value(json_object_get(unit, "measured")), measured, sizeof measured), pass ? "yes" : "NO");
 		}
 	bench_table_close(table);
 	if (code)
 		return code;
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
-	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say which of the two ended them (lod/solver.h: plans by "
-		"lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); everything else makes a fixed number of passes. Tests trap floating-point "
+	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say which of the two ended them (lod/solver.h: "
+		"plans by "
+		"lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); everything else makes a fixed number of passes. Tests trap "
+			"floating-point "
 		"errors around lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared by make determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0");

@@ -85,13 +85,13 @@ static void look_at_all(struct extreme *x, const struct shot *shots, size_t coun
 		if (!good)
 			break;
 		double share = (double)look.covered / ((double)v->width * v->height);
-		extreme_must(x, shots[i].planned_only || share >= shots[i].least, "%s: %.1f %% of the picture are covered, at least %.1f %% should be", shots[i].name,
-			100 * share, 100 * shots[i].least);
+		extreme_must(x, shots[i].planned_only || share >= shots[i].least, "%s: %.1f %% of the picture are covered, at least %.1f %% should be",
+			shots[i].name, 100 * share, 100 * shots[i].least);
 		if (shots[i].planned_only)
 			extreme_say(x, "%s: %llu plants, %llu vertices", shots[i].name, (unsigned long long)look.plants, (unsigned long long)look.vertices);
 		else
-			extreme_say(x, "%s: %llu plants, %llu vertices, %.1f %% covered", shots[i].name, (unsigned long long)look.plants, (unsigned long long)look.vertices,
-				100 * share);
+			extreme_say(x, "%s: %llu plants, %llu vertices, %.1f %% covered", shots[i].name, (unsigned long long)look.plants,
+				(unsigned long long)look.vertices, 100 * share);
 	}
 	extreme_world_close(&world);
 }
@@ -148,7 +148,8 @@ static void inside_leaf(struct extreme *x)
 		if (k < 2)
 			memcpy(corner[k], at, sizeof at);
 	}
-	struct lod_v3 m = { middle[0], middle[1], middle[2] }, a = { corner[0][0], corner[0][1], corner[0][2] }, b = { corner[1][0], corner[1][1], corner[1][2] };
+	struct lod_v3 m = { middle[0], middle[1], middle[2] }, a = { corner[0][0], corner[0][1], corner[0][2] },
+		b = { corner[1][0], corner[1][1], corner[1][2] };
 	struct lod_v3 n = lod_v3_unit(lod_v3_cross(lod_v3_sub(a, m), lod_v3_sub(b, m)));
 	shots[0].view = view_of(m.x, m.y, m.z, a.x, a.y, a.z);
 	shots[1].view = view_of(m.x, m.y, m.z, m.x + n.x, m.y + n.y, m.z + n.z);
@@ -250,7 +251,8 @@ static void narrow(struct extreme *x)
 
 static void wide(struct extreme *x)
 {
-	struct shot shots[] = { { "179.9 degrees", view_of(0, 0, 2, 10, 0, 2), false, 0 }, { "179.999999 degrees", view_of(0, 0, 2, 10, 0, 2), false, 0 } };
+	struct shot shots[] = { { "179.9 degrees", view_of(0, 0, 2, 10, 0, 2), false, 0 }, { "179.999999 degrees", view_of(0, 0, 2, 10, 0, 2),
+		false, 0 } };
 	shots[0].view.fov_y_deg = 179.9;
 	shots[1].view.fov_y_deg = 179.999999;
 	look_at_all(x, shots, 2);
@@ -262,7 +264,8 @@ static bool draw_cut(struct lod_raster *raster, const struct view_store *store, 
 	const struct eco_cut *cut = &view_store_plan(store)->cuts[c];
 	const struct view_list *list = view_store_list(store, cut->list);
 	size_t count = cut->end - cut->first;
-	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1), .color = malloc(4 * count + 1), .size = malloc(4 * count + 1) };
+	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1), .color = malloc(4 * count + 1),
+		.size = malloc(4 * count + 1) };
 	bool good = g.position && g.width && g.color && g.size;
 	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width, .area = list->list.unit_area * cut->scale,
 		.size = list->list.attributes & ECO_ATTR_SIZE ? g.size : NULL, .owner = 1 };
@@ -270,7 +273,8 @@ static bool draw_cut(struct lod_raster *raster, const struct view_store *store, 
 		lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &g);
 	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1] && good; m++) {
 		lod_raster_object(raster, &s->instances[s->members[m]].place);
-		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind == ECO_LIST_LINES ? lod_raster_lines : lod_raster_points)(raster, &batch);
+		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind == ECO_LIST_LINES ? lod_raster_lines
+			: lod_raster_points)(raster, &batch);
 	}
 	free(g.position);
 	free(g.width);
@@ -320,8 +324,10 @@ static void compare_blocks(struct extreme *x, const struct lod_raster *large, co
 	}
 	double share = (double)covered[0] / ((double)pixels * times * times), coarse = (double)covered[1] / (double)pixels;
 	extreme_must(x, odd <= pixels / 10000, "%u blocks of the largest picture are unlike the pixels of a small one", odd);
-	extreme_must(x, share > 0.02 && fabs(share - coarse) < 0.005 * share, "%.3f %% covered in the largest picture, %.3f %% in a small one", 100 * share, 100 * coarse);
-	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks unlike", 100 * share, 100 * coarse, odd, (unsigned long long)pixels);
+	extreme_must(x, share > 0.02 && fabs(share - coarse) < 0.005 * share, "%.3f %% covered in the largest picture, %.3f %% in a small one",
+		100 * share, 100 * coarse);
+	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks unlike", 100 * share, 100 * coarse, odd,
+		(unsigned long long)pixels);
 }
 
 static void draw_largest(struct extreme *x, struct eco_view view)
@@ -340,7 +346,8 @@ static void draw_largest(struct extreme *x, struct eco_view view)
 static void images(struct extreme *x)
 {
 	static const uint32_t sizes[][2] = { { 1, 1 }, { 16384, 1 }, { 1, 16384 }, { 16384, 16384 } };
-	struct shot shots[4] = { { .name = "1 x 1" }, { .name = "16384 x 1" }, { .name = "1 x 16384" }, { .name = "16384 x 16384, planned", .planned_only = true } };
+	struct shot shots[4] = { { .name = "1 x 1" }, { .name = "16384 x 1" }, { .name = "1 x 16384" },
+		{ .name = "16384 x 16384, planned", .planned_only = true } };
 	for (int i = 0; i < 4; i++) {
 		shots[i].view = view_of(-26, -21, 6.5, 0, 0, 2);
 		shots[i].view.width = sizes[i][0];
@@ -360,8 +367,8 @@ static void all_behind(struct extreme *x)
 		struct eco_view view = view_of(-50, 0, 2, ways[i][0], ways[i][1], ways[i][2]);
 		struct look look;
 		good = look_through(x, &world, &view, true, &look)
-			&& extreme_must(x, look.plants == 0 && look.vertices == 0 && look.covered == 0, "%llu plants, %llu vertices and %llu pixels of what is behind",
-				(unsigned long long)look.plants, (unsigned long long)look.vertices, (unsigned long long)look.covered);
+			&& extreme_must(x, look.plants == 0 && look.vertices == 0 && look.covered == 0, "%llu plants, %llu vertices and %llu pixels of what "
+			"is behind", (unsigned long long)look.plants, (unsigned long long)look.vertices, (unsigned long long)look.covered);
 	}
 	if (!x->failed)
 		extreme_say(x, "no plant, no vertex, no pixel in 3 views at 4 budgets");

@@ -41,15 +41,17 @@ static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
 			good = good && isfinite(plant->anchors[i].center[k]) && isfinite(plant->anchors[i].radius) && plant->anchors[i].radius >= 0;
 	for (uint32_t i = 0; i < plant->curve_count; i++) {
 		const struct eco_curve *c = &plant->curves[i];
-		good = good && c->share > 0 && c->share <= 1 && c->scale >= 0 && isfinite(c->scale) && c->reach >= 0 && c->reach <= 1 && c->fp >= 0 && isfinite(c->fp)
+		good = good && c->share > 0 && c->share <= 1 && c->scale >= 0 && isfinite(c->scale) && c->reach >= 0 && c->reach <= 1 && c->fp >= 0
+			&& isfinite(c->fp)
 			&& c->fn >= 0 && isfinite(c->fn);
 	}
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		for (int k = 0; k < 3; k++)
-			good = good && isfinite(plant->lists[i].list.grid_origin[k]) && plant->lists[i].list.grid_step[k] > 0 && isfinite(plant->lists[i].list.grid_step[k]);
+			good = good && isfinite(plant->lists[i].list.grid_origin[k]) && plant->lists[i].list.grid_step[k] > 0
+				&& isfinite(plant->lists[i].list.grid_step[k]);
 	return extreme_must(x, good, "%s: numbers that are not finite or make no sense", plant->plant.name)
-		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped, "%s: of %u triangles %u are stored and %llu dropped", plant->plant.name,
-			plant->triangles_in, plant->triangles_stored, (unsigned long long)dropped);
+		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped, "%s: of %u triangles %u are stored and %llu dropped",
+		plant->plant.name, plant->triangles_in, plant->triangles_stored, (unsigned long long)dropped);
 }
 
 /* Packs, plans and draws it, alone in its world. */
@@ -60,7 +62,8 @@ static bool grows(struct extreme *x, struct extreme_stand *stand, const char *na
 	struct eco_error error = { 0 };
 	double r = plant->anchors[0].radius > 0 ? plant->anchors[0].radius : 1;
 	const float *c = plant->anchors[0].center;
-	struct eco_request request = { .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45, 200, 200 }, .bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request = { .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45, 200, 200 },
+		.bytes = ECO_BYTES_UNBOUNDED };
 	bool good = extreme_must(x, extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 }), "no memory")
 		&& extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error);
 	*covered = 0;
@@ -98,7 +101,8 @@ static void try_soup(struct extreme *x, struct soup *soup, const char *name, boo
 	if (!x->failed && refused)
 		extreme_say(x, "%s: refused", name);
 	else if (!x->failed)
-		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name, stand.plants[0].triangles_stored, stand.plants[0].triangles_in, (unsigned long long)covered);
+		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name, stand.plants[0].triangles_stored, stand.plants[0].triangles_in,
+			(unsigned long long)covered);
 	extreme_stand_free(&stand);
 }
 
@@ -189,7 +193,8 @@ static void non_manifold(struct extreme *x)
 
 static void not_finite(struct extreme *x)
 {
-	static const struct { const char *name; float value; } rows[] = { { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY }, { "denormal", 1e-42f },
+	static const struct { const char *name; float value; } rows[] = { { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY },
+		{ "denormal", 1e-42f },
 		{ "1e-30", 1e-30f }, { "3e38", 3e38f }, { "-1e30", -1e30f }, { "1e10", 1e10f } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		for (int alone = 0; alone < 2; alone++) {
@@ -206,7 +211,8 @@ static void not_finite(struct extreme *x)
 			soup_free(&s);
 			/* sound or refused: both are answers */
 			if (code)
-				extreme_must(x, (code == ECO_BAD_INPUT || code == ECO_TOO_LARGE) && strlen(error.text) > 10, "%s: status %d (%s)", rows[i].name, code, error.text);
+				extreme_must(x, (code == ECO_BAD_INPUT || code == ECO_TOO_LARGE) && strlen(error.text) > 10, "%s: status %d (%s)", rows[i].name, code,
+					error.text);
 			else if (numbers_sound(x, &stand.plants[0]))
 				grows(x, &stand, rows[i].name, &covered);
 			if (!x->failed)
@@ -281,7 +287,8 @@ static void orders(struct extreme *x)
 	enum { MOST = 3000 };
 	static struct lod_v3 center[MOST], normal[MOST];
 	static double survival[MOST];
-	static const struct { const char *name; uint32_t count; int shape; } rows[] = { { "one leaf", 1, 0 }, { "two in one point", 2, 0 }, { "all in one point", MOST, 0 },
+	static const struct { const char *name; uint32_t count; int shape; } rows[] = { { "one leaf", 1, 0 }, { "two in one point", 2, 0 },
+		{ "all in one point", MOST, 0 },
 		{ "all on a line", MOST, 1 }, { "all in a plane", MOST, 2 }, { "two clusters 1e6 apart", MOST, 3 }, { "no normals", 100, 4 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		for (int method = LOD_ORDER_STOCHASTIC; method < LOD_ORDER_COUNT; method++)
@@ -294,8 +301,8 @@ static void orders(struct extreme *x)
 						: rows[i].shape == 3 ? (struct lod_v3){ k % 2 ? 1e6 + u : u, v, u } : (struct lod_v3){ 1, 2, 3 };
 					normal[k] = rows[i].shape == 4 ? (struct lod_v3){ 0, 0, 0 } : (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };
 				}
-				lod_order_survival_by(survival, (enum lod_order_method)method, &(struct lod_order_input){ rows[i].count, center, normal, tall == 0 ? 0 : tall == 1 ? 1 : 1e6, 3 },
-					&arena);
+				lod_order_survival_by(survival, (enum lod_order_method)method, &(struct lod_order_input){ rows[i].count, center, normal,
+					tall == 0 ? 0 : tall == 1 ? 1 : 1e6, 3 }, &arena);
 				for (uint32_t k = 0; k < rows[i].count; k++)
 					extreme_must(x, isfinite(survival[k]), "%s, %s: leaf %u survives by %g", rows[i].name, lod_order_names[method], k, survival[k]);
 				lod_arena_free(&arena);
@@ -337,7 +344,8 @@ static void lambda_to_0(struct extreme *x)
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 			uint32_t count = lod_ladder_cuts(s, l, v, lod_ladder_density(s, l, v), cuts);
 			for (uint32_t c = 0; c < count; c++, tried++) {
-				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f, "ladder %u, %llu vertices: scale %g", i, (unsigned long long)v, (double)cuts[c].scale);
+				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f, "ladder %u, %llu vertices: scale %g", i, (unsigned long long)v,
+					(double)cuts[c].scale);
 				largest = fmax(largest, (double)cuts[c].scale);
 			}
 		}
@@ -357,7 +365,8 @@ static const struct extreme_case cases[] = {
 	{ "empty plants, one triangle", SOUND, false, few },
 	{ "a plant of 1e7 triangles", SOUND "; stochastic order", true, ten_million },
 	{ "1e5 materials", SOUND, false, materials },
-	{ "orders of one leaf and of all in one point", "every order is finite, whatever the arrangement; such plants are built and drawn", false, orders },
+	{ "orders of one leaf and of all in one point", "every order is finite, whatever the arrangement; such plants are built and drawn", false,
+		orders },
 	{ "lambda to 0", "curves and area factors are finite and bounded down to one vertex", false, lambda_to_0 },
 };
 

@@ -21,7 +21,8 @@ static void free_seen(struct seen *seen)
 	view_picture_free(&seen->picture);
 }
 
-static bool see(struct extreme *x, const struct extreme_stand *stand, const struct extreme_site *site, const struct eco_request *from, struct seen *seen)
+static bool see(struct extreme *x, const struct extreme_stand *stand, const struct extreme_site *site, const struct eco_request *from,
+	struct seen *seen)
 {
 	struct extreme_world world = { 0 };
 	struct eco_request request = *from;
@@ -114,8 +115,8 @@ static enum eco_code make_unlike(struct extreme_stand *stand, struct eco_error *
 	code = code ? code : extreme_stand_add(stand, &soup.model, "moss", error);
 	soup_free(&soup);
 	for (uint32_t i = 0; i < 12 && !code; i++)
-		if (!extreme_stand_place(stand, &(struct extreme_place){ .plant = i > 3, .at = { i < 4 ? 40 * (i + 1.0) - 90 : 1e-3 * i - 8e-3, i < 4 ? 60 : 0, 0 },
-				.turn = (uint16_t)(5000 * i), .scale = 1 }))
+		if (!extreme_stand_place(stand, &(struct extreme_place){ .plant = i > 3, .at = { i < 4 ? 40 * (i + 1.0) - 90 : 1e-3 * i - 8e-3,
+			i < 4 ? 60 : 0, 0 }, .turn = (uint16_t)(5000 * i), .scale = 1 }))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for a stand");
 	return code;
 }
@@ -146,8 +147,8 @@ static void unlike(struct extreme *x)
 			covered += full.cover[i] != 0;
 		if (good) {
 			double differ = extreme_pixels_differ(&picture, &full, false);
-			extreme_must(x, covered > 1000 && differ < 0.2, "%s: %llu pixels covered, %.1f %% of the picture differ from full detail", v ? "afar" : "near",
-				(unsigned long long)covered, 100 * differ);
+			extreme_must(x, covered > 1000 && differ < 0.2, "%s: %llu pixels covered, %.1f %% of the picture differ from full detail",
+				v ? "afar" : "near", (unsigned long long)covered, 100 * differ);
 			extreme_say(x, "%s: %llu plants in view, %llu pixels covered, %.1f %% differ from full detail", v ? "from 300 m" : "from 3 cm",
 				(unsigned long long)plan.visible_plants, (unsigned long long)covered, 100 * differ);
 		}
@@ -177,8 +178,8 @@ static const struct extreme_case cases[] = {
 	{ "scaled by 1e6", SAME, false, scale_1e6 },
 	{ "10000 km away; turned; scaled by 1/4", SAME, false, all_small },
 	{ "10000 km away; turned; scaled by 1e6", SAME, true, all_large },
-	{ "plants of 1 mm beside 100 m", "sound plans and pictures from 3 cm and from 300 m; < 20 % of pixels differ from full detail with 20000 vertices", false,
-		unlike },
+	{ "plants of 1 mm beside 100 m", "sound plans and pictures from 3 cm and from 300 m; < 20 % of pixels differ from full detail with 20000 "
+		"vertices", false, unlike },
 };
 
 const struct extreme_family extreme_place = { "place", cases, sizeof cases / sizeof *cases };

@@ -157,8 +157,8 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 		extreme_must(x, nearest <= 2.5 * (double)plant.anchors[0].radius, "%s: half a pixel only from %.3g m on", name, nearest);
 		double lists[2];
 		uint32_t list_count = measure_lists(x, &plant, &soup->model, lists);
-		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: %.3f to %.3f px", name, (double)plant.plant.height_m,
-			plant.plant.anchor_count - 1, grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
+		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: %.3f to %.3f px", name,
+			(double)plant.plant.height_m, plant.plant.anchor_count - 1, grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
 	}
 	free(points);
 	soup_free(soup);
@@ -184,7 +184,8 @@ static double extent_of(const struct eco_model *model)
 
 static void usual(struct extreme *x)
 {
-	static const struct { const char *name; double factor; uint32_t leaves; } rows[] = { { "moss", 1e-3, 200 }, { "herb", 0.03, 200 }, { "tree", 1, 1500 },
+	static const struct { const char *name; double factor; uint32_t leaves; } rows[] = { { "moss", 1e-3, 200 }, { "herb", 0.03, 200 },
+		{ "tree", 1, 1500 },
 		{ "giant", 18, 3000 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct soup s;
@@ -252,8 +253,8 @@ static void nearer(struct extreme *x)
 	const struct extreme_place *tree = &stand->places[0];
 	for (int k = 0; k < 4; k++) {
 		double away = stated * ldexp(1, -2 * k);
-		struct eco_request request = { .view = { { tree->at[0] - away - 0.2, tree->at[1], 1 }, { tree->at[0], tree->at[1], 1 }, { 0, 0, 1 }, 45, 320, 240 },
-			.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+		struct eco_request request = { .view = { { tree->at[0] - away - 0.2, tree->at[1], 1 }, { tree->at[0], tree->at[1], 1 }, { 0, 0, 1 }, 45,
+			320, 240 }, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
 		uint64_t covered = 0;
 		if (!extreme_good(x, extreme_draw(&world, &request, &picture, &error), &error))

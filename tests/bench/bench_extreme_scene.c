@@ -50,7 +50,8 @@ bool extreme_stand_scatter(struct extreme_stand *stand, uint32_t plant, uint32_t
 		double unit[4];
 		for (int k = 0; k < 4; k++)
 			unit[k] = lod_unit(seed = lod_mix(seed + 1));
-		good = extreme_stand_place(stand, &(struct extreme_place){ .plant = plant, .at = { (unit[0] - 0.5) * stand->side, (unit[1] - 0.5) * stand->side, 0 },
+		good = extreme_stand_place(stand, &(struct extreme_place){ .plant = plant,
+			.at = { (unit[0] - 0.5) * stand->side, (unit[1] - 0.5) * stand->side, 0 },
 			.turn = (uint16_t)(unit[2] * 65535), .scale = 0.8 + 0.4 * unit[3] });
 	}
 	return good;
@@ -72,7 +73,8 @@ enum eco_code extreme_stand_make(struct extreme_stand *stand, struct eco_error *
 	soup_begin(&soup);
 	uint32_t leaf = soup_material(&soup, 70, 130, 50, ECO_NONE, false);
 	for (int i = 0; i < 400; i++)
-		soup_leaf(&soup, leaf, lod_v3_add((struct lod_v3){ 0, 0, 0.6 }, lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))), 0.12, 0.07);
+		soup_leaf(&soup, leaf, lod_v3_add((struct lod_v3){ 0, 0, 0.6 }, lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))),
+			0.12, 0.07);
 	code = code ? code : add_soup(stand, &soup, "bush", error);
 	soup_begin(&soup);
 	leaf = soup_material(&soup, 90, 150, 60, ECO_NONE, false);
@@ -140,7 +142,8 @@ static enum eco_code pack_list(struct packing *p, uint32_t id, uint32_t i, uint3
 	list.plant = list.image = ECO_NONE;
 	list.palette_first += list.palette_count ? p->palette_first[id] : 0;
 	list.partner = list.partner == ECO_NONE ? ECO_NONE : lists[list.partner];
-	return eco_pack_add_list(p->writer, &list, &draft->elements, like->ends, like->end_count, like == draft ? NULL : &like->elements, &lists[i], p->error);
+	return eco_pack_add_list(p->writer, &list, &draft->elements, like->ends, like->end_count, like == draft ? NULL : &like->elements, &lists[i],
+		p->error);
 }
 
 static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
@@ -190,7 +193,8 @@ static void grow_tile(struct packing *p, struct eco_tile *tile, const struct ext
 {
 	const struct eco_plant *plant = &p->plants[place->plant];
 	const struct eco_anchor *anchor = &p->anchors[plant->anchor_first];
-	double reach = BODY_M * (anchor->radius + hypot(anchor->center[0], anchor->center[1])) * place->scale, high = (anchor->center[2] + anchor->radius) * BODY_M * place->scale;
+	double reach = BODY_M * (anchor->radius + hypot(anchor->center[0], anchor->center[1])) * place->scale,
+		high = (anchor->center[2] + anchor->radius) * BODY_M * place->scale;
 	for (int i = 0; i < 3; i++) {
 		double at = place->at[i] + (p->site->plain ? p->site->at[i] : 0);
 		double low = at - reach, top = at + (i < 2 ? reach : high);
@@ -279,7 +283,8 @@ static void pack_root(struct packing *p)
 		*child = (struct eco_child){ 1, true, { site->at[0], site->at[1], site->at[2] }, site->turn, (float)scale };
 	for (int i = 0; i < 3; i++)
 		far = fmax(far, fmax(fabs(stand->low[i]), fabs(stand->high[i])));
-	p->tiles[0] = (struct eco_tile){ .area = stand->area * scale * scale, .instance_count = stand->instance_count, .summary = ECO_NONE, .child_count = 1 };
+	p->tiles[0] = (struct eco_tile){ .area = stand->area * scale * scale, .instance_count = stand->instance_count, .summary = ECO_NONE,
+		.child_count = 1 };
 	for (int i = 0; i < 3; i++) {
 		p->tiles[0].low[i] = child->at[i] - 2 * scale * far;
 		p->tiles[0].high[i] = child->at[i] + 2 * scale * far;
@@ -419,8 +424,8 @@ struct eco_view extreme_site_view(const struct extreme_site *site, const struct 
 
 struct eco_request extreme_request(uint64_t vertices)
 {
-	return (struct eco_request){ .view = { .eye = { -26, -21, 6.5 }, .target = { 0, 0, 2 }, .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 400, .height = 300 },
-		.vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	return (struct eco_request){ .view = { .eye = { -26, -21, 6.5 }, .target = { 0, 0, 2 }, .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 400,
+		.height = 300 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
 }
 
 enum eco_code extreme_plan(struct extreme_world *world, const struct eco_request *request, struct eco_plan *plan, struct lod_planner_stats *stats,

@@ -112,18 +112,19 @@ static void add_tile(struct tables *t, uint32_t tile, uint32_t across, uint32_t 
 }
 
 /* `tiles` tiles of `species` species each, `each` plants of each; all species are among kinds[0 .. kind_count), in turn. */
-static bool make_tables(struct extreme *x, struct tables *t, const struct kind *kinds, uint32_t kind_count, uint32_t all, uint32_t tiles, uint32_t species,
-	uint32_t each)
+static bool make_tables(struct extreme *x, struct tables *t, const struct kind *kinds, uint32_t kind_count, uint32_t all, uint32_t tiles,
+	uint32_t species, uint32_t each)
 {
 	uint32_t curve_count = 0, across = (uint32_t)ceil(sqrt(tiles)), lists = 2 * all + tiles * species;
 	for (uint32_t i = 0; i < all; i++)
 		curve_count += kinds[i % kind_count].curve_count;
 	*t = (struct tables){ .plants = calloc(all, sizeof *t->plants), .anchors = calloc(all, sizeof *t->anchors), .ladders = calloc(all, sizeof *t->ladders),
-		.curves = calloc(curve_count + 1, sizeof *t->curves), .tiles = calloc(tiles + 1, sizeof *t->tiles), .groups = calloc((size_t)tiles * species, sizeof *t->groups),
+		.curves = calloc(curve_count + 1, sizeof *t->curves), .tiles = calloc(tiles + 1, sizeof *t->tiles),
+		.groups = calloc((size_t)tiles * species, sizeof *t->groups),
 		.children = calloc(tiles, sizeof *t->children), .lists = calloc(lists, sizeof *t->lists), .chunks = calloc(lists, sizeof *t->chunks),
 		.places = calloc((size_t)tiles * species * each, ECO_PLACE_BYTES) };
-	if (!extreme_must(x, t->plants && t->anchors && t->ladders && t->curves && t->tiles && t->groups && t->children && t->lists && t->chunks && t->places,
-			"no memory")) {
+	if (!extreme_must(x, t->plants && t->anchors && t->ladders && t->curves && t->tiles && t->groups && t->children && t->lists && t->chunks
+		&& t->places, "no memory")) {
 		tables_free(t);
 		return false;
 	}
@@ -156,14 +157,15 @@ static bool make_tables(struct extreme *x, struct tables *t, const struct kind *
 static struct eco_request request_of(const struct tables *t, uint64_t vertices)
 {
 	double size = t->tiles[0].high[0];
-	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size }, .target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 60,
-		.width = 800, .height = 600 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size }, .target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
 }
 
 static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f }, { 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
 	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
 static const struct eco_curve flat[] = { { 0.002f, 1, 0.005f, 0.3f, 0.3f }, { 0.1f, 1, 0.3f, 0.3f, 0.3f }, { 1, 1, 1, 0.3f, 0.3f } };
-static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f }, { 0.1f, 1, 0.3f, 0.4f, 0.59f }, { 0.5f, 1, 0.9f, 0.4f, 0.5f }, { 1, 1, 1, 0, 0 } };
+static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f }, { 0.1f, 1, 0.3f, 0.4f, 0.59f }, { 0.5f, 1, 0.9f, 0.4f, 0.5f },
+	{ 1, 1, 1, 0, 0 } };
 static const struct eco_curve rising[] = { { 0.002f, 1, 0.005f, 0, 0.1f }, { 0.1f, 1, 0.3f, 0.2f, 0.5f }, { 1, 1, 1, 0.5f, 0.9f } };
 static const struct eco_curve point[] = { { 1, 1, 1, 0, 0 } };
 static const struct eco_curve early_point[] = { { 0.01f, 1, 0.02f, 0.1f, 0.2f } };
@@ -179,7 +181,8 @@ static bool make_usual(struct extreme *x, struct tables *t)
 
 struct sum { uint64_t vertices; double wrong; struct lod_planner_stats stats; };
 
-static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request, uint64_t vertices, enum lod_planner_rule rule, struct sum *sum)
+static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request, uint64_t vertices, enum lod_planner_rule rule,
+	struct sum *sum)
 {
 	struct eco_plan plan = { 0 };
 	struct eco_error error = { 0 };
@@ -201,7 +204,8 @@ static void tiny(struct extreme *x)
 	bool good = make_usual(x, &t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
 		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], LOD_RULE_OPTIMAL, &sum)
-			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used", (unsigned long long)sum.vertices, (unsigned long long)budgets[i])
+			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used", (unsigned long long)sum.vertices,
+			(unsigned long long)budgets[i])
 			&& extreme_must(x, sum.wrong <= last.wrong, "%llu vertices predict more error", (unsigned long long)budgets[i])
 			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], LOD_RULE_DEUSSEN, &last);
 		last = sum;
@@ -235,7 +239,8 @@ static void steps(struct extreme *x)
 			struct sum sums[3];
 			for (int d = 0; d < 3 && good; d++)
 				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1, rule ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL, &sums[d]);
-			good = good && (rule || extreme_must(x, sums[0].wrong >= sums[1].wrong && sums[1].wrong >= sums[2].wrong, "around %llu vertices error rises",
+			good = good && (rule || extreme_must(x, sums[0].wrong >= sums[1].wrong && sums[1].wrong >= sums[2].wrong,
+				"around %llu vertices error rises",
 				(unsigned long long)v)) && extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v : v - sums[1].vertices < sums[1].stats.cheapest,
 				"%llu of %llu vertices used by %s rule", (unsigned long long)sums[1].vertices, (unsigned long long)v, rule ? "Deussen's" : "our");
 			worst = rule && good ? fmax(worst, (double)(v - sums[1].vertices) / (double)v) : worst;
@@ -247,7 +252,8 @@ static void steps(struct extreme *x)
 
 static void unbounded(struct extreme *x)
 {
-	static const uint64_t budgets[] = { UINT64_C(1) << 32, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1, (UINT64_C(1) << 63) - 2, (UINT64_C(1) << 63) - 1 };
+	static const uint64_t budgets[] = { UINT64_C(1) << 32, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1, (UINT64_C(1) << 63) - 2,
+		(UINT64_C(1) << 63) - 1 };
 	struct tables t;
 	bool good = make_usual(x, &t);
 	uint64_t all = 0;
@@ -265,12 +271,15 @@ static void unbounded(struct extreme *x)
 
 static void impossible(struct extreme *x)
 {
-	static const char *const bad[] = { "vertices=nan", "vertices=-1", "vertices=-0", "vertices=9223372036854775808", "vertices=18446744073709551616", "vertices=1e5",
-		"vertices=inf", "vertices=+1", "vertices=0x10", "vertices=1.5", "vertices=99999999999999999999999999", "vertices=1&eye=nan,0,0", "vertices=1&fov_y_deg=nan",
+	static const char *const bad[] = { "vertices=nan", "vertices=-1", "vertices=-0", "vertices=9223372036854775808", "vertices=18446744073709551616",
+		"vertices=1e5",
+		"vertices=inf", "vertices=+1", "vertices=0x10", "vertices=1.5", "vertices=99999999999999999999999999", "vertices=1&eye=nan,0,0",
+			"vertices=1&fov_y_deg=nan",
 		"vertices=1&fov_y_deg=0", "vertices=1&fov_y_deg=180", "vertices=1&fov_y_deg=-45", "vertices=1&fov_y_deg=1e-999", "vertices=1&eye=1e999,0,0",
-		"vertices=1&eye=1e13,0,0", "vertices=1&ground_px=nan", "vertices=1&ground_px=-1", "vertices=1&bytes=-1", "vertices=1&width=0", "vertices=1&width=16385",
-		"vertices=1&eye=4,5,6" };
-	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807", "vertices=1&fov_y_deg=1e-9", "vertices=1&eye=-1e12,1e12,1e12" };
+		"vertices=1&eye=1e13,0,0", "vertices=1&ground_px=nan", "vertices=1&ground_px=-1", "vertices=1&bytes=-1", "vertices=1&width=0",
+			"vertices=1&width=16385", "vertices=1&eye=4,5,6" };
+	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807", "vertices=1&fov_y_deg=1e-9",
+		"vertices=1&eye=-1e12,1e12,1e12" };
 	uint32_t refused = 0, taken = 0;
 	for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof fine / sizeof *fine; i++) {
 		bool is_bad = i < sizeof bad / sizeof *bad;
@@ -279,8 +288,8 @@ static void impossible(struct extreme *x)
 		struct srv_target target;
 		struct srv_query query;
 		struct eco_error error = { 0 };
-		snprintf(raw, sizeof raw, "/v1/scenes/a/plan?%s%s%s&target=4,5,6%s", text, strstr(text, "eye=") ? "" : "&eye=1,2,3", strstr(text, "width=") ? "" : "&width=800",
-			"&height=600");
+		snprintf(raw, sizeof raw, "/v1/scenes/a/plan?%s%s%s&target=4,5,6%s", text, strstr(text, "eye=") ? "" : "&eye=1,2,3",
+			strstr(text, "width=") ? "" : "&width=800", "&height=600");
 		enum eco_code code = srv_target_parse(&target, raw, strlen(raw), &error);
 		if (!code)
 			code = srv_query_parse(&query, &target, &error);
@@ -303,9 +312,10 @@ static void sweep(struct extreme *x)
 		struct sum sum;
 		uint64_t budget = i < count / 4 ? i : (uint64_t)(count / 4 * pow(3e6 / (count / 4.0), (i - count / 4.0) / (count - count / 4.0)));
 		good = plan_for(x, &t.scene, request_of(&t, 0), budget, LOD_RULE_OPTIMAL, &sum)
-			&& extreme_must(x, sum.wrong <= last, "budget %llu: %.12g wrong pixels are predicted, with less %.12g", (unsigned long long)budget, sum.wrong, last)
-			&& extreme_must(x, budget - sum.vertices < sum.stats.cheapest, "budget %llu: %llu used though a step of %llu is left", (unsigned long long)budget,
-				(unsigned long long)sum.vertices, (unsigned long long)sum.stats.cheapest);
+			&& extreme_must(x, sum.wrong <= last, "budget %llu: %.12g wrong pixels are predicted, with less %.12g", (unsigned long long)budget,
+			sum.wrong, last)
+			&& extreme_must(x, budget - sum.vertices < sum.stats.cheapest, "budget %llu: %llu used though a step of %llu is left",
+				(unsigned long long)budget, (unsigned long long)sum.vertices, (unsigned long long)sum.stats.cheapest);
 		rises += sum.wrong > last;
 		first = i ? first : sum.wrong;
 		last = sum.wrong;
@@ -345,7 +355,8 @@ static void jumps(struct extreme *x)
 	struct tables t;
 	uint64_t unused = 0;
 	if (make_tables(x, &t, kinds, 2, 2, 1, 2, 20) && hold_at(x, &t, many, MANY, &unused))
-		extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left over, less than any step", (unsigned long long)unused);
+		extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left over, less than any step",
+			(unsigned long long)unused);
 	tables_free(&t);
 }
 
@@ -372,7 +383,8 @@ static void identical(struct extreme *x)
 
 static void one_better(struct extreme *x)
 {
-	static const struct kind kinds[] = { KIND(falling, 2000, 1e6f), KIND(falling, 2000, 1e-3f), KIND(falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
+	static const struct kind kinds[] = { KIND(falling, 2000, 1e6f), KIND(falling, 2000, 1e-3f), KIND(falling, 2000, 1e-3f),
+		KIND(convex, 900, 1e-3f) };
 	struct tables t;
 	uint64_t unused = 0;
 	if (make_tables(x, &t, kinds, 4, 4, 1, 4, 1) && hold_at(x, &t, many, MANY, &unused)) {
@@ -394,8 +406,10 @@ static void one_better(struct extreme *x)
 static void odd_curves(struct extreme *x)
 {
 	static const struct { const char *name; struct kind kind; } rows[] = {
-		{ "flat", KIND(flat, 500, 1) }, { "convex", KIND(convex, 500, 1) }, { "rising", KIND(rising, 500, 1) }, { "one point at the end", KIND(point, 500, 1) },
-		{ "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } }, { "one leaf", KIND(falling, 1, 1) }, { "of no weight", KIND(falling, 500, 0) } };
+		{ "flat", KIND(flat, 500, 1) }, { "convex", KIND(convex, 500, 1) }, { "rising", KIND(rising, 500, 1) },
+		{ "one point at the end", KIND(point, 500, 1) },
+		{ "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } }, { "one leaf", KIND(falling, 1, 1) },
+		{ "of no weight", KIND(falling, 500, 0) } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct kind mixed[2] = { rows[i].kind, KIND(falling, 300, 1) };
 		for (uint32_t kinds = 1; kinds <= 2; kinds++) {
@@ -415,7 +429,8 @@ static void odd_curves(struct extreme *x)
 
 static const struct extreme_case cases[] = {
 	{ "budgets 0, 1, 2, 3 ...", "every vertex is used where points cost one; more never predicts more error", false, tiny },
-	{ "each step of V(d'), one less and one more", "within the budget, error does not rise, what is left over is less than any step; by Deussen's rule at most 2 %", false, steps },
+	{ "each step of V(d'), one less and one more", "within the budget, error does not rise, what is left over is less than any step; by Deussen's "
+		"rule at most 2 %", false, steps },
 	{ "budgets to 2^63-1", "all there is, exactly", false, unbounded },
 	{ "budgets and views that are no numbers", "refused with a reason before anything is computed", false, impossible },
 	{ "1e5 budgets, swept", HOLD, false, sweep },

@@ -43,7 +43,8 @@ static void still(struct extreme *x)
 	bool good = open_shared(x, &world) && bytes_of(x, &world, &request, &first);
 	for (; asked < count && good; asked++) {
 		struct eco_writer next = { 0 };
-		good = bytes_of(x, &world, &request, &next) && extreme_must(x, extreme_same_bytes(&first, &next), "request %u is answered differently", asked);
+		good = bytes_of(x, &world, &request, &next) && extreme_must(x, extreme_same_bytes(&first, &next),
+			"request %u is answered differently", asked);
 		eco_writer_free(&next);
 	}
 	extreme_say(x, "%u requests, %zu bytes of plan, all the same", asked, first.size);
@@ -129,7 +130,8 @@ static void jitter(struct extreme *x)
 			eco_plan_free(&plan);
 		}
 		extreme_must(x, !good || wrong[1] - wrong[0] <= 1e-4 * wrong[1], "predicted wrong pixels swing from %.6f to %.6f", wrong[0], wrong[1]);
-		extreme_must(x, !good || most - least <= most / 1000, "vertices swing from %llu to %llu", (unsigned long long)least, (unsigned long long)most);
+		extreme_must(x, !good || most - least <= most / 1000, "vertices swing from %llu to %llu", (unsigned long long)least,
+			(unsigned long long)most);
 		eco_writer_free(&last);
 	}
 	extreme_must(x, changes <= VIEWS * count / 100, "%u of %u plans differ from the one before", changes, VIEWS * count);
@@ -161,7 +163,8 @@ static void on_border(struct extreme *x)
 			}
 		}
 		largest = fmax(largest, wrong[1] / wrong[0] - 1);
-		extreme_must(x, !good || wrong[1] <= 1.02 * wrong[0], "a millimetre to and fro: predicted wrong pixels from %.2f to %.2f", wrong[0], wrong[1]);
+		extreme_must(x, !good || wrong[1] <= 1.02 * wrong[0], "a millimetre to and fro: predicted wrong pixels from %.2f to %.2f", wrong[0],
+			wrong[1]);
 	}
 	extreme_say(x, "predicted wrong pixels move by %.2f %% at most", 100 * largest);
 	extreme_world_close(&world);

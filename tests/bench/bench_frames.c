@@ -30,7 +30,8 @@ static double times_of(const json_t *row, double bits_a_ms)
 
 /* ---- All frames of a scene ---- */
 
-enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, COLOUR, PREDICTED, VERTICES, BYTES, PLAN, DECODE, DRAW, TOTAL_10, TOTAL_100, SENT_10, SENT_100, FIGURES };
+enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, COLOUR, PREDICTED, VERTICES, BYTES, PLAN, DECODE, DRAW, TOTAL_10, TOTAL_100, SENT_10,
+	SENT_100, FIGURES };
 static const char *const figure_keys[FIGURES] = { "q", "p", "r", "wrong", "skill", "owner_q", "colour", "predicted_q", "vertices", "bytes", "plan_ms",
 	"decode_ms", "draw_ms", NULL, NULL, NULL, NULL };
 
@@ -129,8 +130,8 @@ static void write_means(struct bench *bench, const struct study *s)
 {
 	char name[64];
 	snprintf(name, sizeof name, "frames_%s", s->scene);
-	struct bench_table *table = bench_table_open(bench, name, "budget,method,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,plan ms,transfer at 10 Mbit/s "
-		"ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,at 100 Mbit/s ms,vertices,bytes,predicted Q", true);
+	struct bench_table *table = bench_table_open(bench, name, "budget,method,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,plan ms,transfer at "
+		"10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,at 100 Mbit/s ms,vertices,bytes,predicted Q", true);
 	for (uint32_t b = 0; b < s->budgets; b++)
 		for (uint32_t m = 0; m < BENCH_METHODS; m++) {
 			const struct means *a = &s->all[m][b];
@@ -151,7 +152,8 @@ static void write_occlusion(struct bench_table *table, const struct study *s)
 	for (uint32_t b = 0; b < s->budgets; b++) {
 		const struct means *on = &s->all[BENCH_OURS][b], *off = &s->all[BENCH_UNOCCLUDED][b];
 		bench_table_row(table, "%s,%llu,%.4f,%.4f,%.0f,%.0f,%.3f,%.3f,%.3f", s->scene, (unsigned long long)s->vertices[b], mean(on, QUALITY),
-			mean(off, QUALITY), mean(on, WRONG), mean(off, WRONG), mean(off, WRONG) > 0 ? mean(on, WRONG) / mean(off, WRONG) : 1, mean(on, SKILL), mean(off, SKILL));
+			mean(off, QUALITY), mean(on, WRONG), mean(off, WRONG), mean(off, WRONG) > 0 ? mean(on, WRONG) / mean(off, WRONG) : 1, mean(on, SKILL),
+			mean(off, SKILL));
 	}
 }
 
@@ -196,7 +198,8 @@ static void write_equal(struct bench_table *table, const struct study *s, struct
 
 #define ERROR_LEAST 1e-4         /* below, a logarithmic axis shows only noise */
 
-static enum eco_code plot_over(struct bench *bench, const struct study *s, enum figure x, const char *kind, const char *label, struct eco_error *error)
+static enum eco_code plot_over(struct bench *bench, const struct study *s, enum figure x, const char *kind, const char *label,
+	struct eco_error *error)
 {
 	double at[BENCH_METHODS][BENCH_BUDGETS_MAX], wrong[BENCH_METHODS][BENCH_BUDGETS_MAX];
 	struct bench_series series[BENCH_METHODS];
@@ -314,7 +317,8 @@ static enum eco_code time_reference(struct bench *bench, const char *pack, json_
 	struct bench_still *still = NULL;
 	struct view_picture picture = { 0 };
 	double ms[2] = { 0, 0 }, vertices[2] = { 0, 0 };
-	enum eco_code code = bench_scene_views(bench, "trees5000", &request, 1) == 1 ? ECO_OK : eco_fail(error, ECO_NOT_FOUND, "no view of the 5,000 trees");
+	enum eco_code code = bench_scene_views(bench, "trees5000", &request, 1) == 1 ? ECO_OK : eco_fail(error, ECO_NOT_FOUND,
+		"no view of the 5,000 trees");
 	if (!code)
 		code = bench_still_open(&still, pack, RATIO_WIDTH, RATIO_HEIGHT, true, error);
 	request.view.width = RATIO_WIDTH;
@@ -426,7 +430,8 @@ static enum eco_code run_scene(struct bench *bench, size_t index, const struct t
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	bench_say(bench, "Every picture %u x %u, all chunks sent anew. Budgets of the literature are among the rows: Deussen 2002, table 1 (points + 2 lines "
+	bench_say(bench, "Every picture %u x %u, all chunks sent anew. Budgets of the literature are among the rows: Deussen 2002, table 1 (points + "
+		"2 lines "
 		"+ 3 triangles): 640 trees 2.10 M, palms 1.76 M, outdoor 2.48 M, sunflowers 2.19 M; Neubert 2011: 5,000 trees 26 M.", BENCH_SHOT_WIDTH,
 		BENCH_SHOT_HEIGHT);
 	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,"
@@ -435,8 +440,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	tables.occlusion = bench_table_open(bench, "frames_occlusion", "scene,vertices,Q with occlusion,Q without,wrong with,wrong without,ratio,skill "
 		"with,skill without", true);
 	bench_head(bench, "At the Q of the stochastic order (Cook)");
-	bench_say(bench, "The same scenes by the same planner, from packs whose leaves come in that order. Ours is between two budgets that have a lower and a higher "
-		"Q. An owner is a plant.");
+	bench_say(bench, "The same scenes by the same planner, from packs whose leaves come in that order. Ours is between two budgets that have a "
+		"lower and a higher Q. An owner is a plant.");
 	tables.equal = bench_table_open(bench, "frames_equal", "scene,Q,vertices,ours,fewer %,owner_q,ours,colour RMS,ours", true);
 	struct lost lost = { -INFINITY, -INFINITY };
 	for (size_t i = 0; i < SCENES && !code; i++)
@@ -446,7 +451,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(tables.occlusion);
 	bench_table_close(tables.equal);
 	if (!code && isfinite(lost.owner)) {
-		bench_key(bench, "frames_owner_q_lost", fmax(0, lost.owner), "<= 0: owner Q below the stochastic order's at equal Q, mean of the worst scene");
+		bench_key(bench, "frames_owner_q_lost", fmax(0, lost.owner), "<= 0: owner Q below the stochastic order's at equal Q, mean of the "
+			"worst scene");
 		bench_key(bench, "frames_colour_lost", fmax(0, lost.colour), "<= 0: colour RMS above it, likewise");
 	}
 	return code;

@@ -54,7 +54,8 @@ struct frame { double at[2]; int quarters; };
 static struct frame inside(const struct frame *outer, const json_t *child)
 {
 	static const int cosine[4] = { 1, 0, -1, 0 }, sine[4] = { 0, 1, 0, -1 };
-	double x = json_number_value(json_array_get(json_object_get(child, "at"), 0)), y = json_number_value(json_array_get(json_object_get(child, "at"), 1));
+	double x = json_number_value(json_array_get(json_object_get(child, "at"), 0)),
+		y = json_number_value(json_array_get(json_object_get(child, "at"), 1));
 	int q = outer->quarters;
 	return (struct frame){ { outer->at[0] + cosine[q] * x - sine[q] * y, outer->at[1] + sine[q] * x + cosine[q] * y },
 		(q + (int)(json_number_value(json_object_get(child, "yaw_deg")) / 90 + 0.5)) % 4 };
@@ -75,7 +76,8 @@ static void collect(const char *folder, const char *file, const struct frame *fr
 		if (eco[0] == 'b')
 			collect(folder, eco, &here, side_m / 10, hectares);
 		else
-			json_array_append_new(hectares, json_pack("{s:s, s:[f,f,i], s:i}", "eco", eco, "at", here.at[0], here.at[1], 0, "yaw_deg", 90 * here.quarters));
+			json_array_append_new(hectares, json_pack("{s:s, s:[f,f,i], s:i}", "eco", eco, "at", here.at[0], here.at[1], 0, "yaw_deg",
+				90 * here.quarters));
 	}
 	json_decref(scene);
 }
@@ -102,7 +104,8 @@ static enum eco_code make_near(struct bench *bench, const struct forest *f, char
 
 static struct eco_request look(const double eye[3], const double target[3])
 {
-	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED, .view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 } };
+	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED, .view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800,
+		.height = 600 } };
 	memcpy(request.view.eye, eye, sizeof request.view.eye);
 	memcpy(request.view.target, target, sizeof request.view.target);
 	return request;
@@ -149,8 +152,8 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 			snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
 			code = bench_picture_write(bench, name, (uint32_t)frame.request.view.width, (uint32_t)frame.request.view.height, picture.rgb, error);
 			bench_picture(bench, name, caption);
-			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h, (unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
-				frame.predicted_q, scored ? frame.score.q : NAN, scored ? bench_client_summaries(client) : NAN);
+			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h, (unsigned long long)frame.vertices,
+				(unsigned long long)frame.bytes, ms, frame.predicted_q, scored ? frame.score.q : NAN, scored ? bench_client_summaries(client) : NAN);
 			*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
 		}
 		view_picture_free(&picture);
@@ -161,7 +164,8 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 
 static enum eco_code nested(struct bench *bench, struct eco_error *error)
 {
-	struct bench_table *table = bench_table_open(bench, "hierarchy", "plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
+	struct bench_table *table = bench_table_open(bench, "hierarchy",
+		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
 	char packs[3][512], near[512], resident[512];
 	double ms[2] = { NAN, NAN }, worst_q = 1, now = NAN, most = NAN;
 	int bad = -1, got = 0, views = bench->full ? 1000 : 100;
@@ -183,7 +187,8 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 		code = plan_ms(packs[1], &request, &ms[1], error);
 	snprintf(resident, sizeof resident, "%s/hierarchy-resident.txt", bench->cache);
 	if (!code)
-		code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'", bench->build, packs[1], views, forests[1].half_m, resident);
+		code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'", bench->build, packs[1], views, forests[1].half_m,
+			resident);
 	FILE *file = code ? NULL : fopen(resident, "r");
 	if (file && fscanf(file, "%lf %lf %d %d", &now, &most, &bad, &got) != 4)
 		now = NAN;
@@ -196,8 +201,8 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "hierarchy_resident_mb", now, "<= 134: MB of ecoserve after 1,000 random views (128 MiB)");
 	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants that are seen");
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
-	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are part of 10^9 plants. %d random views served, %d not answered "
-		"with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], got, bad, now, most);
+	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are part of 10^9 plants. %d random views served, "
+		"%d not answered with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], got, bad, now, most);
 	return ECO_OK;
 }
 
@@ -250,8 +255,8 @@ static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double
 	enum eco_code code = write_inventory(folder, plants, error);
 	double before = children_s();
 	if (!code)
-		code = bench_command(bench, error, "'%s/ecopack' make '%s/plants-%u.json' -o '%s/hierarchy-plants.eco' --order stochastic --cache '%s/plants' --times "
-			"--quiet >'%s' 2>&1", bench->build, folder, plants, bench->cache, bench->cache, log);
+		code = bench_command(bench, error, "'%s/ecopack' make '%s/plants-%u.json' -o '%s/hierarchy-plants.eco' --order stochastic --cache "
+			"'%s/plants' --times --quiet >'%s' 2>&1", bench->build, folder, plants, bench->cache, bench->cache, log);
 	*seconds = children_s() - before;
 	*memory_mb = NAN;
 	FILE *file = code ? NULL : fopen(log, "r");
@@ -296,7 +301,8 @@ static enum eco_code edits(struct bench *bench, struct eco_error *error)
 	enum eco_code code = bench_command(bench, error, "ECO_EDITS=%d '%s/tests/test_link' >&2", count, bench->build);
 	if (code == ECO_INTERRUPTED)
 		return code;
-	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built again and linked, that equal a full build byte for byte");
+	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built again and linked, that equal a full build "
+		"byte for byte");
 	return ECO_OK;
 }
 

@@ -137,8 +137,8 @@ static void write_rows(struct bench_table *table, struct bench_table *ratios, co
 		for (int m = 0; m < LEE_METHODS; m++)
 			for (int share = 0; share < LEE_SHARES && (width == LEE_NARROW || m == LEE_SECTOR); share++)
 				bench_table_row(table, "%s,%d,%s%s,%u,%.2f,%.2f,%.2f,%.2f,%.2f,%.3f,%.3f", name, leaves, bench_lee_methods[m],
-					width == LEE_NARROW ? "" : " (12 degrees)", bench_lee_percent[share], 100 * figure(unit, (enum bench_lee_width)width, m, share, 0),
-					100 * figure(unit, (enum bench_lee_width)width, m, share, 1), figure(unit, (enum bench_lee_width)width, m, share, 2),
+					width == LEE_NARROW ? "" : " (12 degrees)", bench_lee_percent[share], 100 * figure(unit, (enum bench_lee_width)width, m,
+					share, 0), 100 * figure(unit, (enum bench_lee_width)width, m, share, 1), figure(unit, (enum bench_lee_width)width, m, share, 2),
 					100 * figure(unit, (enum bench_lee_width)width, m, share, 3), 100 * figure(unit, (enum bench_lee_width)width, m, share, 4),
 					ratio(unit, (enum bench_lee_width)width, m, share, false), ratio(unit, (enum bench_lee_width)width, m, share, true));
 	for (size_t c = 0; c < CONTESTS; c++) {
@@ -218,8 +218,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_say(bench, "Lee, Peng and Kuo print, for a tree of 6,143 leaves at 80, 50, 30 and 10 %%: distance 3.03, 9.09, 14.03, 18.42; "
 			"normal 5.31, 12.87, 16.49, 19.13; layer+normal 2.86, 10.06, 15.07, 18.75 %% incorrect pixels, without saying of what. Ours are "
 			"of the reference's pixels; layers: %u.", LOD_LEE_LAYERS);
-		bench_say(bench, "Lists per sector are many: lists MB is what all of a width take as n log2 n + 3 n bits each, side and top views. What is least "
-			"possible is proved (a Lagrangian bound of maximal coverage); where a bar lies below it, no choice of leaves reaches it.");
+		bench_say(bench, "Lists per sector are many: lists MB is what all of a width take as n log2 n + 3 n bits each, side and top views. What "
+			"is least possible is proved (a Lagrangian bound of maximal coverage); where a bar lies below it, no choice of leaves reaches it.");
 		write_keys(bench, worst);
 	}
 	return code;

@@ -5,7 +5,8 @@
 
 #include "tests/bench/bench_shots.h"
 
-static enum eco_code add_pack(struct bench *bench, struct bench_table *table, const char *scene, const char *order, double *sum_s, struct eco_error *error)
+static enum eco_code add_pack(struct bench *bench, struct bench_table *table, const char *scene, const char *order, double *sum_s,
+	struct eco_error *error)
 {
 	char pack[512];
 	double cpu_s, wall_s;
@@ -60,7 +61,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (!code)                           /* those of the sections on single plants, read once for all */
 		code = bench_models(bench, &models, &model_count, error);
 	free(models);
-	bench_say(bench, "Times are those of the run that built a pack; a plant that another pack has had before comes from a cache and costs nothing anew.");
+	bench_say(bench, "Times are those of the run that built a pack; a plant that another pack has had before comes from a cache and costs "
+		"nothing anew.");
 	if (!code)
 		bench_key(bench, "packs_cpu_s", sum_s, "processor time of all packs of this bench");
 	return code;

@@ -92,7 +92,8 @@ static enum eco_code read_path(struct bench *bench, struct path *p, struct eco_e
 	json_t *scene = json_load_file(path, 0, NULL);
 	if (!p->frame_count || !scene) {
 		json_decref(scene);
-		return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : eco_fail(error, ECO_IO, "%s: no scene or no camera path", path);
+		return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : eco_fail(error, ECO_IO,
+			"%s: no scene or no camera path", path);
 	}
 	enum eco_code code = read_species(bench, p, scene, error);
 	if (!code)
@@ -178,7 +179,8 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 	}
 	bench_table_close(table);
 	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most %,Neubert 2011: mean,least,most", true);
-	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6", "40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6", "40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-",
+		"-,-,-" };
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m], counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);
 		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], p->frame_count, false };

@@ -45,7 +45,8 @@ static enum eco_code against_best(struct bench *bench, struct eco_error *error)
 	size_t i;
 	if (code)
 		return code;
-	struct bench_table *table = bench_table_open(bench, "planner_best", "scene,vertices,planner,best,nothing drawn,gap,structures tried,plants and summaries", false);
+	struct bench_table *table = bench_table_open(bench, "planner_best", "scene,vertices,planner,best,nothing drawn,gap,structures tried,plants and "
+		"summaries", false);
 	json_array_foreach(unit, i, row) {
 		double empty = bench_shot_number(row, "empty"), planner = bench_shot_number(row, "planner"), best = bench_shot_number(row, "best");
 		if (!(empty > 0))
@@ -143,7 +144,8 @@ static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error
 
 static enum eco_code prediction(struct bench *bench, struct eco_error *error)
 {
-	struct bench_table *table = bench_table_open(bench, "planner_prediction", "scene,vertices,mean |predicted Q - Q|,mean predicted Q - Q,worst", true);
+	struct bench_table *table = bench_table_open(bench, "planner_prediction", "scene,vertices,mean |predicted Q - Q|,mean predicted Q - "
+		"Q,worst", true);
 	double gap = 0;
 	uint32_t frames = 0;
 	char pack[512];
@@ -268,7 +270,8 @@ static double median(const double ms[3])
 
 static enum eco_code times(struct bench *bench, struct eco_error *error)
 {
-	struct bench_table *table = bench_table_open(bench, "planner_times", "scene,view,ms,candidates,cuts,gains computed,gains over cuts,looks at a price,plants looked at,vertices", true);
+	struct bench_table *table = bench_table_open(bench, "planner_times", "scene,view,ms,candidates,cuts,gains computed,gains over cuts,looks at a "
+		"price,plants looked at,vertices", true);
 	enum eco_code code = ECO_OK;
 	double worst = NAN, trees = NAN;
 	char pack[512];

@@ -127,7 +127,8 @@ static void draw_axes(struct eco_chart *chart, const struct bench_plot *plot, co
 		plot->x);
 	eco_chart_text(chart, 22, 0.5 * (y->from + y->to), &(struct eco_chart_style){ .size = 16, .align = ECO_CHART_CENTER, .turn = 1, .color = dark },
 		plot->y);
-	eco_chart_text(chart, x->from, 28, &(struct eco_chart_style){ .size = 18, .bold = true, .color = dark, .room = WIDTH - LEFT - RIGHT }, plot->title);
+	eco_chart_text(chart, x->from, 28, &(struct eco_chart_style){ .size = 18, .bold = true, .color = dark, .room = WIDTH - LEFT - RIGHT },
+		plot->title);
 }
 
 /* ---- Series ---- */

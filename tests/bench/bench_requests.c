@@ -100,7 +100,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	}
 	if (!code) {
 		add_row(table, "all", all);
-		bench_say(bench, "Views inside plants, on corners, far away, with useless ups, extreme angles and pictures of one pixel to 4,096 x 4,096; budgets "
+		bench_say(bench, "Views inside plants, on corners, far away, with useless ups, extreme angles and pictures of one pixel to 4,096 x 4,096; "
+			"budgets "
 			"from nothing to beyond everything, a quarter of them with a budget of bytes. Counted by the client that draws: vertices of every "
 			"state of a stream, bytes, chunks sent twice, answers that differ; for one view in some, ten budgets: predicted wrong pixels never rise "
 			"with the budget, and vertices are left over only where nothing more is to be gained.");

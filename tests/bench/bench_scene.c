@@ -129,8 +129,8 @@ static enum eco_code make_crown(struct bench *bench, const char *folder, struct 
 	/* once around, from above down to eye level */
 	for (int i = 0; i <= 16; i++) {
 		double turn = 0.35 + i * 2 * M_PI / 16, r = 26 - 0.45 * i, z = 1.7 + 20 * (16 - i) / 16.0 * (16 - i) / 16.0;
-		fprintf(out, "%s\n  {\"time_s\": %d, \"eye\": [%.2f, %.2f, %.2f], \"target\": [0, 0, 6.5], \"fov_y_deg\": 42}", i ? "," : "", i, r * cos(turn),
-			r * sin(turn), z);
+		fprintf(out, "%s\n  {\"time_s\": %d, \"eye\": [%.2f, %.2f, %.2f], \"target\": [0, 0, 6.5], \"fov_y_deg\": 42}", i ? "," : "", i,
+			r * cos(turn), r * sin(turn), z);
 	}
 	fputs("\n]}\n", out);
 	fclose(out);
@@ -180,8 +180,8 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	}
 	bench_progress(bench, 0, s->name);
 	if (!code && s->origin == GENERATED)
-		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build, s->kind, folder, s->plants,
-			s->detail);
+		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build, s->kind, folder,
+			s->plants, s->detail);
 	else if (!code)
 		code = s->origin == CROWN ? make_crown(bench, folder, error) : make_scbi(bench, folder, error);
 	code = code ? code : stamp_write(scene, stamp, error);
@@ -198,8 +198,8 @@ static enum eco_code make_pack(struct bench *bench, const char *name, const char
 	double cpu_s = bench_cpu_s(), wall_s = bench_now_s();
 	snprintf(folder, sizeof folder, "%s/scenes/%s", bench->cache, name);
 	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384", bench->build,
-		folder, path, order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384",
+		bench->build, folder, path, order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
 	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp, (unsigned long long)bench_file_hash(path), bench_cpu_s() - cpu_s,
 		bench_now_s() - wall_s);
 	return code ? code : stamp_write(path, text, error);

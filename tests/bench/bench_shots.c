@@ -148,7 +148,8 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	*rows = bench_recall(bench, name, bench_pack_stamp(pack));
 	if (!*rows) {
 		uint32_t count = bench_shot_views(bench, scene, requests);
-		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error) : eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
+		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error) : eco_fail(error, ECO_NOT_FOUND, "%s has %u views",
+			scene, count);
 		if (!code)
 			*rows = bench_keep(bench, name, bench_pack_stamp(pack), *rows);
 	}

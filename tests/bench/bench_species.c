@@ -95,17 +95,19 @@ static void write_means(struct bench *bench, const struct summary *sum)
 			percent(&sum->read, sum->read.total[BENCH_NEAR], m), percent(&sum->made, sum->made.mean[BENCH_EVEN], m),
 			percent(&sum->made, sum->made.total[BENCH_EVEN], m), printed[m]);
 	bench_table_close(table);
-	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances stand side by side: evenly over [0, 1), which "
+	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances stand side by side: evenly over [0, "
+		"1), which "
 		"weighs a plant at any distance alike and is what the bars are about; and the points at which the paper tabulates its curves, ten of "
 		"them within [0, 0.1), where Cook draws over 81 %% of all vertices and hardly anything can be saved at equal quality. The paper's points "
 		"say where its table is fine, not where plants stand.", sum->read.count, sum->made.count);
 	bench_say(bench, "The paper's four rows are of one camera path through 1,276 trees of its own, with depth d normalised by a distance that it "
-		"does not give, and its Cook keeps areas only. Here Cook has the better of 1/lambda and of the scale that corrects for depth complexity; lambda "
+		"does not give, and its Cook keeps areas only. Here Cook has the better of 1/lambda and of the scale that corrects for depth "
+		"complexity; lambda "
 		"is over foliage alone, so that wood does not dilute savings; and all distances weigh alike. Density and orientation (the paper's "
 		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens holes, which random thinning does not, and they "
 		"fall behind what they save on the paper's closed crowns of many small leaves.");
-	bench_say(bench, "Owners and colours at equal Q, ours against Cook's (means over distances): owner Q at most %.3f lower, RMS colour error at most %.3f "
-		"higher on any species. An owner here is a single leaf. Colours are those of facing the eye; Cook's are the better of with and "
+	bench_say(bench, "Owners and colours at equal Q, ours against Cook's (means over distances): owner Q at most %.3f lower, RMS colour error at "
+		"most %.3f higher on any species. An owner here is a single leaf. Colours are those of facing the eye; Cook's are the better of with and "
 		"without the correction of contrast.", fmax(0, sum->owner_worse), fmax(0, sum->colour_worse));
 }
 

@@ -250,7 +250,8 @@ static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
 	if (left > 0 && rung->stats.cheapest != UINT64_MAX)
 		run->unused_most = fmax(run->unused_most, (double)left / (double)rung->budget);
 	for (uint32_t k = i + 1; rung->stats.level == rungs[0].stats.level && k < CHAIN; k++)
-		if (rungs[k].stats.level == rungs[0].stats.level && rungs[k].vertices <= rung->budget && rungs[k].stats.wrong < rung->stats.wrong - WORSE_MOST * rungs[0].stats.wrong) {
+		if (rungs[k].stats.level == rungs[0].stats.level && rungs[k].vertices <= rung->budget
+			&& rungs[k].stats.wrong < rung->stats.wrong - WORSE_MOST * rungs[0].stats.wrong) {
 			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu vertices", rung->stats.wrong,
 				(unsigned long long)rung->budget, rungs[k].stats.wrong, (unsigned long long)rungs[k].budget,
 				(unsigned long long)rungs[k].vertices);
