@@ -81,7 +81,8 @@ static bool change(struct lod_spend *spend, uint64_t budget, uint32_t i, enum ex
 }
 
 /* Kept if less is wrong then. */
-static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct lod_bid *spare, struct back *backs, bool *better)
+static bool exchange(struct lod_spend *spend, uint64_t budget, uint32_t i, enum exchange kind, struct lod_bid *spare, struct back *backs,
+	bool *better)
 {
 	double before = spend->wrong;
 	uint64_t vertices = spend->vertices;

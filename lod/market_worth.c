@@ -13,7 +13,7 @@
 #define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side, ...*/
 #define SMOOTH_PLANTS 40.0       /* ... where there are fewer plants than this */
-#define HIDDEN_WOOD 0.1          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
+#define HIDDEN_WOOD 0.2          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
 
 /* ---- Room ---- */
 

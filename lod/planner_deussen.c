@@ -11,6 +11,11 @@
  *           points: never more lines than samples.
  *   importance multiplies an organ's share of the budget (4.3).
  *
+ * As in the paper, what is out of view is left out (section 5), and nothing is known of what hides what. Two things are better than there, so
+ * that rules are compared and not what they draw with: primitives are scaled as was measured for the list, not points by c_p and
+ * triangles not at all (that leaves 13, 11 and 41 % more pixels wrong, in an outdoor scene, 5,000 trees and a dense forest); and what the
+ * grid of d' leaves of the budget is spent by the measured curves (spent in any order: 1 % fewer, 1 and 7 % more).
+ *
  * V(d') is a step function and not quite monotone (a tile that opens may cost a little less than its summary did). So d' is
  * searched on a fixed exact grid, the plan's vertices are always counted, never inferred, and the structure (which tiles are open,
  * which plants show cells) may be taken from a finer d' than the amounts, where that uses the budget better. */
