@@ -32,7 +32,7 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 	eco_bits_start(c->back_bits, 32);
 	eco_bits_start(c->number, ECO_RANGE_NUMBER);
 	eco_bits_start(c->flat, ECO_RANGE_NUMBER);
-	eco_bits_start(c->simple, 8);
+	eco_bits_start(c->weight, ECO_RANGE_NUMBER);
 	eco_bits_start(c->kind, 128);
 	eco_bits_start(c->corner_count, 4);
 	eco_bits_start(&c->back, 1);
@@ -43,8 +43,9 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 	eco_bits_start(c->roll, sizeof c->roll / sizeof c->roll[0]);
 	eco_bits_start(c->size[0], sizeof c->size / sizeof c->size[0][0]);
 	eco_bits_start(c->extra[0], sizeof c->extra / sizeof c->extra[0][0]);
-	eco_bits_start(c->corner[0], sizeof c->corner / sizeof c->corner[0][0]);
 	eco_bits_start(c->texture[0], sizeof c->texture / sizeof c->texture[0][0]);
+	eco_bits_start(c->trend[0], sizeof c->trend / sizeof c->trend[0][0]);
+	eco_near_start(&c->near, c->miss[0], sizeof c->miss / sizeof c->miss[0][0]);
 }
 
 /* ---- What the chunk's elements share ---- */
@@ -123,22 +124,19 @@ static void code_shapes(struct eco_shapes_codec *c)
 		code_shape(c, &s->items[i], shift);
 }
 
-/* Most corners are predicted well by the two before, or by none. */
-const int8_t eco_shapes_simple[ECO_SIMPLE_WEIGHTS][2] = { { 0, 0 }, { 1, 0 }, { 1, -1 }, { 2, -1 } };
-
-static void code_weights(struct eco_shapes_codec *c, uint32_t m)
+/* Corners are near those before, if nothing else is known: so edges weigh 1, what is across them 0, up to what is stored. */
+static void code_trends(struct eco_shapes_codec *c, uint32_t m)
 {
 	struct eco_shapes_head *h = &c->head;
 
-	h->has[m] = eco_range_raw(&c->range, 1, h->has[m]);
-	for (uint32_t k = 2; h->has[m] && k < m + 3; k++) {
-		uint8_t simple = h->simple[m][k] = (uint8_t)eco_range_tree(&c->range, c->simple, 3, h->simple[m][k]) & 7;
-		int32_t *weight = h->weight[m][k];
+	h->trends[m] = (uint8_t)eco_range_raw(&c->range, 2, h->trends[m]);
+	for (uint32_t t = 0; t < h->trends[m]; t++)
+		for (uint32_t k = 2; k < m + 3; k++)
+			for (uint32_t j = 0; j < eco_corner_bases(k); j++) {
+				int32_t usual = j + 1 < k ? 1 << ECO_WEIGHT_BITS : 0, *weight = &h->trend[m][t].weight[k][j];
 
-		for (uint32_t j = 0; j < k - 1; j++)
-			weight[j] = simple >= ECO_SIMPLE_WEIGHTS ? code_number(c, c->number, weight[j], -ECO_WEIGHT_MAX, ECO_WEIGHT_MAX)
-				: k - 2 - j > 1 ? 0 : eco_shapes_simple[simple][k - 2 - j] * (1 << ECO_WEIGHT_BITS);
-	}
+				*weight = usual + code_number(c, c->weight, *weight - usual, -ECO_WEIGHT_MAX - usual, ECO_WEIGHT_MAX - usual);
+			}
 }
 
 void eco_shapes_code_head(struct eco_shapes_codec *c)
@@ -154,7 +152,7 @@ void eco_shapes_code_head(struct eco_shapes_codec *c)
 	for (uint32_t i = 0; i < c->extra_count; i++)
 		code_span(c, &h->extra[i]);
 	for (uint32_t m = 0; m < ECO_CORNERS_MAX - 2; m++)
-		code_weights(c, m);
+		code_trends(c, m);
 	if (!c->failed)
 		code_shapes(c);
 }
@@ -311,91 +309,91 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 	memcpy(l->uv, shape->uv, sizeof l->uv);
 }
 
-int64_t eco_shapes_predict(const struct eco_shapes_head *head, const int32_t *position, uint32_t corners, uint32_t k, uint32_t axis)
+uint32_t eco_corners_slot(const struct eco_shapes_codec *c, const int32_t key[3])
 {
-	int64_t sum = 1 << (ECO_WEIGHT_BITS - 1);
-
-	for (uint32_t j = 1; j < k; j++)
-		sum += (int64_t)head->weight[corners - 3][k][j - 1] * (position[3 * j + axis] - position[axis]);
-	return sum >> ECO_WEIGHT_BITS;
-}
-
-static uint32_t slot_of(const struct eco_shapes_codec *c, const int32_t at[3])
-{
-	uint32_t slot = ((uint32_t)at[0] * 0x9e3779b1u ^ (uint32_t)at[1] * 0x85ebca6bu ^ (uint32_t)at[2] * 0xc2b2ae35u);
+	uint32_t slot = ((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu ^ (uint32_t)key[2] * 0xc2b2ae35u);
 
 	slot = (slot ^ slot >> 15) & c->slot_mask;
-	while (c->slots[slot] != UINT32_MAX && memcmp(c->seen + 3 * (size_t)c->slots[slot], at, 3 * sizeof *at) != 0)
+	while (c->slots[slot] != UINT32_MAX && memcmp(c->keys + 3 * (size_t)c->slots[slot], key, 3 * sizeof *key) != 0)
 		slot = (slot + 1) & c->slot_mask;
 	return slot;
 }
 
-static void remember(struct eco_shapes_codec *c, const int32_t at[3])
+static void remember(struct eco_shapes_codec *c, const struct eco_leaf *l, uint32_t k)
 {
-	if (c->slots)
-		c->slots[slot_of(c, at)] = c->seen_count;
-	memcpy(c->seen + 3 * (size_t)c->seen_count++, at, 3 * sizeof *at);
+	if (c->range.writer) {
+		memcpy(c->keys + 3 * (size_t)c->seen_count, l->coarse + 3 * k, 3 * sizeof *c->keys);
+		c->slots[eco_corners_slot(c, l->coarse + 3 * k)] = c->seen_count;
+	}
+	memcpy(c->seen + 3 * (size_t)c->seen_count++, l->position + 3 * k, 3 * sizeof *c->seen);
 }
 
 /* A corner that was there before: how long ago. False, with nothing known of it, where it was not. */
-static bool code_again(struct eco_shapes_codec *c, uint32_t k, int32_t at[3])
+static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k)
 {
-	uint32_t found = c->range.writer ? c->slots[slot_of(c, at)] : 0, ago = c->seen_count - found, bits = eco_bit_length(ago);
+	uint32_t ago = c->seen_count - l->found[k], bits = eco_bit_length(ago);
 
-	if (!eco_range_bit(&c->range, &c->again[k], found != UINT32_MAX))
+	if (!eco_range_bit(&c->range, &c->again[k], l->found[k] != UINT32_MAX))
 		return false;
 	bits = eco_range_tree(&c->range, c->back_bits, 5, bits) & 31;
 	ago = bits ? 1u << (bits - 1) | (uint32_t)eco_range_raw(&c->range, bits - 1, ago & ((1u << (bits - 1)) - 1)) : 0;
 	if (ago == 0 || ago > c->seen_count)
 		c->failed = true;
 	else
-		memcpy(at, c->seen + 3 * (size_t)(c->seen_count - ago), 3 * sizeof *at);
+		memcpy(l->position + 3 * k, c->seen + 3 * (size_t)(c->seen_count - ago), 3 * sizeof *c->seen);
 	return true;
 }
 
-/* A corner by what a prediction from those before it misses. */
-static void code_corner(struct eco_shapes_codec *c, uint32_t corners, uint32_t k, int32_t *at)
+/* A corner by what its trend misses; without one, in the world's axes from the corner before. */
+static void code_corner(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k, struct eco_frame *frame)
 {
-	for (uint32_t axis = 0; axis < 3; axis++) {
-		int64_t guess = at[axis] + eco_shapes_predict(&c->head, at, corners, k, axis);
+	int32_t *miss = l->miss + 3 * k, *at = l->position + 3 * k;
+	int64_t guess[3];
 
-		guess = guess > COARSE_MAX ? COARSE_MAX : guess < -COARSE_MAX ? -COARSE_MAX : guess;
-		int64_t v = guess + eco_range_number(&c->range, c->corner[k], c->range.writer ? (int32_t)(at[3 * k + axis] - guess) : 0);
+	for (uint32_t i = 0; i < 3; i++)
+		miss[i] = eco_range_near(&c->range, &c->near, &c->miss[k][i], miss[i]);
+	if (l->trend < c->head.trends[l->corners - 3]) {
+		eco_corner_frame(frame, l->position, k);
+		eco_corner_guess(frame, c->head.trend[l->corners - 3][l->trend].weight[k], guess);
+		c->failed |= !eco_corner_place(frame, guess, miss, l->position, at);
+	} else {
+		for (uint32_t i = 0; i < 3; i++) {
+			int64_t v = at[(int32_t)i - 3] + (int64_t)miss[i] * (1 << ECO_EXACT_SHIFT);
 
-		if (v > COARSE_MAX || v < -COARSE_MAX) {
-			c->failed = true;
-			return;
+			c->failed |= v > ECO_ROWS_VALUE_MAX || v < -ECO_ROWS_VALUE_MAX;
+			at[i] = (int32_t)v;
 		}
-		at[3 * k + axis] = (int32_t)v;
 	}
-	remember(c, at + 3 * k);
 }
 
 static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t first[3];
-	int32_t at[3 * ECO_CORNERS_MAX] = { 0 };
+	struct eco_frame frame = { .of = 0 };
 
 	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u) & 3));
-	for (uint32_t i = 0; i < 3u * l->corners && c->range.writer; i++)
-		at[i] = l->position[i] / (1 << ECO_EXACT_SHIFT);
 	for (uint32_t i = 0; i < 3; i++)
-		first[i] = c->range.writer ? (uint32_t)(at[i] - c->head.first[i].low) : 0;
+		first[i] = c->range.writer ? (uint32_t)(l->coarse[i] - c->head.first[i].low) : 0;
 	code_first(c, l->corners, first);
 	for (uint32_t i = 0; i < 3 && !c->failed; i++) {
 		int64_t v = (int64_t)first[i] + c->head.first[i].low;
 
 		c->failed = v > COARSE_MAX || v < -COARSE_MAX;
-		at[i] = (int32_t)v;
+		l->position[i] = c->failed ? 0 : (int32_t)v * (1 << ECO_EXACT_SHIFT);
 	}
 	if (c->failed)
 		return;
-	remember(c, at);
+	uint32_t trends = c->head.trends[l->corners - 3], bits = eco_bit_length(trends);
+
+	l->trend = (uint8_t)(eco_range_tree(&c->range, c->trend[l->corners - 3], bits, l->trend) & ((1u << bits) - 1));
+	if (l->trend > trends)
+		c->failed = true;
+	remember(c, l, 0);
 	for (uint32_t k = 1; k < l->corners && !c->failed; k++)
-		if (!code_again(c, k, at + 3 * k))
-			code_corner(c, l->corners, k, at);
-	for (uint32_t i = 0; i < 3u * l->corners; i++)
-		l->position[i] = at[i] * (1 << ECO_EXACT_SHIFT);
+		if (!code_again(c, l, k)) {
+			code_corner(c, l, k, &frame);
+			remember(c, l, k);
+		}
 }
 
 /* Leaves have like textures, here or there in an image: what is left after the steps from corner to corner of the one before. */

@@ -1,13 +1,15 @@
 /* What the encoder and the decoder of a SHAPES chunk share: one description of the bytes for both. Private to chunk_shapes*.c.
  *
- *   codec.shapes, head, extra_count, uv, seen, slots        encoder: set; decoder: extra_count, uv, seen
+ *   codec.shapes, head, extra_count, uv, seen, keys, slots  encoder: set; decoder: extra_count, uv, seen
  *   eco_shapes_start(&codec, elements); eco_range_write(&codec.range, &writer) or eco_range_read(...)
  *   eco_shapes_code_head(&codec);                           decoder: fills shapes and head; codec.failed where values are impossible
+ *   eco_corners_plan(&codec, &leaf);                        encoder: of an element that is not placed
  *   eco_shapes_code_leaf(&codec, &leaf); ...                each element, in stored order
  *   eco_range_end(&codec.range); */
 #ifndef ECO_CHUNK_SHAPES_H
 #define ECO_CHUNK_SHAPES_H
 
+#include "ecofiles/chunk_corners.h"
 #include "ecofiles/chunk_rows.h"
 #include "ecofiles/range.h"
 #include "ecofiles/shape.h"
@@ -24,11 +26,8 @@ struct eco_shapes_head {
 	bool sorted;                 /* along the curve */
 	struct eco_span first[3];        /* first corners on the coarse grid; all of `bits` of [0] */
 	struct eco_span size[3], extra[ECO_ROWS_EXTRA_MAX];
-	/* [corners - 3][k]: corner k, relative to corner 0, is about the sum of these 1024ths of corners 1 to k - 1, relative to it. So leaves
-	 * that are one another's affine images have but as many corners to be stored as span them. */
-	bool has[ECO_CORNERS_MAX - 2];       /* whether there are elements of so many corners that are not placed */
-	uint8_t simple[ECO_CORNERS_MAX - 2][ECO_CORNERS_MAX];        /* which of eco_shapes_simple those are; none of them from ECO_SIMPLE_WEIGHTS on */
-	int32_t weight[ECO_CORNERS_MAX - 2][ECO_CORNERS_MAX][ECO_CORNERS_MAX - 1];
+	uint8_t trends[ECO_CORNERS_MAX - 2];         /* [corners - 3]: how many, of elements that are not placed */
+	struct eco_trend trend[ECO_CORNERS_MAX - 2][ECO_TRENDS_MAX];
 };
 
 struct eco_shapes_codec {
@@ -41,15 +40,19 @@ struct eco_shapes_codec {
 	uint64_t key;                /* of the element before */
 	uint8_t corners;             /* that it has */
 	int32_t uv_before[2 * ECO_CORNERS_MAX];      /* of the last element that is not placed */
-	/* Corners of elements that are not placed, on the coarse grid, each once: 3 values each, with room for all corners of the chunk.
-	 * Leaves that hang together share corners. */
+	/* Corners of elements that are not placed, each once: 3 values each, with room for all corners of the chunk. Leaves that hang together
+	 * share corners. */
 	int32_t *seen;
 	uint32_t seen_count;
-	uint32_t *slots, slot_mask;  /* writing: where a corner is in `seen`, by hash; empty: UINT32_MAX. More slots than corners */
-	struct eco_bit number[ECO_RANGE_NUMBER], flat[ECO_RANGE_NUMBER], simple[8], kind[128], corner_count[4], back, above, up[ECO_STEPS_MODELLED], down[ECO_STEPS_MODELLED],
-		way[2][1 << ECO_WAY_MODELLED], roll[1 << ECO_FIELD_MODELLED], size[3][1 << ECO_FIELD_MODELLED], extra[ECO_ROWS_EXTRA_MAX][1 << ECO_EXTRA_MODELLED],
-		corner[ECO_CORNERS_MAX][ECO_RANGE_NUMBER], texture[2][ECO_RANGE_NUMBER],
-		again[ECO_CORNERS_MAX], back_bits[32];
+	int32_t *keys;               /* writing: as `seen`, where they were on the coarse grid */
+	uint32_t *slots, slot_mask;  /* writing: which of them is the last with a key, by its hash; empty: UINT32_MAX. More slots than corners */
+	struct eco_near near;
+	struct eco_scale miss[ECO_CORNERS_MAX][3];       /* of each coordinate of each corner */
+	struct eco_bit number[ECO_RANGE_NUMBER], flat[ECO_RANGE_NUMBER], weight[ECO_RANGE_NUMBER], kind[128], corner_count[4];
+	struct eco_bit back, above, up[ECO_STEPS_MODELLED], down[ECO_STEPS_MODELLED];
+	struct eco_bit way[2][1 << ECO_WAY_MODELLED], roll[1 << ECO_FIELD_MODELLED], size[3][1 << ECO_FIELD_MODELLED];
+	struct eco_bit extra[ECO_ROWS_EXTRA_MAX][1 << ECO_EXTRA_MODELLED], texture[2][ECO_RANGE_NUMBER];
+	struct eco_bit trend[ECO_CORNERS_MAX - 2][4], again[ECO_CORNERS_MAX], back_bits[32];
 };
 
 /* One element as it is coded. */
@@ -59,6 +62,11 @@ struct eco_leaf {
 	struct eco_placing placing;
 	int32_t position[3 * ECO_CORNERS_MAX];       /* out, or of what is not placed, on the fine grid */
 	int32_t uv[2 * ECO_CORNERS_MAX], extra[ECO_ROWS_EXTRA_MAX];
+	/* of what is not placed */
+	uint8_t trend;               /* head.trends[]: none */
+	int32_t miss[3 * ECO_CORNERS_MAX];
+	uint32_t found[ECO_CORNERS_MAX];     /* writing: number in `seen`, or UINT32_MAX */
+	const int32_t *coarse, *exact;       /* writing: its corners on both grids */
 };
 
 static inline uint32_t eco_bit_length(uint64_t v)
@@ -66,17 +74,18 @@ static inline uint32_t eco_bit_length(uint64_t v)
 	return v ? 64u - (uint32_t)__builtin_clzll(v) : 0;
 }
 
-#define ECO_SIMPLE_WEIGHTS 4u    /* of the corner before, and of the one before that */
-extern const int8_t eco_shapes_simple[ECO_SIMPLE_WEIGHTS][2];
-
-/* What head.weight says of one coordinate of corner k >= 1, relative to corner 0. */
-#define ECO_WEIGHT_BITS 10u
-#define ECO_WEIGHT_MAX (1 << 14)
-int64_t eco_shapes_predict(const struct eco_shapes_head *head, const int32_t *position, uint32_t corners, uint32_t k, uint32_t axis);
-
 void eco_shapes_start(struct eco_shapes_codec *codec, uint32_t elements);
 void eco_shapes_code_head(struct eco_shapes_codec *codec);
 void eco_shapes_code_leaf(struct eco_shapes_codec *codec, struct eco_leaf *leaf);
+
+/* Writing: which trend a leaf that is not placed follows best, what each corner misses, or which it is of those there were: fills trend, miss,
+ * found and position from `exact` and `coarse`. To be called just before the leaf is coded. */
+void eco_corners_plan(const struct eco_shapes_codec *codec, struct eco_leaf *leaf);
+/* Writing: the trends of elements of `corners` corners; at[i] of `count`, where each has its corners on the fine grid; `share`: how many
+ * elements each stands for. False: out of memory. */
+bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at, uint32_t count, double share);
+/* Where a corner with a key would be found, in slots. */
+uint32_t eco_corners_slot(const struct eco_shapes_codec *codec, const int32_t key[3]);
 
 /* Where a placed shape's first corner is, on the coarse grid and so many steps of 2^place_shift further; `offset` as of eco_shape_turn. */
 void eco_shapes_first(const struct eco_shapes *shapes, const struct eco_placing *placing, const int32_t *offset, int64_t first[3],

@@ -11,8 +11,7 @@
 #include "ecofiles/chunk_shapes.h"
 
 #define USES_LEAST 4u            /* elements of one shape: for fewer its entry costs more than it saves */
-#define UNITS_SAMPLE 256u        /* elements by which steps and weights are chosen */
-#define FIT_ROUNDS 6
+#define UNITS_SAMPLE 256u        /* elements by which steps and trends are chosen */
 
 struct encoding {
 	const struct eco_chunk_input *input;
@@ -183,131 +182,25 @@ static void measure_extra(struct encoding *e)
 	}
 }
 
-/* ---- Predictions of the corners of what is not placed ---- */
-
-static bool is_left(const struct encoding *e, uint32_t i, uint32_t corners)
+/* Trends are found on a sample. */
+static bool find_trends(struct encoding *e)
 {
-	return e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners;
-}
-
-/* Bits that corner k of those of so many corners takes with the weights in the head, and those themselves. */
-static double weight_cost(const struct encoding *e, uint32_t corners, uint32_t k, uint32_t step)
-{
-	const struct eco_shapes_head *h = &e->codec.head;
-	uint64_t bits = 0, own = 0;
-
-	for (uint32_t i = 0; i < e->count; i += step)
-		for (uint32_t axis = 0; is_left(e, i, corners) && axis < 3; axis++) {
-			const int32_t *at = corner_of(e, i);
-			int64_t miss = (int64_t)at[3 * k + axis] - at[axis] - eco_shapes_predict(h, at, corners, k, axis);
-
-			bits += eco_bit_length((uint64_t)(miss < 0 ? -miss : miss)) + (miss != 0);
-		}
-	for (uint32_t j = 0; h->simple[corners - 3][k] >= ECO_SIMPLE_WEIGHTS && j + 1 < k; j++)
-		own += 6 + eco_bit_length((uint64_t)abs(h->weight[corners - 3][k][j]));
-	return (double)bits * step + (double)own;
-}
-
-/* Solves a x = b for up to 4 unknowns, a symmetric and positive: Gauss's method, where pivots are not too small. */
-static bool solve(double a[4][4], double b[4], uint32_t n)
-{
-	for (uint32_t i = 0; i < n; i++) {
-		if (!(a[i][i] > 1e-9))
-			return false;
-		for (uint32_t r = i + 1; r < n; r++) {
-			double f = a[r][i] / a[i][i];
-
-			for (uint32_t k = i; k < n; k++)
-				a[r][k] -= f * a[i][k];
-			b[r] -= f * b[i];
-		}
-	}
-	for (uint32_t i = n; i-- > 0;) {
-		for (uint32_t k = i + 1; k < n; k++)
-			b[i] -= a[i][k] * b[k];
-		b[i] /= a[i][i];
-	}
-	return true;
-}
-
-/* Weights that make the sum of the misses small, not of their squares: most leaves may be images of one, and some be something else. */
-static bool fit_weights(struct encoding *e, uint32_t corners, uint32_t k, uint32_t step)
-{
-	int32_t *weight = e->codec.head.weight[corners - 3][k];
-	double x[4] = { 0 };
-
-	for (int round = 0; round < FIT_ROUNDS; round++) {
-		double a[4][4] = { { 0 } }, b[4] = { 0 };
-
-		for (uint32_t i = 0; i < e->count; i += step) {
-			const int32_t *at = corner_of(e, i);
-
-			for (uint32_t axis = 0; is_left(e, i, corners) && axis < 3; axis++) {
-				double d[5], miss, share;
-
-				for (uint32_t j = 1; j <= k; j++)
-					d[j - 1] = (double)at[3 * j + axis] - at[axis];
-				miss = d[k - 1];
-				for (uint32_t j = 0; j + 1 < k; j++)
-					miss -= x[j] * d[j];
-				share = round == 0 ? 1 : 1 / (fabs(miss) + 1);
-				for (uint32_t j = 0; j + 1 < k; j++) {
-					for (uint32_t l = 0; l + 1 < k; l++)
-						a[j][l] += share * d[j] * d[l];
-					b[j] += share * d[j] * d[k - 1];
-				}
-			}
-		}
-		for (uint32_t j = 0; j + 1 < k; j++)
-			a[j][j] += 1e-3 + 1e-9 * a[j][j];
-		if (!solve(a, b, k - 1))
-			return false;
-		memcpy(x, b, sizeof x);
-	}
-	for (uint32_t j = 0; j + 1 < k; j++) {
-		if (!(fabs(x[j]) * (1 << ECO_WEIGHT_BITS) < ECO_WEIGHT_MAX))
-			return false;
-		weight[j] = (int32_t)floor(ldexp(x[j], ECO_WEIGHT_BITS) + 0.5);
-	}
-	return true;
-}
-
-static void choose_weight(struct encoding *e, uint32_t corners, uint32_t k)
-{
-	uint8_t *simple = &e->codec.head.simple[corners - 3][k], best_simple = 0;
-	int32_t *weight = e->codec.head.weight[corners - 3][k], best[ECO_CORNERS_MAX - 1] = { 0 };
 	uint32_t step = e->count / UNITS_SAMPLE + 1;
-	double least = INFINITY;
+	const int32_t **at = malloc((e->count / step + 1) * sizeof *at);
 
-	for (*simple = 0; *simple <= ECO_SIMPLE_WEIGHTS; ++*simple) {
-		memset(weight, 0, sizeof best);
-		for (uint32_t back = 0; *simple < ECO_SIMPLE_WEIGHTS && back < 2 && back + 2 <= k; back++)
-			weight[k - 2 - back] = eco_shapes_simple[*simple][back] * (1 << ECO_WEIGHT_BITS);
-		if (*simple == ECO_SIMPLE_WEIGHTS && !fit_weights(e, corners, k, step))
-			break;
-		double cost = weight_cost(e, corners, k, step);
-		if (cost < least) {
-			least = cost;
-			best_simple = *simple;
-			memcpy(best, weight, sizeof best);
-		}
+	bool good = at != NULL;
+
+	for (uint32_t corners = 3; good && corners <= ECO_CORNERS_MAX; corners++) {
+		uint32_t count = 0;
+
+		for (uint32_t i = 0; i < e->count; i += step)
+			if (e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners)
+				at[count++] = exact_of(e, i);
+		e->codec.head.trends[corners - 3] = 0;
+		good = count == 0 || eco_corners_trends(&e->codec.head, corners, at, count, step);
 	}
-	*simple = best_simple;
-	memcpy(weight, best, sizeof best);
-}
-
-static void choose_weights(struct encoding *e)
-{
-	memset(e->codec.head.weight, 0, sizeof e->codec.head.weight);
-	for (uint32_t corners = 3; corners <= ECO_CORNERS_MAX; corners++) {
-		bool *has = &e->codec.head.has[corners - 3];
-
-		*has = false;
-		for (uint32_t i = 0; i < e->count && !*has; i++)
-			*has = is_left(e, i, corners);
-		for (uint32_t k = 2; *has && k < corners; k++)
-			choose_weight(e, corners, k);
-	}
+	free(at);
+	return good;
 }
 
 /* ---- Writing ---- */
@@ -316,10 +209,9 @@ static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
 {
 	const struct eco_elements *from = e->input->elements;
 	size_t element = e->input->first + e->elements[i].element;
-	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i], .corners = corners_of(e, i), .placing = e->placing[i] };
+	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i], .corners = corners_of(e, i),
+		.placing = e->placing[i], .coarse = corner_of(e, i), .exact = exact_of(e, i) };
 
-	for (uint32_t k = 0; k < 3u * l.corners; k++)
-		l.position[k] = corner_of(e, i)[k] * (1 << ECO_EXACT_SHIFT);
 	if (from->uv)
 		memcpy(l.uv, from->uv + 2 * e->elements[i].corner_at, 2 * sizeof *l.uv * l.corners);
 	for (uint32_t k = 0; k < from->extra_count; k++)
@@ -340,6 +232,8 @@ static uint8_t write_all(struct encoding *e, struct eco_writer *w, bool sorted)
 	for (uint32_t i = 0; i < e->count; i++) {
 		struct eco_leaf l = leaf_of(e, i);
 
+		if (l.shape == c->shapes.count)
+			eco_corners_plan(c, &l);
 		eco_shapes_code_leaf(c, &l);
 	}
 	assert(!c->failed);
@@ -390,8 +284,7 @@ static bool write_smallest(struct encoding *e, struct eco_stream *stream)
 		if (i > 0 && e->codec.shapes.count == before)
 			continue;
 		measure_sizes(e);
-		choose_weights(e);
-		good = write_and_keep(e, true, stream);
+		good = find_trends(e) && write_and_keep(e, true, stream);
 		if (i == 0 && good)
 			good = write_and_keep(e, false, stream);
 	}
@@ -410,8 +303,9 @@ static bool make_seen(struct encoding *e)
 	while (c->slot_mask < 2 * corners)
 		c->slot_mask = c->slot_mask << 1 | 1;
 	c->seen = malloc(3 * corners * sizeof *c->seen);
+	c->keys = malloc(3 * corners * sizeof *c->keys);
 	c->slots = malloc(((size_t)c->slot_mask + 1) * sizeof *c->slots);
-	return c->seen && c->slots;
+	return c->seen && c->keys && c->slots;
 }
 
 enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
@@ -440,6 +334,7 @@ enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struc
 	if (e) {
 		eco_shapes_free(&e->codec.shapes);
 		free(e->codec.seen);
+		free(e->codec.keys);
 		free(e->codec.slots);
 		free(e->of);
 		free(e->placing);

@@ -55,9 +55,9 @@ static void shift_low(struct eco_range *r)
 	r->low = (uint32_t)r->low << 8 & UINT32_MAX;
 }
 
-static void normalize(struct eco_range *r)
+static inline void normalize(struct eco_range *r)
 {
-	while (r->range < TOP) {
+	while (__builtin_expect(r->range < TOP, 0)) {
 		r->range <<= 8;
 		if (r->writer)
 			shift_low(r);
@@ -66,7 +66,8 @@ static void normalize(struct eco_range *r)
 	}
 }
 
-bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
+/* In line, as half the time that leaves take to be read goes by here. */
+static inline bool code_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 {
 	uint32_t bound = (r->range >> 16) * m->zero;
 
@@ -86,6 +87,11 @@ bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 	m->seen += m->seen < SEEN_MAX;
 	normalize(r);
 	return bit;
+}
+
+bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
+{
+	return code_bit(r, m, bit);
 }
 
 uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
@@ -121,7 +127,7 @@ uint32_t eco_range_tree(struct eco_range *r, struct eco_bit *models, unsigned bi
 
 	assert(bits <= 16);
 	while (bits-- > 0)
-		node = node << 1 | eco_range_bit(r, &models[node], value >> bits & 1);
+		node = node << 1 | code_bit(r, &models[node], value >> bits & 1);
 	return node;
 }
 
@@ -143,6 +149,61 @@ int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t va
 	bool negative = eco_range_raw(r, 1, value < 0);
 	size = 1u << (bits - 1) | (uint32_t)eco_range_raw(r, bits - 1, size & ((1u << (bits - 1)) - 1));
 	return negative ? -(int32_t)size : (int32_t)size;
+}
+
+/* ---- Numbers near their usual size ---- */
+
+#define NEAR_BITS_MAX 31u
+#define SCALE_SEEN_MAX 30u
+#define LEVEL_FIRST (8u << 8)
+
+void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count)
+{
+	eco_bits_start(near->larger, ECO_NEAR_PARTS);
+	for (uint32_t part = 0; part < ECO_NEAR_PARTS; part++) {
+		eco_bits_start(near->more[part], ECO_NEAR_STEPS);
+		eco_bits_start(near->less[part], ECO_NEAR_STEPS);
+		eco_bits_start(near->half[part], ECO_NEAR_STEPS);
+	}
+	near->level = LEVEL_FIRST;
+	for (size_t i = 0; i < count; i++) {
+		kinds[i] = (struct eco_scale){ .level = 0 };
+		eco_bits_start(&kinds[i].sign, 1);
+	}
+}
+
+/* A count of at most `most`, each step with a model. */
+static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
+{
+	uint32_t n = 0;
+
+	while (n < most && code_bit(r, &models[n < ECO_NEAR_STEPS ? n : ECO_NEAR_STEPS - 1], n < value))
+		n++;
+	return n;
+}
+
+int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_scale *kind, int32_t value)
+{
+	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8, part = level >> 6 & (ECO_NEAR_PARTS - 1);
+	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
+
+	if (usual < NEAR_BITS_MAX && code_bit(r, &near->larger[part], bits > usual))
+		bits = usual + 1 + steps(r, near->more[part], NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
+	else
+		bits = usual - steps(r, near->less[part], usual, usual - bits);
+	if (bits > 1) {
+		uint32_t from = bits + ECO_NEAR_STEPS / 2 > usual ? bits + ECO_NEAR_STEPS / 2 - usual : 0;
+		uint32_t half = code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from : ECO_NEAR_STEPS - 1], size >> (bits - 2) & 1);
+
+		size = (2 | half) << (bits - 2) | (uint32_t)eco_range_raw(r, bits - 2, size & ((1u << (bits - 2)) - 1));
+	} else {
+		size = bits;
+	}
+	int32_t now = bits ? (int32_t)(bits << 8 | ((uint64_t)size << 8 >> (bits - 1) & 255)) : 0;
+
+	kind->seen += kind->seen < SCALE_SEEN_MAX;
+	near->level = kind->level = (uint16_t)((int32_t)level + (now - (int32_t)level) / (int32_t)(kind->seen + 1));
+	return size && code_bit(r, &kind->sign, value < 0) ? -(int32_t)size : (int32_t)size;
 }
 
 uint32_t eco_range_end(struct eco_range *r)

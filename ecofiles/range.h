@@ -48,4 +48,18 @@ uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsign
 #define ECO_RANGE_NUMBER 32u
 int32_t eco_range_number(struct eco_range *range, struct eco_bit *models, int32_t value);
 
+/* Numbers of many kinds, each with a usual size of its own, that is learned: how many bits more or less one has, then those, then its sign.
+ * About how far numbers are from their usual size the same is learned of all kinds, so that there is little to be learned of each. */
+#define ECO_NEAR_PARTS 4u        /* usual sizes are told apart by so many parts of a bit */
+#define ECO_NEAR_STEPS 16u
+struct eco_near {
+	struct eco_bit larger[ECO_NEAR_PARTS], more[ECO_NEAR_PARTS][ECO_NEAR_STEPS], less[ECO_NEAR_PARTS][ECO_NEAR_STEPS],
+		half[ECO_NEAR_PARTS][ECO_NEAR_STEPS];
+	uint32_t level;              /* of the number before: what a kind of which none was seen begins with */
+};
+struct eco_scale { struct eco_bit sign; uint16_t level, seen; };         /* level: about log2 + 1 of the usual size, in 1/256; 0 of 0 */
+void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count);
+/* Any number of magnitude < 2^31. */
+int32_t eco_range_near(struct eco_range *range, struct eco_near *near, struct eco_scale *kind, int32_t value);
+
 #endif

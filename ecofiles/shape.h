@@ -63,6 +63,12 @@ bool eco_shape_turn(const struct eco_shapes *shapes, const struct eco_shape *sha
 bool eco_shape_place(const struct eco_shapes *shapes, const struct eco_placing *placing, const int32_t *offset, uint32_t corners,
 	int32_t *position);
 
+/* Axes at right angles, of length 2^ECO_AXIS_BITS: the first along x (the world's, where x is 0), the second as nearly along y as can be, or
+ * level where y is NULL or along x. Coordinates must be below 2^30. eco_axes_first returns the length of x. */
+#define ECO_AXIS_BITS 24
+int64_t eco_axes_first(const int64_t x[3], int64_t axis[3][3]);
+void eco_axes_others(const int64_t *y, int64_t axis[3][3]);
+
 /* Elements [first, end) of a list: `at[i]` says where the corners of element first + i begin. */
 struct eco_shapes_input {
 	const struct eco_elements *elements;         /* with `exact` */

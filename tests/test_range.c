@@ -116,6 +116,41 @@ static void carries_go_through(void **unused)
 	}
 }
 
+/* Numbers of some kinds, of very different sizes, among them the largest. */
+static int32_t number_of(uint32_t kind, uint32_t i, uint32_t *state)
+{
+	static const double size[] = { 0.3, 20, 3000, 1e6, 2e9 };
+	double u = (next(state) % 65536 + 0.5) / 65536, v = -size[kind] / 3 * log(u);
+	return i == 7 ? INT32_MAX : i == 8 ? -INT32_MAX : (int32_t)fmin(v, INT32_MAX) * (next(state) % 2 ? 1 : -1);
+}
+
+/* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are mostly 0. */
+static void numbers_near_their_usual_size_are_short(void **unused)
+{
+	(void)unused;
+	for (uint32_t first = 0; first < 5; first++) {
+		struct eco_writer w = { 0 };
+		struct eco_range r;
+		struct eco_near near;
+		struct eco_scale kinds[5];
+		uint32_t state = 3 + first, count = first < 4 ? 2 : 5;
+		eco_near_start(&near, kinds, 5);
+		eco_range_write(&r, &w);
+		for (uint32_t i = 0; i < COUNT; i++)
+			eco_range_near(&r, &near, &kinds[i % count], number_of((first + i % count) % 5, i, &state));
+		uint32_t zeros = eco_range_end(&r);
+		if (first == 1)
+			assert_true(w.size * 8 < (log2(2 * exp(1) * 20 / 3.0) + log2(2 * exp(1) * 1000.0)) / 2 * COUNT * 1.04 + 400);
+		state = 3 + first;
+		eco_near_start(&near, kinds, 5);
+		eco_range_read(&r, w.bytes, w.size);
+		for (uint32_t i = 0; i < COUNT; i++)
+			assert_int_equal(eco_range_near(&r, &near, &kinds[i % count], 0), number_of((first + i % count) % 5, i, &state));
+		assert_int_equal(eco_range_end(&r), zeros);
+		eco_writer_free(&w);
+	}
+}
+
 static void anything_can_be_read(void **unused)
 {
 	(void)unused;
@@ -124,6 +159,9 @@ static void anything_can_be_read(void **unused)
 		uint8_t bytes[64];
 		struct eco_range r;
 		struct eco_bit models[256];
+		struct eco_near near;
+		struct eco_scale kind;
+		eco_near_start(&near, &kind, 1);
 		for (size_t k = 0; k < sizeof bytes; k++)
 			bytes[k] = i % 3 ? (uint8_t)next(&state) : 0xff;
 		eco_bits_start(models, 256);
@@ -133,6 +171,7 @@ static void anything_can_be_read(void **unused)
 			assert_true(eco_range_raw(&r, 13, 0) < 1u << 13);
 			assert_true(eco_range_field(&r, models, 3, 20, 0) < 1u << 20);
 			(void)eco_range_number(&r, models, 0);
+			(void)eco_range_near(&r, &near, &kind, 0);
 		}
 	}
 }
@@ -143,6 +182,7 @@ int main(void)
 		cmocka_unit_test(what_is_written_is_read),
 		cmocka_unit_test(bits_take_what_they_are_worth),
 		cmocka_unit_test(carries_go_through),
+		cmocka_unit_test(numbers_near_their_usual_size_are_short),
 		cmocka_unit_test(anything_can_be_read),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

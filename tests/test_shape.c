@@ -31,7 +31,7 @@ struct crown {
 	struct eco_list list;
 	struct eco_elements elements;
 	uint8_t corners[LEAVES];
-	int32_t position[12 * LEAVES], exact[12 * LEAVES], uv[8 * LEAVES], extra[LEAVES];
+	int32_t position[15 * LEAVES], exact[15 * LEAVES], uv[10 * LEAVES], extra[LEAVES];
 };
 
 /* A random rotation: a quaternion of four normal numbers, which uniform ones of a ball stand for. */
@@ -158,15 +158,22 @@ static void leaves_of_one_shape_are_placed(void **unused)
 		}
 }
 
-/* What is not placed comes back where its rounded corners say, on the finer grid. */
+/* What is not placed begins where its rounded corner says, on the finer grid, and is nowhere further off than rounding may put it. */
 static void compare_corners(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
 {
 	size_t from[LEAVES + 1] = { 0 }, corner = 0;
 	for (uint32_t i = 0; i < LEAVES; i++)
 		from[i + 1] = from[i] + c->corners[i];
 	for (uint32_t i = 0; i < LEAVES; corner += out->corners[i++])
-		for (uint32_t k = 0; k < 3u * out->corners[i]; k++)
-			assert_int_equal(out->position[3 * corner + k], c->position[3 * from[order[i]] + k] * (1 << ECO_EXACT_SHIFT));
+		for (uint32_t k = 0; k < out->corners[i]; k++) {
+			int32_t d2 = 0;
+			for (uint32_t a = 0; a < 3; a++) {
+				int32_t at = out->position[3 * (corner + k) + a], d = at - c->exact[3 * (from[order[i]] + k) + a];
+				assert_true(k > 0 || at == c->position[3 * from[order[i]] + a] * (1 << ECO_EXACT_SHIFT));
+				d2 += d * d;
+			}
+			assert_true(k == 0 || d2 <= 3 * 4 * 4);
+		}
 }
 
 /* Encodes and decodes; returns the share of the bytes that plain corners take. */
@@ -256,6 +263,64 @@ static void images_of_one_leaf_take_three_corners(void **unused)
 	crown.elements.corner_count = 4 * LEAVES;
 	crown.elements.primitive_count = 2 * LEAVES;
 	assert_true(share_of(&crown, true) < 0.85);
+}
+
+/* Blades of five corners, tip in the middle, standing and bent each by another angle, as grass is; `both`: some run the other way round. */
+static void make_blades(struct crown *c, bool both)
+{
+	make_crown(c, 100, 1);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		double way = 6.3 * uniform(), lean = 0.2 + 0.5 * uniform(), bend = 0.9 * uniform(), length = 500 + 700 * uniform(), at[3];
+		const double along[3] = { 0, 1, 1.9 }, wide[3] = { 20, 16, 0 };
+		for (int a = 0; a < 3; a++)
+			at[a] = 4096 * uniform();
+		c->corners[i] = 5;
+		for (uint32_t k = 0; k < 5; k++) {
+			uint32_t node = k < 3 ? k : 4 - k, to = both && i % 3 == 0 ? 4 - k : k;
+			double side = k < 2 ? wide[node] : k > 2 ? -wide[node] : 0, tilt = lean + (node == 2 ? bend : 0);
+			double out = along[node] * length * sin(tilt), up = along[node] * length * cos(tilt);
+			const double p[3] = { at[0] + out * cos(way) - side * sin(way), at[1] + out * sin(way) + side * cos(way), at[2] + up };
+			for (uint32_t a = 0; a < 3; a++) {
+				c->exact[15 * i + 3 * to + a] = (int32_t)floor(8 * p[a] + 0.5);
+				c->position[15 * i + 3 * to + a] = (int32_t)floor(p[a] + 0.5);
+				c->uv[10 * i + 2 * to + a % 2] = (int32_t)(k * 100);
+			}
+		}
+	}
+	c->elements.corner_count = 5 * LEAVES;
+	c->elements.primitive_count = 3 * LEAVES;
+}
+
+static void blades_that_bend_each_differently_follow_a_trend(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	for (int both = 0; both < 2; both++) {
+		make_blades(&crown, both);
+		assert_true(share_of(&crown, false) < 0.72);
+	}
+}
+
+/* At right angles and of length 1, whatever they are made of. */
+static void axes_are_at_right_angles(void **unused)
+{
+	(void)unused;
+	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } }, { { 1, 0, 0 }, { 1 << 29, 0, 1 } },
+		{ { 40000, -3, 17 }, { 41000, 30, 17 } }, { { -(1 << 30) + 1, (1 << 30) - 1, 1 }, { (1 << 30) - 1, (1 << 30) - 1, 1 - (1 << 30) } },
+		{ { 3, 4, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 9 } } };
+	for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+		int64_t axis[3][3], length = eco_axes_first(of[i][0], axis);
+		double d = sqrt((double)(of[i][0][0] * of[i][0][0] + of[i][0][1] * of[i][0][1] + of[i][0][2] * of[i][0][2]));
+		assert_true(fabs((double)length - d) <= 1);
+		eco_axes_others(i % 2 ? of[i][1] : NULL, axis);
+		for (int a = 0; a < 3; a++)
+			for (int b = 0; b < 3; b++) {
+				double product = 0;
+				for (int k = 0; k < 3; k++)
+					product += ldexp((double)axis[a][k], -ECO_AXIS_BITS) * ldexp((double)axis[b][k], -ECO_AXIS_BITS);
+				assert_true(fabs(product - (a == b)) < 1e-5);
+			}
+	}
 }
 
 /* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
@@ -425,6 +490,8 @@ int main(void)
 		cmocka_unit_test(leaves_that_are_all_different_are_corners),
 		cmocka_unit_test(corners_that_leaves_share_are_stored_once),
 		cmocka_unit_test(images_of_one_leaf_take_three_corners),
+		cmocka_unit_test(blades_that_bend_each_differently_follow_a_trend),
+		cmocka_unit_test(axes_are_at_right_angles),
 		cmocka_unit_test(forms_belong_to_placed_leaves),
 		cmocka_unit_test(damage_is_refused_or_harmless),
 		cmocka_unit_test(leaves_that_are_stretched_are_placed),
