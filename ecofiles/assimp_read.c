@@ -566,7 +566,8 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 	if (scene == NULL && strstr(aiGetErrorString(), "No suitable reader") != NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, GLB, glTF, FBX, PLY or Collada", file->path);
 	if (scene == NULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s%s", file->path, aiGetErrorString(),
+			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of versions before 2.8 are read: export GLB" : "");
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
 	else

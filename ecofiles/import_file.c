@@ -168,6 +168,8 @@ struct other { const char *extension, *says; };
 
 #define NO_SURFACES "a point cloud: it has no surfaces; make a mesh of it first"
 
+#define CAD "surfaces of CAD are not read: export a mesh, as GLB or OBJ"
+
 static const struct other others[] = {
 	{ ".mtl", "a library of materials, not a model: name the OBJ file, which names its library itself" },
 	{ ".las", NO_SURFACES }, { ".laz", NO_SURFACES }, { ".e57", NO_SURFACES }, { ".pcd", NO_SURFACES },
@@ -178,6 +180,7 @@ static const struct other others[] = {
 	{ ".ma", "Maya's own format is not read: export FBX, GLB or OBJ" }, { ".mb", "Maya's own format is not read: export FBX, GLB or OBJ" },
 	{ ".spm", "SpeedTree's own format is not read: export FBX or OBJ" }, { ".srt", "SpeedTree's own format is not read: export FBX or OBJ" },
 	{ ".st", "SpeedTree's own format is not read: export FBX or OBJ" }, { ".abc", "Alembic is not read: export FBX, GLB or OBJ" },
+	{ ".3dm", "Rhino's own format is not read: export FBX, GLB or OBJ" }, { ".step", CAD }, { ".stp", CAD }, { ".igs", CAD }, { ".iges", CAD },
 	{ ".vrm", "avatars are no plants: export GLB" }, { ".png", "a picture, not a model" }, { ".jpg", "a picture, not a model" },
 	{ ".json", "not a model; glTF files end in .gltf or .glb" },
 };
@@ -213,7 +216,7 @@ enum eco_code eco_file_check_head(const char *path, const char *head, size_t siz
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 {
 	struct stat status;
-	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf");
+	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf") || eco_path_ends_with(path, ".usdz");
 	char *head;
 	size_t size;
 	enum eco_code code;

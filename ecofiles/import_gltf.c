@@ -96,9 +96,9 @@ static enum eco_code check_required(const struct soup *s)
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
 
-		if (name != NULL && strcmp(name, "KHR_texture_basisu") == 0)
-			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension KHR_texture_basisu, which is not supported; export with "
-				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc));
+		if (name != NULL && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
+			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %s, which is not supported; export with "
+				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc), name);
 		if (name == NULL || !is_handled(name))
 			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %.100s, which is not supported; export without it",
 				eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");

@@ -494,7 +494,8 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT, "a pointer of Git LFS" },
 		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
 		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" }, { "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },
-		{ "oak.usdz", "x", 1, ECO_UNSUPPORTED, "USD is not read" }, { "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
+		{ "oak.usdz", "PK\3\4", 4, ECO_UNSUPPORTED, "USD is not read" }, { "oak.STEP", "ISO-10303", 9, ECO_UNSUPPORTED, "CAD" },
+		{ "oak.blend", "BLENDER-v300", 12, ECO_BAD_INPUT, "export GLB" }, { "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
 	};
 
 	(void)state;
