@@ -189,14 +189,14 @@ static void print_help(FILE *out)
 	fputs("\nScenes to generate:\n", out);
 	for (const struct eco_generate_kind *k = eco_generate_kinds; k->name; k++)
 		fprintf(out, "      %-10s %s (%" PRIu64 " plants)\n", k->name, k->says, k->plants);
-	fputs("\n  ecopack COMMAND --help says more, --quiet leaves out progress, --version names the version.\n"
+	fputs("\n  ecopack COMMAND --help says more, --quiet leaves out progress and notes, --version names the version.\n"
 		"\nExit status: 0 done, 1 failed, 2 wrong usage.\n", out);
 }
 
 static void print_command_help(const struct main_command *command)
 {
 	printf("ecopack %s %s\n      %s\n", command->name, command->synopsis, command->says);
-	printf("\n%s      --quiet         no progress\n", command->help ? command->help : "");
+	printf("\n%s      --quiet         neither progress nor notes, only errors\n", command->help ? command->help : "");
 	puts("\nExit status: 0 done, 1 failed, 2 wrong usage.");
 }
 

@@ -25,7 +25,7 @@ static const char *const names[ROLES][28] = {
 		"unix", "epoch", "datetime", "datetimeutc", "dateandtime", "utc", "utctime", "gpstime", "gpsdatetime", "timeutc", "offsettime", "flytime",
 		"millisecond", "zeit", "rostime" },
 	[DATE] = { "date", "day", "datum", "fecha", "gpsdate", "dateutc" },
-	[LON] = { "lon", "longitude", "lng", "long", "longtitude", "gpslongitude", "gpslon", "gpslong", "londeg", "longdd", "laenge", "lngenggrad",
+	[LON] = { "lon", "longitude", "lng", "long", "longtitude", "gpslongitude", "gpslon", "gpslong", "londeg", "longdd", "laenge", "lngengrad", "lnge",
 		"laengengrad", "longitud", "positionlong", "wgs84longitude" },
 	[LAT] = { "lat", "latitude", "gpslatitude", "gpslat", "latdeg", "latdd", "breite", "breitengrad", "latitud", "positionlat", "wgs84latitude" },
 	[ALT] = { "altitude", "alt", "altitudeabovesealevel", "altmsl", "amsl", "absalt", "altitudemsl", "absolutealtitude", "gpsaltitude", "gpsalt",

@@ -310,6 +310,8 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 		{ "flight log", "sep=,\nOSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height [m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
 			{ 0 }, true, FIX(2, 10, 50, NAN, 30, 350, -12) },
 		{ "German, semicolons", "Zeit;Laenge;Breite;Hoehe\n12:00:01,5;10,5;50,25;7\n", { 0 }, true, FIX(43201.5, 10.5, 50.25, 7, NAN, NAN, NAN) },
+		{ "German, umlauts", "Zeit;Längengrad;Breitengrad;Höhe\n12:00:01,5;10,5;50,25;7\n", { 0 }, true, FIX(43201.5, 10.5, 50.25, 7, NAN, NAN, NAN) },
+		{ "German, short", "Zeit;Länge;Breite;Höhe\n1;10,5;50,25;7\n", { 0 }, true, FIX(1, 10.5, 50.25, 7, NAN, NAN, NAN) },
 		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n", { 0 }, false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
 		{ "yaw from x", "t,x,y,z,yaw\n0,1,2,3,30\n", { .yaw_from_x = true }, false, FIX(0, 1, 2, 3, NAN, 60, NAN) },
 		{ "quoted, tabs, CRLF", "\"Latitude\"\t\"Longitude\"\t\"Time\"\r\n\"50\"\t\"10\"\t\"2020-01-01T00:00:00Z\"\r\n", { 0 }, true,
