@@ -6,7 +6,7 @@
  *   eco_flight_make(&flight, &track, &smoothing, &error);    even, smooth motion                       track_flight.c
  *   eco_flight_move(&flight, &move, &ground, ...);           to where the scene is                     track_move.c
  *   eco_script_fit(&script, &flight, &fitting, &error);      the fewest keyframes that keep to it      track_script.c
- *   eco_script_text(&script, &size);                         CAMERA.json (client-min/view.h)
+ *   eco_script_text(&script, &size);                         CAMERA.json (ecofiles/view.h)
  *
  * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60 frames), so they are two
  * series until a flight samples both evenly. Angles are a drone's: yaw clockwise from north (+Y), pitch up from the horizon, roll to

@@ -166,7 +166,7 @@ for name in bare leaves textures cutouts ground everything; do
 	: >"$DIR/ready"
 	"$BUILD/ecoserve" --listen 127.0.0.1:0 "$DIR/$name.eco" >"$DIR/ready" 2>&1 &
 	server=$!
-	until grep -q '127.0.0.1:' "$DIR/ready"; do kill -0 $server && sleep 0.005; done
+	until grep -q '127.0.0.1:' "$DIR/ready"; do kill -0 "$server"; sleep 0.005; done
 	ready=$((($(date +%s%N) - started) / 1000000))
 	url=$(sed -n 's/.*\(127\.0\.0\.1:[0-9]*\).*/http:\/\/\1/p' "$DIR/ready" | head -n 1)
 	libraries "$BUILD/ecoview" "$url/v1/scenes/$name" --camera "$DIR/camera.json" --size 160x120 --vertices "$budget" -o "$DIR/$name" >/dev/null 2>&1
