@@ -12,7 +12,7 @@
 #define BLOCK 4096u              /* amounts taken from memory at once */
 #define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side, ...*/
-#define SMOOTH_PLANTS 40.0       /* ... where there are fewer plants than this */
+#define SMOOTH_PLANTS 400.0      /* ... where there are fewer plants than this: of many most are hidden */
 #define HIDDEN_WOOD 0.2          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
 
 /* ---- Room ---- */

@@ -435,12 +435,14 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 
 /* ---- Entries ---- */
 
-/* Of the plants of a bid together, so that it grows with the share of those that are ahead. */
+/* Of the plants of an offer together, as the price has it: cells are few, and where one takes a step all plants that it is a part of would change. */
 static double mean_density(const struct lod_spend *spend, const struct lod_bid *bid)
 {
 	const struct lod_way *way = way_of(spend, bid);
-	double low = lod_way_density(way, bid->low);
-	return bid->ahead ? low + (double)bid->ahead / (double)bid->count * (lod_way_density(way, bid->high) - low) : low;
+	double position = spend->market->offers[bid->offer].position, part = position - floor(position);
+	const struct lod_amount *a = &bid->steps->amounts[(uint32_t)position];
+	double density = lod_way_density(way, a->vertices);
+	return part > 0 ? density + part * (lod_way_density(way, a[1].vertices) - density) : density;
 }
 
 /* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
