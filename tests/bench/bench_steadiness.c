@@ -6,7 +6,8 @@
  *   switches  the share of like plants (one model, in view in both frames) whose cuts change from one frame to the next, be it by one
  *             leaf; the worst frame counts. A plant that is drawn in parts, as near ones are, counts with the part that changes. Leaves
  *             that grow by less than a sixteenth of their area blend, and do not switch. Where only few of a model are in view a single
- *             plant would be a large share: those do not count
+ *             plant would be a large share: those do not count. Plants of a model at all distances are like here, as few are at one distance;
+ *             beside it stands the same for those within an octave of distance, and how many change by more than an eighth of what they draw
  *
  * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a frame. Drawn by the software
  * rasteriser: the same bits everywhere. */
@@ -21,6 +22,7 @@
 #define HEIGHT 360u
 #define COLOR_TOLD 24            /* of 255 in a channel: a change that is seen */
 #define LIKE_LEAST 40u
+#define OCTAVES (ECO_BANDS / 4)
 #define SAME_SIZE (1 / 16.0)
 #define SWITCH_MOST 0.05         /* of like plants */
 #define VIEWS 2u                 /* starts along a scene's path */
@@ -39,7 +41,7 @@ static const struct { const char *name; bool quick; } scenes[] = { { "outdoor", 
 
 struct sums {
 	uint64_t ours, reference, beyond, pixels, pairs;
-	double worst_pair, worst_switch, worst_jump;
+	double worst_pair, worst_switch, worst_octave, worst_jump;
 	uint64_t like, models, over;             /* plants; models in frames, and those of which too many switch */
 	double switched;
 };
@@ -139,10 +141,12 @@ static double switched(const struct bench_plants some[2], const struct bench_pla
 
 struct likes { uint32_t all, jumped; double switched; };
 
+static double switched_share(const struct likes *like) { return like->all < LIKE_LEAST ? 0 : like->switched / like->all; }
+
 /* `all`: the plants in view; `some`: those with cuts of their own, which may be fewer where a tile's summary stands for its plants. */
 static bool count_switches(struct sums *sums, uint32_t plant_count, const struct bench_plants all[2], const struct bench_plants some[2])
 {
-	struct likes *likes = calloc(plant_count + 1u, sizeof *likes);
+	struct likes *likes = calloc((size_t)plant_count + 1, (1 + OCTAVES) * sizeof *likes), *octaves = likes + plant_count;
 	if (!likes)
 		return false;
 	for (uint32_t i = 0; i < all[0].count; i++) {
@@ -152,17 +156,22 @@ static bool count_switches(struct sums *sums, uint32_t plant_count, const struct
 		const struct bench_plant *a = find(&some[0], plant->owner), *b = find(&some[1], plant->owner);
 		a = a ? a : &none;
 		b = b ? b : &none;
-		struct likes *like = &likes[plant->plant];
+		struct likes *like = &likes[plant->plant], *near = &octaves[plant->plant * (size_t)OCTAVES + plant->band / 4];
+		double part = switched(some, a, b);
 		like->all++;
-		like->switched += switched(some, a, b);
+		near->all++;
+		like->switched += part;
+		near->switched += part;
 		like->jumped += is_jump(a->vertices, b->vertices);
 	}
 	for (uint32_t i = 0; i < plant_count; i++) {
 		sums->like += likes[i].all;
 		sums->switched += likes[i].switched;
+		for (uint32_t k = 0; k < OCTAVES; k++)
+			sums->worst_octave = fmax(sums->worst_octave, switched_share(&octaves[i * (size_t)OCTAVES + k]));
 		if (likes[i].all < LIKE_LEAST)
 			continue;
-		sums->worst_switch = fmax(sums->worst_switch, likes[i].switched / likes[i].all);
+		sums->worst_switch = fmax(sums->worst_switch, switched_share(&likes[i]));
 		sums->models++;
 		sums->over += likes[i].switched > SWITCH_MOST * likes[i].all;
 		sums->worst_jump = fmax(sums->worst_jump, (double)likes[i].jumped / likes[i].all);
@@ -228,9 +237,9 @@ static enum eco_code run_camera(struct bench *bench, struct reel *reels, const s
 static json_t *json_of(const struct sums *s)
 {
 	double reference = s->reference ? (double)s->reference : 1, like = s->like ? (double)s->like : 1;
-	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours", (double)s->ours / (double)s->pixels, "reference",
+	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours", (double)s->ours / (double)s->pixels, "reference",
 		(double)s->reference / (double)s->pixels, "ratio", (double)s->ours / reference, "beyond", (double)s->beyond / reference, "worst_pair",
-		s->worst_pair, "worst_switch", s->worst_switch, "worst_jump", s->worst_jump, "switched", s->switched / like, "over",
+		s->worst_pair, "worst_switch", s->worst_switch, "worst_octave", s->worst_octave, "worst_jump", s->worst_jump, "switched", s->switched / like, "over",
 		s->models ? (double)s->over / (double)s->models : 0);
 }
 
@@ -256,7 +265,7 @@ static enum eco_code run_motion(struct bench *bench, const char *pack, const str
 
 /* ---- Report ---- */
 
-struct worst { double ratio, change, jump; char ratio_of[96], change_of[96]; };
+struct worst { double ratio, change, octave, jump; char ratio_of[96], change_of[96]; };
 
 static double number(const json_t *row, const char *key) { return json_number_value(json_object_get(row, key)); }
 
@@ -264,14 +273,15 @@ static void add_rows(struct bench_table *table, struct worst *worst, const char 
 {
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(unit, b);
-		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.1f,%.2f", scene, motion_names[motion], (unsigned long long)budgets[b],
+		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f", scene, motion_names[motion], (unsigned long long)budgets[b],
 			100 * number(row, "ours"), 100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
 			number(row, "worst_pair"), 100 * number(row, "switched"), 100 * number(row, "worst_switch"), 100 * number(row, "over"),
-			100 * number(row, "worst_jump"));
+			100 * number(row, "worst_octave"), 100 * number(row, "worst_jump"));
 		if (!(number(row, "ratio") <= worst->ratio)) {
 			worst->ratio = number(row, "ratio");
 			snprintf(worst->ratio_of, sizeof worst->ratio_of, "%s, %s, %llu", scene, motion_names[motion], (unsigned long long)budgets[b]);
 		}
+		worst->octave = fmax(worst->octave, number(row, "worst_octave"));
 		worst->jump = fmax(worst->jump, number(row, "worst_jump"));
 		if (!(number(row, "worst_switch") <= worst->change)) {
 			worst->change = number(row, "worst_switch");
@@ -303,11 +313,11 @@ static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_t
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct worst worst = { .ratio = NAN, .change = NAN, .jump = NAN };
+	struct worst worst = { .ratio = NAN, .change = NAN, .octave = NAN, .jump = NAN };
 	char pack[512];
 	enum eco_code code = ECO_OK;
 	struct bench_table *table = bench_table_open(bench, "steadiness", "scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
-		"reference,worst frame,plants switched %,worst model and frame %,models and frames over 5 %,of those by over 1/8 %", true);
+		"reference,worst frame,plants switched %,worst model and frame %,models and frames over 5 %,worst octave of distance %,by over 1/8 of a plant %", true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		if (!scenes[i].quick && !bench->full)
 			continue;
@@ -320,10 +330,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u x %u pixels. A pixel changes where it is covered in "
 		"one frame and not in the other, or a channel differs by more than %d. Worst ratio: %s. A plant switches where anything of its cuts "
 		"changes, be it one leaf, a near one with the part of it that does; leaves that grow by less than a sixteenth of their area do not. "
-		"Worst share of a model with at least %u plants in view: %s.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH,
+		"Worst share of a model with at least %u plants in view, at all distances: %s.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH,
 		HEIGHT, COLOR_TOLD, worst.ratio_of, LIKE_LEAST, worst.change_of);
 	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5");
 	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05");
+	bench_key(bench, "steadiness_octave", worst.octave, "of a model's plants within an octave of distance, worst");
 	bench_key(bench, "steadiness_jump", worst.jump, "<= 0.05: of those, by more than an eighth of a plant's vertices");
 	return ECO_OK;
 }
