@@ -72,6 +72,8 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 static uint32_t wrap_texel(double at, uint32_t size)
 {
 	double scaled = at * size;
+	if (scaled >= 0 && scaled < size)        /* nearly all, and no division */
+		return (uint32_t)scaled;
 	if (!(scaled > -9e15 && scaled < 9e15))
 		return 0;
 	int64_t whole = (int64_t)scaled;

@@ -162,18 +162,25 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 	return drawing;
 }
 
-static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing)
+/* Where it is not above `least`, a figure that is not either: views that cannot make it so are not drawn. */
+static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing, double least)
 {
 	struct bench_wrong sum = { 0 };
+	double q = 1;
+	uint64_t pixels = 0;
 	for (uint32_t v = 0; v < sights->count; v++)
+		pixels += sights->reference_pixels[v];
+	for (uint32_t v = 0; v < sights->count && (v == 0 || q > least); v++) {
 		bench_leaves_compare(&s->leaves, sights, v, drawing, &sum);
-	return bench_wrong_q(&sum);
+		q = bench_wrong_q(&(struct bench_wrong){ sum.fp, sum.fn, pixels });
+	}
+	return q;
 }
 
-static double try_row(struct study *s, enum bench_method method, const struct lod_sights *sights, const struct row *row)
+static double try_row(struct study *s, enum bench_method method, const struct lod_sights *sights, const struct row *row, double least)
 {
 	const struct lod_sights_drawing drawing = prepare(s, method, row);
-	return q_of(s, sights, &drawing);
+	return q_of(s, sights, &drawing, least);
 }
 
 /* ---- Tables ---- */
@@ -212,20 +219,23 @@ static void place(const struct study *s, enum bench_method method, struct row *r
 	row->fine = low;
 }
 
-/* Climbs from row->step, in strides of four eighths, two and one. */
+/* Climbs from row->step, in strides of four eighths, two and one. What was tried is not tried again. */
 static double climb(struct study *s, enum bench_method method, struct row *row)
 {
-	double best = try_row(s, method, &s->tuning, row);
+	bool tried[2 * STEPS_MOST + 1] = { false };
+	double best = try_row(s, method, &s->tuning, row, -INFINITY);
 	if (row->count >= s->n && row->fine >= s->n)
 		return best;
+	tried[(int)row->step + STEPS_MOST] = true;
 	for (int stride = 4; stride > 0; stride /= 2)
 		for (int way = -1; way <= 1; way += 2)
 			for (;;) {
 				struct row next = *row;
 				next.step += way * stride;
-				if (fabs(next.step) > STEPS_MOST)
+				if (fabs(next.step) > STEPS_MOST || tried[(int)next.step + STEPS_MOST])
 					break;
-				double q = try_row(s, method, &s->tuning, &next);
+				tried[(int)next.step + STEPS_MOST] = true;
+				double q = try_row(s, method, &s->tuning, &next, best);
 				if (!(q > best))
 					break;
 				best = q;
@@ -251,7 +261,7 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 		}
 	}
 	*row = best;
-	row->q = try_row(s, method, &s->tests, row);
+	row->q = try_row(s, method, &s->tests, row, -INFINITY);
 }
 
 static enum eco_code fill_tables(struct bench *bench, struct study *s, struct eco_error *error)
@@ -377,10 +387,10 @@ static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t v
 		double lambda = (1 - bench_distance(spacing, d)) * (1 - bench_distance(spacing, d));
 		uint32_t kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, lambda * vertices), s->n);
 		struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
-		double plain = q_of(s, &s->tests, &drawing);
+		double plain = q_of(s, &s->tests, &drawing, -INFINITY);
 		drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
 		reach->cook_lambda[d] = lambda;
-		reach->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing));
+		reach->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing, plain));
 	}
 }
 
