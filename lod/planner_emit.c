@@ -9,6 +9,9 @@
 #include "lod/ground.h"
 #include "lod/ladder.h"
 
+#define GROWTH 0.6               /* leaves' areas at most, over those of a plant alone, less 1 */
+#define MISSED 0.15              /* of a plant's pixels: from so many on */
+
 static double entry_density(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
@@ -20,6 +23,16 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 	return density < 1 ? density : 1;
 }
 
+/* Scales serve a plant that stands alone, where a pixel too many is as wrong as one that is missing. Among others it is seldom wrong, and leaves
+ * are the larger the more of the plant they miss. Wrong pixels of three scenes at 30,000 to 1,000,000 vertices: 1 to 5 % fewer. Twice the
+ * growth leaves fewer yet in a dense forest, but covers more of other plants and more sky. */
+static double grown(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+{
+	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
+	double missed = among > 0 ? lod_planning_curve(p, entry, vertices).fn / MISSED : 0;
+	return 1 + GROWTH * among * among * fmin(1, missed);
+}
+
 static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first,
 	uint32_t share_end, struct eco_plan *plan)
 {
@@ -28,8 +41,9 @@ static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry
 	if (vertices == 0 || share_first == share_end)
 		return;
 	uint32_t count = lod_way_cuts(lod_planning_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), cuts);
+	double growth = grown(p, entry, vertices);
 	for (uint32_t i = 0; i < count; i++) {
-		cuts[i].scale = eco_wire_scale_round(cuts[i].scale);
+		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));
 		cuts[i].anchor = slot->anchor;
 		cuts[i].band_first = slot->band;
 		cuts[i].band_end = (uint8_t)(slot->band + 1);

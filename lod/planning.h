@@ -22,6 +22,7 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	uint32_t between;            /* 0: there are none */
 	double wanted;               /* points or lines of the whole region that d' asked for; summary: as large as if so many were drawn */
 	double pixels;               /* expected covered pixels of one plant's organ */
+	double among;                /* how much less a pixel too many of it weighs than one that is missing: 0 alone, towards 1 among others */
 };
 
 struct lod_planning {

@@ -506,6 +506,7 @@ static enum eco_code add_entries(struct lod_spend *spend, struct eco_error *erro
 			const struct lod_offer *o = &m->offers[bid->offer];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
 			entry.slot = o->slot;
+			entry.among = 1 - (m->lots[o->slot].seen > 0 ? m->lots[o->slot].bare / m->lots[o->slot].seen : 1);
 			entry.ladder = o->ladder;
 			entry.full = lod_planning_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
