@@ -349,6 +349,24 @@ static void test_large_splats_do_not_fill_a_low_tile(void **state)
 	}
 }
 
+/* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far larger, hardly any of many small ones. */
+static void test_large_splats_stand_out_around_their_tile(void **state)
+{
+	(void)state;
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .worth = 100 };
+	assert_true(lod_summary_outside(&view, 1) == 0);         /* where the tile lies in the picture is not known */
+	view.wide = 200;
+	view.high = 10;
+	double before = INFINITY;
+	for (double n = 1; n <= view.points; n *= 2) {
+		double outside = lod_summary_outside(&view, n) * view.worth;
+		assert_true(outside < before && outside <= view.area);
+		before = outside;
+	}
+	assert_true(lod_summary_outside(&view, 1) * view.worth > 0.9 * (view.area - view.wide * view.high));
+	assert_true(before < 0.1 * view.area);
+}
+
 /* Ellipsoids from all around, against points on them. */
 static void test_heights_in_the_picture_are_those_of_points(void **state)
 {
@@ -384,6 +402,7 @@ int main(void)
 		cmocka_unit_test(test_pool_follows_what_is_seen),
 		cmocka_unit_test(test_power_below),
 		cmocka_unit_test(test_large_splats_do_not_fill_a_low_tile),
+		cmocka_unit_test(test_large_splats_stand_out_around_their_tile),
 		cmocka_unit_test(test_heights_in_the_picture_are_those_of_points),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
