@@ -292,7 +292,9 @@ static void finish(const struct lod_screen *screen, struct lod_sight *sight, con
 	sight->shown = shown_of((double)sight->opacity);
 	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
 	double bare = hide ? alone(screen, sight, light->clear) : seen;
-	sight->share = (float)(seen > SEEN_LEAST ? seen : SEEN_LEAST);
+	/* no more of it than the picture has room for: of a plant that the eye is within, a ten-thousandth may be more than all pixels */
+	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y));
+	sight->share = (float)(seen > least ? seen : least);
 	bare = LOD_OWNER_WORTH * (double)sight->share + (1 - LOD_OWNER_WORTH) * bare;
 	sight->bare = bare < (double)sight->share ? (float)bare : sight->share;
 }
