@@ -409,7 +409,8 @@ bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 /* Of one primitive more for the plants that are on the way, or would be. */
 static uint64_t part_cost(struct lod_spend *spend, const struct lod_bid *bid)
 {
-	uint64_t plants = bid->between ? bid->between : lod_spend_share_next(spend, bid, bid->ahead) - bid->ahead, at = bid->between ? bid->middle : bid->low;
+	uint64_t plants = bid->between ? bid->between : lod_spend_share_next(spend, bid, bid->ahead) - bid->ahead;
+	uint64_t at = bid->between ? bid->middle : bid->low;
 	return plants * (lod_way_next(way_of(spend, bid), at) - at);
 }
 
