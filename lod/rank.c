@@ -6,10 +6,13 @@
  * serves the step best.
  *
  * The list begins with points: so few vertices show more as points than as leaves (lod/curve.c chooses), all of them at one scale, and leaves that
- * fill a crown each by a scale of its own are poor points. With 30, 120 and 480 vertices, wood among them, Q of a beech went from .68 .71 .66 to
- * .75 .76 .74, of a potted plant from .50 .56 .60 to .63 .62 .65, of an aspen from .51 .53 .55 to .53 .58 .60. Drawn as leaves alone such lists
- * lose (saved against Cook: the plant .78 -> .76, an oak of alpha cards .86 -> .83), and that oak has .02 less Q at 2,000 to 10,000 vertices.
- * With .02 in place of .06 the oak falls by .15 at 85 vertices.
+ * fill a crown each by a scale of its own are poor points. The first third is made so where as many vertices show less as leaves, as curves then
+ * go over to leaves late: what was made for leaves, from the first 6 % on, stuck out of the crown as points, and the picture became worse with
+ * more vertices. Q on other views, mean over shares from .003 to .8 in equal steps of the logarithm, and by how much it falls at most with more
+ * vertices: azalea .686 -> .704 (.091 -> .004), shrub .754 -> .767 (.029 -> .010), augalas .873 -> .886 (.067 -> .006), callistemon .812 -> .818
+ * (.069 -> .014), bush .793 -> .810 (.031 -> .001), aspen .667 -> .679 (.037 -> .000); bush of alpha cards .836 -> .843 (.040 -> .007), and eight
+ * more alike. A plant of few large leaves and many small ones loses by it (.875 -> .861): there as many vertices show as much as leaves.
+ * As leaves alone lists that begin with points are worse: saved against Cook, with 6 % of points, a potted plant .78 -> .76, an oak .86 -> .83.
  *
  * Tried and worse, measured on a solid-leaved shrub and an alpha-card oak on views not used here: codes that all grow (least 1/4: oak's
  * mean saving .36 against .87 with a code that never grows); weights where the trial ends instead of on the balance Precision = Recall
@@ -39,7 +42,9 @@
 #define VIEWS_MOST 64u
 #define SEEN 240000u                     /* elements times views, within these */
 #define LARGE 100000u                    /* elements: more are seen from half as many views as the least, to end in time */
-#define POINTS 0.06                      /* share of the elements up to which they are picked as the points that stand for them */
+#define POINTS_MOST 0.35                 /* share of the elements up to which they are picked as the points that stand for them */
+#define POINTS_LEAST 0.06                /* where leaves show more */
+#define POINTS_LOSS 0.95                 /* of that of as many vertices as leaves, for many points: curves have simpler leaves, too */
 #define TRIAL_VIEWS 5u                   /* trials look at so many of the views, or one less than twice as many */
 #define SECOND 16                        /* a second layer counts a so manieth of the first */
 #define WEIGHT 4096
@@ -66,7 +71,9 @@ struct ranking {
 	bool *taken;
 	struct candidate *heap;
 	uint32_t heap_count;
+	uint32_t points;             /* the first so many elements are picked as points */
 	/* the step */
+	double scale;
 	struct lod_crown_views views;
 	struct weights weights;
 	struct lod_crown_edges edges;
@@ -334,24 +341,64 @@ static void fit_batch(void *pieces, uint32_t batch)
 	}
 }
 
-static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
+/* Steps from where the list is to `until` elements, those up to `points` of them as points. */
+static bool take_steps(struct ranking *r, uint32_t until, uint32_t points)
 {
-	double scale = r->count * 1.0;
-	r->weights = gradient(r, 0.5);
-	while (r->picked < r->count) {
+	while (r->picked < until) {
 		uint32_t end = next_end(r->count, r->picked);
-		r->crown.points = lod_rank_begins_with_points(r->options) && end <= POINTS * r->count;
+		end = end < until ? end : until;
+		r->crown.points = end <= points;
 		lod_crown_set_level(&r->crown, end);
-		scale = choose_scale(r, end, scale);
+		r->scale = choose_scale(r, end, r->scale);
 		r->views = (struct lod_crown_views){ 0, 1 };
-		lod_crown_set_scale(&r->edges, scale, r->crown.points);
+		lod_crown_set_scale(&r->edges, r->scale, r->crown.points);
 		redraw(r);
 		gather(r, end, r->picked);
 		make_heap(r);
 		pick(r, end);
 		if (!goes_on(r))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
+			return false;
 	}
+	return true;
+}
+
+static void begin_anew(struct ranking *r)
+{
+	r->picked = 0;
+	r->scale = r->count;
+	r->weights = gradient(r, 0.5);
+	memset(r->taken, 0, r->count * sizeof *r->taken);
+	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
+}
+
+/* The beginning is made as points, unless as many vertices show more as leaves. */
+static bool begin_list(struct ranking *r)
+{
+	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
+	uint32_t leaves = (uint32_t)((double)points * r->count / (3.0 * r->crown.foliage->triangle_first[r->count]));
+	double p, recall, q[2];
+	r->points = points;
+	if (leaves == 0)
+		return true;
+	for (int as_points = 0; as_points < 2; as_points++) {
+		begin_anew(r);
+		if (!take_steps(r, as_points ? points : leaves, as_points ? points : 0))
+			return false;
+		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
+		q[as_points] = quality(&sum, false, &p, &recall);
+	}
+	if (1 - q[1] > POINTS_LOSS * (1 - q[0])) {
+		begin_anew(r);
+		r->points = (uint32_t)(POINTS_LEAST * r->count);
+	}
+	return true;
+}
+
+static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
+{
+	begin_anew(r);
+	if ((lod_rank_begins_with_points(r->options) && !begin_list(r)) || !take_steps(r, r->count, r->points))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	return ECO_OK;
 }
 
@@ -394,7 +441,6 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
 	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
 	rank->simple = r.simple = lod_arena_take(arena, r.count, sizeof *rank->simple);
-	memset(r.growth, ECO_GROWTH_PLAIN, r.count);
 	const struct lod_arena_piece *mark = arena->last;
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
@@ -404,7 +450,8 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	if (!code)
 		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
 	if (!code && !options->plain && !options->unscaled
-		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth }, arena))
+		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth,
+			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	lod_arena_release(arena, mark);
 	return code;

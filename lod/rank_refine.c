@@ -40,10 +40,15 @@
 #define STIFF 20.0                       /* how a price answers to a share of triangles too many */
 #define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
 
-/* Share of the triangles; and whether leaves are points there. Those are what a pack draws of the list's beginning (lod/curve.c). */
-static const struct { double share; bool points; } places[KEYS] = { { 0.0015, true }, { 0.004, false }, { 0.006, true }, { 0.012, false },
-	{ 0.02, true }, { 0.03, false }, { 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false }, { 0.3, false },
-	{ 0.35, true }, { 0.4, false }, { 0.5, false }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
+/* Share of the triangles; and whether leaves are points there: those are what a pack draws of the list's beginning (lod/curve.c). */
+struct place { double share; bool points; };
+static const struct place few_points[] = { { 0.0015, true }, { 0.004, false }, { 0.006, true }, { 0.012, false }, { 0.02, true }, { 0.03, false },
+	{ 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false }, { 0.3, false }, { 0.35, true }, { 0.4, false },
+	{ 0.5, false }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
+static const struct place many_points[] = { { 0.0015, true }, { 0.003, true }, { 0.006, true }, { 0.011, true }, { 0.02, true }, { 0.032, true },
+	{ 0.05, true }, { 0.085, true }, { 0.13, true }, { 0.2, true }, { 0.27, true }, { 0.3, false }, { 0.35, true }, { 0.4, false }, { 0.5, false },
+	{ 0.55, true }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
+_Static_assert(sizeof few_points == KEYS * sizeof(struct place) && sizeof many_points == sizeof few_points, "one key each");
 
 struct key {
 	bool points;                 /* leaves are points there, all at the key's scale */
@@ -546,18 +551,19 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 	uint32_t i = 0;
 	for (uint32_t e = 0; e < r->count; e++)
 		total += triangles_of(r, e);
-	for (uint32_t share = 0; share < KEYS; share++) {
+	const struct place *places = r->in->many_points ? many_points : few_points;
+	for (const struct place *place = places; place < places + KEYS; place++) {
 		struct key *key = &r->keys[r->key_count];
-		for (; i + 1 < r->count && (double)sum < places[share].share * (double)total; i++) {
+		for (; i + 1 < r->count && (double)sum < place->share * (double)total; i++) {
 			sum += triangles_of(r, r->in->order[i]);
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
-		if (i < KEY_LEAST || places[share].share < r->in->options->from_share || (r->key_count && i == key[-1].elements)
-			|| (places[share].points && !lod_rank_begins_with_points(r->in->options)))
+		if (i < KEY_LEAST || place->share < r->in->options->from_share || (r->key_count && i == key[-1].elements)
+			|| (place->points && !lod_rank_begins_with_points(r->in->options)))
 			continue;
 		key->elements = i;
 		key->wrong_pixels = r->in->options->wrong_pixels;
-		key->points = places[share].points;
+		key->points = place->points;
 		key->budget = key->points ? i : sum;
 		lod_crown_set_level(r->crown, i);
 		key->level = r->crown->level;

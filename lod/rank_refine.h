@@ -14,6 +14,7 @@ struct lod_rank_refining {
 	uint32_t count;              /* elements */
 	uint32_t *order;             /* in and out */
 	uint8_t *growth;             /* per element: in and out */
+	bool many_points;            /* leaves are points far into the list */
 };
 /* False where progress says to stop. Scratch memory of the arena is the caller's to release. */
 bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena *arena);
