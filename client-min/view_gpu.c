@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "client-min/view_record.h"
+#include "client-min/view_texture.h"
 #include "ecofiles/room.h"
 
 #define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
@@ -110,28 +111,6 @@ static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const
 
 /* ---- Images ---- */
 
-/* Clear texels take the mean of the opaque ones, so that filtering and mip levels do not bleed whatever the file has there. */
-static uint8_t *filled(const struct eco_image *image)
-{
-	size_t count = (size_t)image->width * image->height;
-	uint64_t sum[3] = { 0 }, opaque = 0;
-	uint8_t *rgba = malloc(count * 4);
-	if (!rgba)
-		return NULL;
-	memcpy(rgba, image->rgba, count * 4);
-	for (size_t i = 0; i < count; i++)
-		if (rgba[4 * i + 3] >= 128) {
-			opaque++;
-			for (int k = 0; k < 3; k++)
-				sum[k] += rgba[4 * i + k];
-		}
-	for (size_t i = 0; i < count && opaque; i++)
-		if (rgba[4 * i + 3] < 128)
-			for (int k = 0; k < 3; k++)
-				rgba[4 * i + k] = (uint8_t)(sum[k] / opaque);
-	return rgba;
-}
-
 static enum eco_code upload_image(struct view_gpu_list *g, const struct view_list *list, struct eco_error *error)
 {
 	const struct eco_image *image = &list->image;
@@ -141,7 +120,7 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the graphics driver's %d", list->id,
 			image->width, image->height, most);
 	size_t count = (size_t)image->width * image->height;
-	uint8_t *color = filled(image), *alpha = malloc(count);
+	uint8_t *color = view_texture_fill(image), *alpha = malloc(count);
 	if (!color || !alpha) {
 		free(color);
 		free(alpha);
