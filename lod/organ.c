@@ -26,6 +26,8 @@
 #define OPEN_MOST 0.2            /* share of border of what is solid: trunks are open at their ends */
 #define STOUT 0.1                /* r/d of what has no use for a skeleton */
 
+#define CLEAR_LEAST 0.02         /* share of a component's area that is cut out of it; bark has none, but for what rounding takes at seams */
+
 #define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
 
 enum verdict { CLEARLY_LEAF, RATHER_LEAF, SOLID, RATHER_WOOD, CLEARLY_WOOD };
@@ -46,9 +48,11 @@ struct finder {
 
 /* ---- By shape ---- */
 
-static bool is_cutout(const struct eco_model *model, uint32_t material)
+/* An atlas for all of a plant has clear texels somewhere: what counts is whether this component shows some. */
+static bool is_cutout(const struct finder *f, uint32_t i)
 {
-	return lod_mesh_material(model, material)->cutout && lod_mesh_image(model, material) != NULL;
+	uint32_t material = f->shape[i].material;
+	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material) != NULL && f->shape[i].clear > CLEAR_LEAST;
 }
 
 static enum verdict judge(const struct lod_shape *b, bool cutout)
@@ -144,7 +148,7 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
 	bool log = f->hint[i] == LOD_HINT_WOOD && b->diagonal > LOG_LEAST * f->diagonal && on_ground(f, i)
-		&& !lod_colour_is_green(b->rgb) && !is_cutout(f->model, b->material);
+		&& !lod_colour_is_green(b->rgb) && !is_cutout(f, i);
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
@@ -154,7 +158,7 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 	struct lod_arena_piece *mark = arena->last;
 	double (*clear)[2] = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *clear);
 	for (uint32_t i = 0; i < f->count; i++) {
-		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f->model, f->shape[i].material));
+		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f, i));
 		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
 			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
 	}
@@ -246,7 +250,7 @@ static bool is_below(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
 	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
-		&& !is_cutout(f->model, b->material) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
+		&& !is_cutout(f, i) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
 }
 
 /* Solid: `alone` says that solids are all there is. Brown ones are stones, logs and stumps; but a brown lump above the ground is a

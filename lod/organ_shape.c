@@ -12,7 +12,7 @@
 struct sums {                    /* over one component */
 	double bend, angle, angle2;  /* length-weighted sums of signed, absolute and squared angle */
 	double border, edges, glued; /* lengths */
-	double volume, level;
+	double volume, level, opaque;
 	struct lod_light light;
 };
 
@@ -137,6 +137,7 @@ static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums
 	sums->volume += m->sign[t] * volume_of(lod_v3_sub(corner(mesh, t, 0), m->origin), lod_v3_sub(corner(mesh, t, 1), m->origin),
 		lod_v3_sub(corner(mesh, t, 2), m->origin));
 	lod_light_add(&sums->light, m->rgb[t], m->opaque[t]);
+	sums->opaque += m->opaque[t];
 	add_edges(m, shape, sums, t);
 }
 
@@ -178,6 +179,7 @@ static void finish(struct lod_shape *shape, const struct sums *sums)
 	shape->level = shape->area > 0 ? sums->level / shape->area : 0;
 	shape->open = sums->edges > 0 ? sums->border / sums->edges : 0;
 	shape->glued = sums->border > 0 ? sums->glued / sums->border : 0;
+	shape->clear = shape->area > 0 ? 1 - sums->opaque / shape->area : 0;
 	lod_light_mean(&sums->light, shape->rgb);
 }
 

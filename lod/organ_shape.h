@@ -15,6 +15,7 @@ struct lod_shape {
 	double open;                 /* share of its edges that is border, by length */
 	double glued;                /* share of that border which continues in another component */
 	uint32_t glued_to;           /* the last such component */
+	double clear;                /* share of its area under which the texture is clear */
 	float low[3], high[3];
 	uint8_t rgb[3];              /* mean colour by what is opaque */
 };

@@ -122,16 +122,22 @@ static void hulls_and_blades_are_foliage(void **state)
 	finish(&soup);
 }
 
-static void cut_outs_are_never_wood(void **state)
+static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
 {
 	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
-	uint32_t m = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 16), true);
-	soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.1, 0.05, 8, 10);
+	uint32_t image = soup_disc_image(&soup, 16), leaf = soup_material(&soup, 255, 255, 255, image, true);
+	uint32_t bark = soup_material(&soup, 255, 255, 255, image, true);
+	soup_tube(&soup, leaf, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.1, 0.05, 8, 10);
+	uint32_t first = soup.model.vertex_count;
+	soup_tube(&soup, bark, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 2, 0, 5 }, 0.1, 0.05, 8, 10);
+	for (uint32_t i = 2 * first; i < 2 * soup.model.vertex_count; i++)
+		soup.model.uv[i] = 0.4F + 0.05F * soup.model.uv[i];          /* the middle of the disc */
 	find(&found, &soup);
-	assert_int_equal(organ_of(&found, m), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(&found, leaf), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(&found, bark), ECO_ORGAN_WOOD);
 	finish(&soup);
 }
 
@@ -638,7 +644,7 @@ int main(void)
 		cmocka_unit_test(names_do_not_matter),
 		cmocka_unit_test(one_material_for_all_is_no_obstacle),
 		cmocka_unit_test(hulls_and_blades_are_foliage),
-		cmocka_unit_test(cut_outs_are_never_wood),
+		cmocka_unit_test(cut_outs_are_never_wood_but_an_atlas_may_hold_bark),
 		cmocka_unit_test(a_patch_inlaid_in_bark_is_bark),
 		cmocka_unit_test(colours_of_the_majority_are_no_flowers),
 		cmocka_unit_test(closed_surfaces_count_half),
