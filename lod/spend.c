@@ -436,14 +436,22 @@ static uint64_t cheapest_step(struct lod_spend *spend)
 
 /* ---- Entries ---- */
 
-/* Of the plants of an offer together, as the price has it: cells are few, and where one takes a step all plants that it is a part of would change. */
+static double between_densities(const struct lod_way *way, uint64_t low, uint64_t high, double part)
+{
+	double density = lod_way_density(way, low);
+	return part > 0 ? density + part * (lod_way_density(way, high) - density) : density;
+}
+
+/* Of the plants of a bid together. Where there are many, as the price has it: cells are few, and where one takes a step all plants that it is a part
+ * of would change. Of few, what is drawn may be far from that. */
 static double mean_density(const struct lod_spend *spend, const struct lod_bid *bid)
 {
 	const struct lod_way *way = way_of(spend, bid);
-	double position = spend->market->offers[bid->offer].position, part = position - floor(position);
+	if (spend->market->sharp)
+		return between_densities(way, bid->low, bid->high, (double)bid->ahead / (double)bid->count);
+	double position = spend->market->offers[bid->offer].position;
 	const struct lod_amount *a = &bid->steps->amounts[(uint32_t)position];
-	double density = lod_way_density(way, a->vertices);
-	return part > 0 ? density + part * (lod_way_density(way, a[1].vertices) - density) : density;
+	return between_densities(way, a->vertices, a[1].vertices, position - floor(position));
 }
 
 /* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
