@@ -166,14 +166,16 @@ static void turn_view(struct sheet_plant *plant)
 }
 
 #define BUDGETS_MAX 64
-#define LITTLE 0.01              /* of Q: what falls may come to where lists go over from points to leaves */
+#define LITTLE 0.005             /* of Q */
 
-/* How far Q falls at most below what fewer vertices gave, as a mean over four sides: one view's Q alone trembles by 0.02. */
-static double fall_of(const struct eco_pack *pack, double *best)
+/* How far Q falls at most below what fewer vertices gave, as a mean over four sides: one view's Q alone trembles by 0.02. And its mean over
+ * budgets. */
+static double fall_of(const struct eco_pack *pack, double *mean)
 {
 	struct sheet_plant plant;
 	uint8_t *rgb = malloc(3 * 128 * 128);
-	double q[BUDGETS_MAX] = { 0 }, fall = 0;
+	double q[BUDGETS_MAX] = { 0 }, fall = 0, best = 0;
+	int count = 0;
 	assert_non_null(rgb);
 	assert_int_equal(sheet_plant_open(&plant, pack, 0, 128, NULL), ECO_OK);
 	for (int side = 0; side < 4; side++, turn_view(&plant)) {
@@ -182,39 +184,41 @@ static double fall_of(const struct eco_pack *pack, double *best)
 		for (int i = 0; i < BUDGETS_MAX && vertices < plant.full; i++, vertices += vertices / 5)
 			q[i] += draw(&plant, vertices, SHEET_NATURAL, rgb).q / 4;
 	}
-	*best = 0;
-	for (int i = 0; i < BUDGETS_MAX && q[i] > 0; i++) {
-		*best = fmax(*best, q[i]);
-		fall = fmax(fall, *best - q[i]);
+	*mean = 0;
+	for (; count < BUDGETS_MAX && q[count] > 0; count++) {
+		best = fmax(best, q[count]);
+		fall = fmax(fall, best - q[count]);
+		*mean += q[count];
 	}
+	*mean /= count;
 	free(rgb);
 	sheet_plant_close(&plant);
 	return fall;
 }
 
 /* A tree that is large enough to be cut into cells, in two orders. Where cells took over too early Q fell by 0.13, where the whole plant's list
- * went into full detail before them by 0.027. */
+ * went into full detail before them by 0.027. Where that list was scaled to other amounts than cells are drawn with, the mean was 0.886 and 0.862. */
 static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 {
-	static const enum lod_order_method orders[] = { LOD_ORDER_GREEDY, LOD_ORDER_COMBINED };
+	static const struct { enum lod_order_method order; double mean; } cases[] = { { LOD_ORDER_GREEDY, 0.895 }, { LOD_ORDER_COMBINED, 0.87 } };
 	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20, .seed = 1 };
 	(void)state;
 	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
 	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", \"height_m\": 15}},"
 		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
-	for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_pack *pack;
 		struct eco_error error = { 0 };
-		double best, fall;
-		if (make_pack(&(struct make_options){ .scene = ROOT "/beech.json", .pack = ROOT "/beech.eco", .order = orders[i], .jobs = 1 }, &error))
+		double mean, fall;
+		if (make_pack(&(struct make_options){ .scene = ROOT "/beech.json", .pack = ROOT "/beech.eco", .order = cases[i].order, .jobs = 1 }, &error))
 			fail_msg("%s", error.text);
 		assert_int_equal(eco_pack_open(&pack, ROOT "/beech.eco", &error), ECO_OK);
 		assert_true(pack->scene.plants[0].anchor_count > 1);
-		fall = fall_of(pack, &best);
-		print_message("          Q falls by %g at most\n", fall);
+		fall = fall_of(pack, &mean);
+		print_message("          Q is %g in the mean, and falls by %g at most\n", mean, fall);
 		if (fall > LITTLE)
-			fail_msg("order %d: Q falls by %g", (int)orders[i], fall);
-		assert_true(best > 0.9);
+			fail_msg("order %d: Q falls by %g", (int)cases[i].order, fall);
+		assert_true(mean > cases[i].mean);
 		eco_pack_close(pack);
 	}
 }
