@@ -451,7 +451,8 @@ static double mean_density(const struct lod_spend *spend, const struct lod_bid *
 		return between_densities(way, bid->low, bid->high, (double)bid->ahead / (double)bid->count);
 	double position = spend->market->offers[bid->offer].position;
 	const struct lod_amount *a = &bid->steps->amounts[(uint32_t)position];
-	return between_densities(way, a->vertices, a[1].vertices, position - floor(position));
+	bool last = (uint32_t)position + 1 == bid->steps->count;
+	return between_densities(way, a->vertices, last ? a->vertices : a[1].vertices, position - floor(position));
 }
 
 /* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
