@@ -9,6 +9,7 @@
 
 #include "ecofiles/bytes.h"
 #include "ecofiles/chunk_payload.h"
+#include "ecofiles/mix.h"
 
 #define PAYLOAD_VERSION 1u
 
@@ -22,16 +23,6 @@ struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 	return id;
 }
 
-/* Vigna's splitmix64: a full-period counter with a good mixer, in ten operations that are exact everywhere. */
-static uint64_t splitmix64(uint64_t *state)
-{
-	uint64_t z = *state += 0x9e3779b97f4a7c15u;
-
-	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-	return z ^ z >> 31;
-}
-
 /* Fisher-Yates. Scaling 32 random bits to the range by a multiplication is biased by at most count / 2^32. */
 void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 {
@@ -40,7 +31,7 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
 	for (uint32_t i = count; i > 1; i--) {
-		uint32_t j = (uint32_t)((splitmix64(&state) >> 32) * i >> 32);
+		uint32_t j = (uint32_t)((eco_mix_next(&state) >> 32) * i >> 32);
 		uint32_t kept = order[j];
 
 		order[j] = order[i - 1];

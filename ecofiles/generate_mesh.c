@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/mix.h"
 #include "ecofiles/room.h"
 #include "ecofiles/turn.h"
 
@@ -17,15 +18,12 @@
 
 uint64_t gen_random_bits(struct gen_random *random)
 {
-	uint64_t z = random->state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	return eco_mix_next(&random->state);
 }
 
 double gen_random_unit(struct gen_random *random)
 {
-	return (double)(gen_random_bits(random) >> 11) / 9007199254740992.0;
+	return eco_mix_unit(gen_random_bits(random));
 }
 
 double gen_random_in(struct gen_random *random, double low, double high)
@@ -40,8 +38,8 @@ struct gen_v3 gen_add(struct gen_v3 a, struct gen_v3 b) { return gen_v3(a.x + b.
 struct gen_v3 gen_sub(struct gen_v3 a, struct gen_v3 b) { return gen_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 struct gen_v3 gen_mul(struct gen_v3 a, double s) { return gen_v3(a.x * s, a.y * s, a.z * s); }
 struct gen_v3 gen_mad(struct gen_v3 a, struct gen_v3 b, double s) { return gen_add(a, gen_mul(b, s)); }
-double gen_dot(struct gen_v3 a, struct gen_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double gen_length(struct gen_v3 a) { return sqrt(gen_dot(a, a)); }
+static double dot(struct gen_v3 a, struct gen_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double gen_length(struct gen_v3 a) { return sqrt(dot(a, a)); }
 
 struct gen_v3 gen_cross(struct gen_v3 a, struct gen_v3 b)
 {
@@ -63,7 +61,7 @@ struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees)
 {
 	double s, c;
 	eco_turn_sincos(eco_turn_from_deg(degrees), &s, &c);
-	return gen_add(gen_add(gen_mul(v, c), gen_mul(gen_cross(axis, v), s)), gen_mul(axis, gen_dot(axis, v) * (1 - c)));
+	return gen_add(gen_add(gen_mul(v, c), gen_mul(gen_cross(axis, v), s)), gen_mul(axis, dot(axis, v) * (1 - c)));
 }
 
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg)
@@ -125,7 +123,7 @@ uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8
 	return first;
 }
 
-uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v)
+static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v)
 {
 	if (mesh->count == mesh->capacity && !mesh->failed) {
 		uint32_t wanted = mesh->capacity ? 2 * mesh->capacity : 1024;
@@ -167,7 +165,7 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 	for (uint32_t i = 0; i < n; i++) {
 		struct gen_v3 ahead = gen_sub(tube->points[i + 1 < n ? i + 1 : i], tube->points[i ? i - 1 : 0]);
 		struct gen_v3 way = gen_unit(ahead);
-		side = gen_unit(gen_mad(side, way, -gen_dot(side, way)));
+		side = gen_unit(gen_mad(side, way, -dot(side, way)));
 		struct gen_v3 up = gen_cross(way, side);
 		if (i)
 			along_m += gen_length(gen_sub(tube->points[i], tube->points[i - 1]));
@@ -177,7 +175,7 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 			double s, c;
 			eco_turn_sincos((uint16_t)(65536u * k / sides), &s, &c);
 			struct gen_v3 out = gen_add(gen_mul(side, c), gen_mul(up, s));
-			gen_vertex(mesh, gen_mad(tube->points[i], out, tube->radius[i]), (double)k / sides, along_m);
+			add_vertex(mesh, gen_mad(tube->points[i], out, tube->radius[i]), (double)k / sides, along_m);
 		}
 		for (uint32_t k = 0; i && k < sides; k++) {
 			uint32_t next = (k + 1) % sides;
@@ -201,16 +199,16 @@ static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_
 	uint32_t corner[4];
 	if (card) {
 		double u0 = 0.5 * (leaf->cell % 2) + EDGE, v0 = 0.5 * (leaf->cell / 2) + EDGE, u1 = u0 + 0.5 - 2 * EDGE, v1 = v0 + 0.5 - 2 * EDGE;
-		corner[0] = gen_vertex(mesh, gen_sub(leaf->at, half), u0, v0);
-		corner[1] = gen_vertex(mesh, gen_add(leaf->at, half), u1, v0);
-		corner[2] = gen_vertex(mesh, gen_add(gen_add(leaf->at, along), half), u1, v1);
-		corner[3] = gen_vertex(mesh, gen_sub(gen_add(leaf->at, along), half), u0, v1);
+		corner[0] = add_vertex(mesh, gen_sub(leaf->at, half), u0, v0);
+		corner[1] = add_vertex(mesh, gen_add(leaf->at, half), u1, v0);
+		corner[2] = add_vertex(mesh, gen_add(gen_add(leaf->at, along), half), u1, v1);
+		corner[3] = add_vertex(mesh, gen_sub(gen_add(leaf->at, along), half), u0, v1);
 	} else {
 		struct gen_v3 middle = gen_mad(leaf->at, along, 0.45);
-		corner[0] = gen_vertex(mesh, leaf->at, 0.5, 0);
-		corner[1] = gen_vertex(mesh, gen_add(middle, half), 1, 0.45);
-		corner[2] = gen_vertex(mesh, gen_add(leaf->at, along), 0.5, 1);
-		corner[3] = gen_vertex(mesh, gen_sub(middle, half), 0, 0.45);
+		corner[0] = add_vertex(mesh, leaf->at, 0.5, 0);
+		corner[1] = add_vertex(mesh, gen_add(middle, half), 1, 0.45);
+		corner[2] = add_vertex(mesh, gen_add(leaf->at, along), 0.5, 1);
+		corner[3] = add_vertex(mesh, gen_sub(middle, half), 0, 0.45);
 	}
 	gen_face(mesh, material, 4, corner);
 }
@@ -226,7 +224,7 @@ static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct g
 		gen_mad(high, half, -0.8), gen_mad(low, half, -0.95) };
 	uint32_t corner[6];
 	for (int i = 0; i < 6; i++)
-		corner[i] = gen_vertex(mesh, at[i], 0, 0);
+		corner[i] = add_vertex(mesh, at[i], 0, 0);
 	for (uint32_t i = 1; i < 5; i++)
 		gen_face(mesh, material, 3, (uint32_t[]){ corner[0], corner[i], corner[i + 1] });
 }
@@ -238,9 +236,9 @@ static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen
 	struct gen_v3 sink = gen_mul(leaf->face, -leaf->bend * leaf->length);
 	struct gen_v3 middle = gen_mad(gen_mad(leaf->at, along, 0.55), sink, 0.3);
 	uint32_t corner[5] = {
-		gen_vertex(mesh, gen_mad(leaf->at, half, -1), 0, 0), gen_vertex(mesh, gen_add(leaf->at, half), 1, 0),
-		gen_vertex(mesh, gen_mad(middle, half, 0.8), 1, 0.5), gen_vertex(mesh, gen_mad(middle, half, -0.8), 0, 0.5),
-		gen_vertex(mesh, gen_add(gen_add(leaf->at, along), sink), 0.5, 1) };
+		add_vertex(mesh, gen_mad(leaf->at, half, -1), 0, 0), add_vertex(mesh, gen_add(leaf->at, half), 1, 0),
+		add_vertex(mesh, gen_mad(middle, half, 0.8), 1, 0.5), add_vertex(mesh, gen_mad(middle, half, -0.8), 0, 0.5),
+		add_vertex(mesh, gen_add(gen_add(leaf->at, along), sink), 0.5, 1) };
 	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[0], corner[1] });
 	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[1], corner[2] });
 	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[2], corner[4] });
@@ -250,7 +248,7 @@ void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *le
 {
 	struct gen_leaf l = *leaf;
 	l.along = gen_unit(l.along);
-	l.face = gen_mad(l.face, l.along, -gen_dot(l.face, l.along));
+	l.face = gen_mad(l.face, l.along, -dot(l.face, l.along));
 	l.face = gen_length(l.face) > 1e-6 ? gen_unit(l.face) : gen_across(l.along);
 	struct gen_v3 side = gen_cross(l.along, l.face);
 	if (l.shape == GEN_LEAF_HEXAGON)

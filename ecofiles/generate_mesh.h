@@ -12,7 +12,7 @@
 #include "ecofiles/model.h"
 #include "ecofiles/status.h"
 
-/* ---- Random numbers: splitmix64 ---- */
+/* ---- Random numbers (mix.h) ---- */
 
 struct gen_random { uint64_t state; };
 uint64_t gen_random_bits(struct gen_random *random);
@@ -28,7 +28,6 @@ struct gen_v3 gen_sub(struct gen_v3 a, struct gen_v3 b);
 struct gen_v3 gen_mul(struct gen_v3 a, double s);
 struct gen_v3 gen_mad(struct gen_v3 a, struct gen_v3 b, double s);             /* a + s b */
 struct gen_v3 gen_cross(struct gen_v3 a, struct gen_v3 b);
-double gen_dot(struct gen_v3 a, struct gen_v3 b);
 double gen_length(struct gen_v3 a);
 struct gen_v3 gen_unit(struct gen_v3 a);                                       /* +Z for a vector of no length */
 struct gen_v3 gen_across(struct gen_v3 a);                                     /* some unit vector at right angles */
@@ -59,7 +58,6 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count);
 
-uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v);
 void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[]);
 
 /* A closed-up tube through points; radius 0 at the last point is a tip. */

@@ -1,16 +1,30 @@
-/* A seeded choice per row: SplitMix64's finalizer (Steele, Lea, Flood 2014). Integers only, so the same on every machine. */
+/* Chance that is the same on every machine: SplitMix64 (Steele, Lea, Flood 2014), a counter of full period and a good mixer, in integers only. */
 #ifndef ECO_MIX_H
 #define ECO_MIX_H
 
 #include <stdint.h>
 
-static inline uint64_t eco_mix(uint64_t seed, uint64_t number)
+/* The next 64 bits of a sequence that any state begins. */
+static inline uint64_t eco_mix_next(uint64_t *state)
 {
-	uint64_t z = seed * 0xd1b54a32d192ed03u + (number + 1) * 0x9e3779b97f4a7c15u;
+	uint64_t z = *state += 0x9e3779b97f4a7c15u;
 
 	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
 	z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
 	return z ^ (z >> 31);
+}
+
+/* Of a row, say: bits that depend on its number and a seed alone. */
+static inline uint64_t eco_mix(uint64_t seed, uint64_t number)
+{
+	uint64_t state = seed * 0xd1b54a32d192ed03u + number * 0x9e3779b97f4a7c15u;
+	return eco_mix_next(&state);
+}
+
+/* Mixed bits as a number in [0, 1), exact. */
+static inline double eco_mix_unit(uint64_t bits)
+{
+	return (double)(bits >> 11) / 9007199254740992.0;
 }
 
 /* One of `count` models of a plant, and a yaw in 1/65536 turns: independent bits of one hash. */

@@ -380,7 +380,7 @@ static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 	else if (s->spec->density_column != NULL)
 		number = s->input.number[index] * hectares;
 	number = fmin(number, 2.0 * ECO_SCATTER_PLANTS_MAX);
-	return (uint64_t)(number + (double)(eco_mix(s->spec->seed, key) >> 11) / 9007199254740992.0);
+	return (uint64_t)(number + eco_mix_unit(eco_mix(s->spec->seed, key)));
 }
 
 static enum eco_code place_in_areas(struct eco_scatter *s)

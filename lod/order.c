@@ -15,7 +15,7 @@ const char *const lod_order_names[LOD_ORDER_COUNT] = {
 
 static double dice(const struct lod_order_input *in, uint32_t i)
 {
-	return lod_unit(lod_mix(~lod_mix(in->seed) + i));
+	return eco_mix_unit(lod_mix(~lod_mix(in->seed) + i));
 }
 
 /* 1 where the element faces along the normal at the nearest point of the surface, 0 where it stands across. */
@@ -45,7 +45,7 @@ static void density_survival(double *survival, const struct lod_hull *hull, cons
 		survival[i] = lod_hull_density(hull, in->center[i]);
 	double even = even_density(survival, in->count);
 	for (uint32_t i = 0; i < in->count; i++) {
-		double u = 1 - lod_unit(lod_mix(lod_mix(in->seed) + i));
+		double u = 1 - eco_mix_unit(lod_mix(lod_mix(in->seed) + i));
 		survival[i] = fmin(1, even / (survival[i] * u));
 	}
 }

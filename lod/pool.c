@@ -14,8 +14,6 @@
 #define SEED 0x5EEDu
 #define NAMES (1u << 24)         /* a pixel's colour names what is seen there; 0 is nothing */
 
-static double unit_of(uint64_t bits) { return (double)(bits >> 11) / 9007199254740992.0; }
-
 /* ---- Primitives ---- */
 
 struct patch { double weight; uint16_t color; uint8_t organ; };
@@ -216,7 +214,7 @@ struct pooled { float at[3]; uint16_t color; };
 
 static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
 {
-	double u = unit_of(eco_mix(SEED + 1, number)), v = unit_of(eco_mix(SEED + 2, number)), root = sqrt(u);
+	double u = eco_mix_unit(eco_mix(SEED + 1, number)), v = eco_mix_unit(eco_mix(SEED + 2, number)), root = sqrt(u);
 	double w[3] = { 1, 0, 0 };
 	const struct part *part = patches->parts;
 	while (patch >= part->first + part->count)
@@ -254,7 +252,7 @@ static void sample(const struct patches *patches, double total, struct pooled *o
 	double before = 0;
 	uint32_t at = 0;
 	for (uint32_t i = 0; i < count; i++) {
-		double target = (i + unit_of(eco_mix(SEED, i))) / count * total;
+		double target = (i + eco_mix_unit(eco_mix(SEED, i))) / count * total;
 		while (at + 1 < patches->count && before + patches->items[at].weight <= target)
 			before += patches->items[at++].weight;
 		point_on(patches, at, i, out[i].at);

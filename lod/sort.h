@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "ecofiles/mix.h"
 #include "lod/arena.h"
 
 struct lod_keyed { uint64_t key; uint32_t value; };
@@ -24,16 +25,7 @@ static inline uint64_t lod_sort_key(double value)
 /* A well mixed hash of a number: the source of all "randomness" in lod/. */
 static inline uint64_t lod_mix(uint64_t x)
 {
-	x += UINT64_C(0x9E3779B97F4A7C15);
-	x = (x ^ x >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
-	x = (x ^ x >> 27) * UINT64_C(0x94D049BB133111EB);
-	return x ^ x >> 31;
-}
-
-/* In [0, 1), exact. */
-static inline double lod_unit(uint64_t hash)
-{
-	return (double)(hash >> 11) / 9007199254740992.0;
+	return eco_mix_next(&x);
 }
 
 #endif

@@ -13,8 +13,6 @@
 
 #define GOLDEN 0.61803398874989484820    /* turns of it fill [0,1) evenly, however many are taken */
 
-static double unit_of(uint64_t bits) { return (double)(bits >> 11) / 9007199254740992.0; }
-
 double lod_power_below(double v)
 {
 	int exponent;
@@ -118,7 +116,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 {
 	const struct eco_scene *scene = d->input->scene;
 	uint64_t seed = eco_mix(d->input->seed, name_of(tile));
-	double start = unit_of(seed), total = d->reach[places - 1];
+	double start = eco_mix_unit(seed), total = d->reach[places - 1];
 	for (uint32_t k = 0; k < count; k++) {
 		double turn = start + k * GOLDEN;
 		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total), g = tile->group_first;
@@ -196,7 +194,7 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	if (!(total > 0))
 		return true;
 	/* the sums are added in one order, so the last is exactly `total`; a start inside a step treats no child better than another */
-	double start = tile->child_count ? unit_of(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
+	double start = tile->child_count ? eco_mix_unit(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
 	given = given_until(own, total, visit->count, start);
 	if (given)
 		draw_points(d, visit, tile, places, given);

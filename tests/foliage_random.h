@@ -9,7 +9,7 @@ struct foliage_random { uint32_t leaves, corners; double radius, leaf; uint64_t 
 
 static inline double foliage_dice(uint64_t *state)
 {
-	return 2 * lod_unit(*state = lod_mix(*state)) - 1;
+	return 2 * eco_mix_unit(*state = lod_mix(*state)) - 1;
 }
 
 static inline struct lod_v3 foliage_direction(uint64_t *state)

@@ -21,7 +21,7 @@ struct soup {
 
 static inline double soup_random(struct soup *s, double low, double high)
 {
-	return low + (high - low) * lod_unit(s->state = lod_mix(s->state));
+	return low + (high - low) * eco_mix_unit(s->state = lod_mix(s->state));
 }
 
 static inline void soup_begin(struct soup *s)

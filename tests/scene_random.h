@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/mix.h"
 #include "ecofiles/pack.h"
 
 #define RANDOM_MOST 512
@@ -31,15 +32,12 @@ struct random_scene {
 
 static inline uint64_t random_bits(struct random_scene *r)
 {
-	uint64_t z = r->state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	return eco_mix_next(&r->state);
 }
 
 static inline double random_real(struct random_scene *r, double low, double high)
 {
-	return low + (high - low) * (double)(random_bits(r) >> 11) / 9007199254740992.0;
+	return low + (high - low) * eco_mix_unit(random_bits(r));
 }
 
 static inline uint32_t random_below(struct random_scene *r, uint32_t n)

@@ -72,7 +72,7 @@ static void contrast_keeps_the_variance_of_pixels(void **state)
 		for (uint32_t pixel = 0; pixel < 20000; pixel++) {
 			double mean = 0;
 			for (uint32_t i = 0; i < per_pixel; i++)
-				mean += contrast * (lod_unit(lod_mix(pixel * 100u + i)) - 0.5) / per_pixel;
+				mean += contrast * (eco_mix_unit(lod_mix(pixel * 100u + i)) - 0.5) / per_pixel;
 			sum += mean;
 			squares += mean * mean;
 		}

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/chunk.h"
+#include "ecofiles/mix.h"
 #include "lod/raster.h"
 #include "tests/ground_tiles.h"
 
@@ -18,13 +19,10 @@ static uint64_t noise_state;
 
 static uint64_t bits(void)
 {
-	uint64_t z = noise_state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	return eco_mix_next(&noise_state);
 }
 
-static double unit(void) { return (double)(bits() >> 11) / 9007199254740992.0; }
+static double unit(void) { return eco_mix_unit(bits()); }
 
 static double rough(double x, double y)
 {

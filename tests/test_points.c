@@ -22,7 +22,7 @@ struct pair {
 
 static double random_real(uint64_t *state, double from, double to)
 {
-	return from + (to - from) * (double)(eco_mix(++*state, 7) >> 11) / 9007199254740992.0;
+	return from + (to - from) * eco_mix_unit(eco_mix(++*state, 7));
 }
 
 static void begin(struct pair *pair, uint64_t *state)

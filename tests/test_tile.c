@@ -15,7 +15,7 @@
 
 enum layout { SCATTERED, CLUSTERED, ONE_PLACE, ONE_LINE, FAR_AWAY };
 
-static double unit(uint64_t seed, uint64_t n) { return (double)(eco_mix(seed, n) >> 11) / 9007199254740992.0; }
+static double unit(uint64_t seed, uint64_t n) { return eco_mix_unit(eco_mix(seed, n)); }
 
 static void lay_out(struct lod_tile_item *items, uint32_t count, enum layout layout)
 {

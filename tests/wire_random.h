@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/chunk.h"
+#include "ecofiles/mix.h"
 #include "ecofiles/wire.h"
 
 struct wire_random { uint64_t state; };
@@ -14,10 +15,7 @@ struct wire_random { uint64_t state; };
 /* The order in which C evaluates operands and initialisers is open: below, no expression draws twice. */
 static inline uint64_t wire_random_bits(struct wire_random *r)
 {
-	uint64_t z = r->state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	return eco_mix_next(&r->state);
 }
 
 static inline uint32_t wire_random_below(struct wire_random *r, uint32_t n)

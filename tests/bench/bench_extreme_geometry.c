@@ -296,7 +296,7 @@ static void orders(struct extreme *x)
 				struct lod_arena arena = { 0 };
 				uint64_t state = 7;
 				for (uint32_t k = 0; k < rows[i].count; k++) {
-					double u = lod_unit(state = lod_mix(state + 1)), v = lod_unit(state = lod_mix(state + 1));
+					double u = eco_mix_unit(state = lod_mix(state + 1)), v = eco_mix_unit(state = lod_mix(state + 1));
 					center[k] = rows[i].shape == 1 ? (struct lod_v3){ 0, 0, u } : rows[i].shape == 2 ? (struct lod_v3){ u, v, 1 }
 						: rows[i].shape == 3 ? (struct lod_v3){ k % 2 ? 1e6 + u : u, v, u } : (struct lod_v3){ 1, 2, 3 };
 					normal[k] = rows[i].shape == 4 ? (struct lod_v3){ 0, 0, 0 } : (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };

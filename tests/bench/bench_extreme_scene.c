@@ -49,7 +49,7 @@ bool extreme_stand_scatter(struct extreme_stand *stand, uint32_t plant, uint32_t
 	for (uint32_t i = 0; i < count && good; i++) {
 		double unit[4];
 		for (int k = 0; k < 4; k++)
-			unit[k] = lod_unit(seed = lod_mix(seed + 1));
+			unit[k] = eco_mix_unit(seed = lod_mix(seed + 1));
 		good = extreme_stand_place(stand, &(struct extreme_place){ .plant = plant,
 			.at = { (unit[0] - 0.5) * stand->side, (unit[1] - 0.5) * stand->side, 0 },
 			.turn = (uint16_t)(unit[2] * 65535), .scale = 0.8 + 0.4 * unit[3] });

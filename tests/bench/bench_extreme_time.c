@@ -91,7 +91,7 @@ static void still_streams(struct extreme *x)
 
 /* ---- Trembling ---- */
 
-static double unit(uint64_t *state) { return lod_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
+static double unit(uint64_t *state) { return eco_mix_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
 
 /* Plans of views that differ by a nanometre: how many different ones there are, how often one follows another, and how far apart they are. */
 static void jitter(struct extreme *x)

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "ecofiles/mix.h"
 #include "lod/tables.h"
 
 #define REPETITIONS_MAX 200u
@@ -36,8 +37,7 @@ enum eco_code bench_plan_time(struct bench_plan_time *time, const struct eco_sce
 		double from = now_ms();
 		code = lod_plan(&plan, &input, error);
 		sum += ms[count++] = now_ms() - from;
-		*time = (struct bench_plan_time){ 0, stats.candidates, stats.gains, stats.looks, stats.places, plan.vertices, plan.cut_count, count,
-			plan.prediction.fp + plan.prediction.fn };
+		*time = (struct bench_plan_time){ 0, stats.candidates, stats.gains, stats.looks, stats.places, plan.vertices, plan.cut_count, count };
 		eco_plan_free(&plan);
 	}
 	lod_tables_free(input.tables);
@@ -99,10 +99,7 @@ struct maker {                           /* tables of the scene that is made: th
 
 static double random_real(struct maker *m)
 {
-	uint64_t z = m->state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
+	return eco_mix_unit(eco_mix_next(&m->state));
 }
 
 static uint32_t add_list(struct maker *m, const struct eco_list *like, uint32_t elements)

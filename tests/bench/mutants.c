@@ -26,6 +26,7 @@
 
 #include "ecofiles/guard.h"
 #include "ecofiles/image.h"
+#include "ecofiles/mix.h"
 #include "ecofiles/model.h"
 
 #define MODELS_MAX 64
@@ -53,10 +54,7 @@ static uint64_t state;
 
 static uint64_t bits(void)
 {
-	uint64_t z = state += 0x9E3779B97F4A7C15u;
-	z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-	z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-	return z ^ (z >> 31);
+	return eco_mix_next(&state);
 }
 
 static size_t below(size_t most) { return most == 0 ? 0 : (size_t)(bits() % most); }
