@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lod/heap.h"
 #include "lod/sort.h"
 
 #define RUN_BITS 6u              /* of a run: its length, over the place of its first pixel */
@@ -187,48 +188,26 @@ static void take(struct cover *cover, uint32_t element)
 	}
 }
 
-struct candidate { uint64_t gain; uint32_t element; };
-
-static bool before(struct candidate a, struct candidate b)
-{
-	return a.gain != b.gain ? a.gain > b.gain : a.element < b.element;
-}
-
-static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
-{
-	struct candidate moved = heap[i];
-	for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
-		if (child + 1 < count && before(heap[child + 1], heap[child]))
-			child++;
-		if (!before(heap[child], moved))
-			break;
-		heap[i] = heap[child];
-	}
-	heap[i] = moved;
-}
-
 static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod_cover_options *options, struct eco_error *error)
 {
 	uint32_t count = cover->foliage->count;
-	struct candidate *heap = lod_arena_take(cover->arena, count, sizeof *heap);
+	struct lod_candidate *heap = lod_arena_take(cover->arena, count, sizeof *heap);
 	for (uint32_t i = 0; i < count; i++)
-		heap[i] = (struct candidate){ gain(cover, i), i };
-	for (uint32_t i = count / 2; i-- > 0;)
-		sift_down(heap, count, i);
+		heap[i] = (struct lod_candidate){ (double)gain(cover, i), i };
+	lod_heap_make(heap, count);
 	for (uint32_t left = count, picked = 0; left;) {
-		struct candidate best = { gain(cover, heap[0].element), heap[0].element };
-		if (best.gain != heap[0].gain) {                         /* it gained more when it was looked at last */
+		struct lod_candidate best = { (double)gain(cover, heap[0].id), heap[0].id };
+		if (best.key != heap[0].key) {                         /* it gained more when it was looked at last */
 			heap[0] = best;
-			sift_down(heap, left, 0);
+			lod_heap_sift(heap, left, 0);
 			continue;
 		}
 		if (picked % 256 == 0 && options->progress && !options->progress(options->ctx, (double)picked / count))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
-		take(cover, best.element);
-		order[picked++] = best.element;
+		take(cover, best.id);
+		order[picked++] = best.id;
 		heap[0] = heap[--left];
-		if (left)
-			sift_down(heap, left, 0);
+		lod_heap_sift(heap, left, 0);
 	}
 	return ECO_OK;
 }

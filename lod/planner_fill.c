@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/heap.h"
 #include "lod/ladder.h"
 
 struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
@@ -48,29 +49,6 @@ static double entry_gain(const struct lod_planning *p, const struct lod_entry *e
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
 
-struct candidate { double gain; uint32_t entry; };
-
-static bool before(const struct candidate *a, const struct candidate *b)
-{
-	return a->gain > b->gain || (a->gain == b->gain && a->entry < b->entry);
-}
-
-static void sift_down(struct candidate *heap, uint32_t count, uint32_t at)
-{
-	for (;;) {
-		uint32_t best = at;
-		for (uint32_t child = 2 * at + 1; child <= 2 * at + 2 && child < count; child++)
-			if (before(&heap[child], &heap[best]))
-				best = child;
-		if (best == at)
-			return;
-		struct candidate swap = heap[at];
-		heap[at] = heap[best];
-		heap[best] = swap;
-		at = best;
-	}
-}
-
 /* Hashes of all plants in one slot. */
 struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
 
@@ -109,7 +87,7 @@ static uint64_t fill_share(struct lod_planning *p, struct lod_entry *entry, uint
 enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
 {
 	uint64_t left = p->input->request->vertices - p->vertices;
-	struct candidate *heap = malloc((p->entry_count + 1) * sizeof *heap);
+	struct lod_candidate *heap = malloc((p->entry_count + 1) * sizeof *heap);
 	struct hashes *hashes = malloc(sizeof *hashes);
 	uint32_t count = 0;
 	if (!heap || !hashes) {
@@ -120,12 +98,11 @@ enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		uint64_t target = entry_target(p, &p->entries[i]);
 		if (target != UINT64_MAX)
-			heap[count++] = (struct candidate){ entry_gain(p, &p->entries[i], target), i };
+			heap[count++] = (struct lod_candidate){ entry_gain(p, &p->entries[i], target), i };
 	}
-	for (uint32_t i = count; i-- > 0;)
-		sift_down(heap, count, i);
+	lod_heap_make(heap, count);
 	while (count && left) {
-		struct lod_entry *entry = &p->entries[heap[0].entry];
+		struct lod_entry *entry = &p->entries[heap[0].id];
 		uint64_t target = entry_target(p, entry), affordable = entry->vertices + left / entry->count;
 		if (target > affordable)
 			target = entry_floor(p, entry, affordable);
@@ -134,13 +111,13 @@ enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
 			left -= (target - entry->vertices) * entry->count;
 			entry->vertices = target;
 			target = entry_target(p, entry);
-			heap[0].gain = target == UINT64_MAX ? -1 : entry_gain(p, entry, target);
+			heap[0].key = target == UINT64_MAX ? -1 : entry_gain(p, entry, target);
 		} else if (entry->count > 1) {
 			left -= fill_share(p, entry, left, hashes);
 		}
 		if (!whole || target == UINT64_MAX)
 			heap[0] = heap[--count];
-		sift_down(heap, count, 0);
+		lod_heap_sift(heap, count, 0);
 	}
 	p->vertices = p->input->request->vertices - left;
 	free(heap);

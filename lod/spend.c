@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "lod/exchange.h"
+#include "lod/heap.h"
 #include "lod/ladder.h"
 
 #define HALVINGS 14              /* of the interval of prices: what is left is spent step by step */
@@ -244,29 +245,6 @@ uint64_t lod_spend_share_next(struct lod_spend *spend, const struct lod_bid *bid
 
 /* ---- What is left ---- */
 
-struct choice { double price; uint32_t bid; };
-
-static bool before(const struct choice *a, const struct choice *b)
-{
-	return a->price > b->price || (a->price == b->price && a->bid < b->bid);
-}
-
-static void sift_down(struct choice *heap, uint32_t count, uint32_t at)
-{
-	for (;;) {
-		uint32_t best = at;
-		for (uint32_t child = 2 * at + 1; child <= 2 * at + 2 && child < count; child++)
-			if (before(&heap[child], &heap[best]))
-				best = child;
-		if (best == at)
-			return;
-		struct choice swap = heap[at];
-		heap[at] = heap[best];
-		heap[best] = swap;
-		at = best;
-	}
-}
-
 static double next_price(const struct lod_bid *bid)
 {
 	return lod_bid_ended(bid) ? 0 : lod_steps_price(bid->steps, bid->step + 1) * bid->worth;
@@ -372,7 +350,7 @@ static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 /* All but bid `except` (ECO_NONE: all) go on with what the budget leaves. */
 bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 {
-	struct choice *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
+	struct lod_candidate *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
 	uint32_t count = 0;
 	if (!heap)
 		return false;
@@ -384,22 +362,21 @@ bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 		add_vertices(spend, bid->count, bid->low);
 		add_vertices(spend, bid->ahead, bid->high - bid->low);
 		if (i != except && next_price(bid) > 0)
-			heap[count++] = (struct choice){ next_price(bid), i };
+			heap[count++] = (struct lod_candidate){ next_price(bid), i };
 	}
-	for (uint32_t i = count; i-- > 0;)
-		sift_down(heap, count, i);
+	lod_heap_make(heap, count);
 	uint64_t left = budget - spend->vertices;
 	while (count && left) {
-		struct lod_bid *bid = &spend->bids[heap[0].bid];
+		struct lod_bid *bid = &spend->bids[heap[0].id];
 		uint32_t step = bid->step;
 		uint64_t spent = buy(spend, bid, left);
 		left -= spent;
 		spend->market->p->gains += bid->step != step;
 		if (bid->step != step && next_price(bid) > 0)
-			heap[0].price = next_price(bid);
+			heap[0].key = next_price(bid);
 		else if (spent == 0 || bid->step != step)
 			heap[0] = heap[--count];
-		sift_down(heap, count, 0);
+		lod_heap_sift(heap, count, 0);
 	}
 	spend->vertices = budget - left;
 	free(heap);

@@ -1,0 +1,36 @@
+/* The candidate with the greatest key first, of equal keys the one with the least id: the same sequence on every machine. */
+#ifndef LOD_HEAP_H
+#define LOD_HEAP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct lod_candidate { double key; uint32_t id; };       /* no NaN */
+
+static inline bool lod_candidate_before(struct lod_candidate a, struct lod_candidate b)
+{
+	return a.key != b.key ? a.key > b.key : a.id < b.id;
+}
+
+/* Puts right a heap of `count` whose item `at` may have become worse. Logarithmic in count; nothing where at >= count. */
+static inline void lod_heap_sift(struct lod_candidate *heap, uint32_t count, uint32_t at)
+{
+	for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+		if (child + 1 < count && lod_candidate_before(heap[child + 1], heap[child]))
+			child++;
+		if (!lod_candidate_before(heap[child], heap[at]))
+			return;
+		struct lod_candidate better = heap[child];
+		heap[child] = heap[at];
+		heap[at] = better;
+	}
+}
+
+/* Makes a heap of any `count` candidates: the best is heap[0]. Linear. */
+static inline void lod_heap_make(struct lod_candidate *heap, uint32_t count)
+{
+	for (uint32_t i = count / 2; i-- > 0;)
+		lod_heap_sift(heap, count, i);
+}
+
+#endif
