@@ -55,7 +55,8 @@ char *eco_obj_word(char **line)
 	return word;
 }
 
-enum eco_code eco_obj_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
+/* A whole word as a number; NaN and infinity too, in any spelling. A decimal comma or anything else is an error that helps. */
+static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
 {
 	char *end;
 
@@ -165,7 +166,7 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 	enum eco_code code = ECO_OK;
 
 	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)) != NULL; count++)
-		code = eco_obj_number(&o->text, word, &number[count], o->error);
+		code = read_number(&o->text, word, &number[count], o->error);
 	if (code != ECO_OK)
 		return code;
 	if (count < 3)
@@ -197,7 +198,7 @@ static enum eco_code read_uv(struct eco_obj *o, char *rest)
 	uv[0] = uv[1] = 0;
 	for (int k = 0; k < 2 && (word = eco_obj_word(&rest)) != NULL; k++) {
 		double number;
-		enum eco_code code = eco_obj_number(&o->text, word, &number, o->error);
+		enum eco_code code = read_number(&o->text, word, &number, o->error);
 
 		if (code != ECO_OK)
 			return code;

@@ -21,8 +21,6 @@ struct eco_obj_text {
 char *eco_obj_line(struct eco_obj_text *text, bool joins);
 /* The next word of a line, NULL where there is none or a comment begins. */
 char *eco_obj_word(char **line);
-/* A whole word as a number; NaN and infinity too, in any spelling. A decimal comma or anything else is an error that helps. */
-enum eco_code eco_obj_number(const struct eco_obj_text *text, const char *word, double *number, struct eco_error *error);
 
 /* ---- Libraries of materials ---- */
 

@@ -8,14 +8,24 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/main_camera.h"
 #include "ecofiles/main_command.h"
 #include "ecofiles/main_progress.h"
 #include "ecofiles/scene.h"
+#include "ecofiles/track.h"
 #include "ecofiles/view.h"
 
 #define CLEARANCE_M 1.7
 #define FAR_M 1e5
+
+struct camera_options {          /* NaN, 0 or NULL where not given; see the help below */
+	const char *input, *output, *scene, *crs, *track_crs;
+	struct eco_track_options read;
+	double origin[3], to[3], centre[3], look_at[3];
+	bool origin_given, to_given, centre_given, look_at_given;
+	double turn_deg, scale, clearance_m, pace, pause, from_s, to_s, smooth_s, pitch_deg, fov_y_deg, fps, speed;
+	uint64_t part, keys;
+	enum eco_track_height height;
+};
 
 /* ---- The scene ---- */
 
@@ -359,7 +369,7 @@ static enum eco_code convert(const struct camera_options *o, struct eco_track *t
 	return code;
 }
 
-enum eco_code camera_make(const struct camera_options *o, struct eco_error *error)
+static enum eco_code camera_make(const struct camera_options *o, struct eco_error *error)
 {
 	struct eco_track track = { 0 };
 	struct place place = { .crs = NULL };

@@ -156,7 +156,7 @@ struct eco_flight {
 	double step_s;               /* sample i is at i * step_s */
 	struct eco_sample *samples;  uint32_t count;
 	double length_m, smooth_s, moved_m;          /* smoothing took no fix farther than moved_m */
-	bool yaw_recorded, pitch_recorded, fov_recorded;
+	bool yaw_recorded, pitch_recorded;
 	double pitch_deg;            /* taken where none was recorded */
 };
 

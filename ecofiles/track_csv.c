@@ -57,7 +57,6 @@ struct csv {
 	int column[ROLES];                   /* -1: none */
 	double unit[ROLES];                  /* NaN: not stated */
 	char label[ROLES][NAME_MAX];
-	uint32_t header_line;
 	double day_s, last_clock_s;
 };
 
@@ -288,8 +287,7 @@ static enum eco_code find_header(struct csv *csv, struct track_line *line, struc
 		bool numbers = track_is_number(fields[0].text, fields[0].end, &number) && track_is_number(fields[1].text, fields[1].end, &number);
 		if (csv->in->options->columns && option_columns(csv, fields, count, &cause))
 			continue;
-		if (csv->in->options->columns ? has_place(csv) || read_header(csv, fields, count) : read_header(csv, fields, count)) {
-			csv->header_line = at.number;
+		if ((csv->in->options->columns && has_place(csv)) || read_header(csv, fields, count)) {
 			*line = numbers ? before : at;
 			return ECO_OK;
 		}

@@ -295,7 +295,6 @@ static enum eco_code collect(struct work *w, struct eco_error *error)
 		w->flight->yaw_recorded |= !isnan(fix->yaw_deg);
 		w->flight->pitch_recorded |= !isnan(fix->pitch_deg) && !w->smoothing->pitch_given_wins;
 	}
-	w->flight->fov_recorded = w->fov.count > 0;
 	if (!code && !w->place.count)
 		code = eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	return code;

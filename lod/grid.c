@@ -83,7 +83,7 @@ static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, s
 	return ECO_OK;
 }
 
-static enum eco_code loss_of(const struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	double *loss, struct eco_error *error)
 {
 	struct lod_probe probe;
@@ -101,11 +101,6 @@ static enum eco_code loss_of(const struct lod_plant *plant, const struct eco_mod
 	return code;
 }
 
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error)
-{
-	return loss_of(plant, model, &(struct lod_plant_options){ 0 }, loss, error);
-}
-
 static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	uint32_t bits, double *loss, struct eco_error *error)
 {
@@ -118,7 +113,7 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	enum eco_code code = lod_plant_build(plant, model, &finer, error);
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);
-	return code ? code : loss_of(plant, model, options, loss, error);
+	return code ? code : lod_grid_loss(plant, model, options, loss, error);
 }
 
 static uint32_t predict(uint32_t bits, double loss)
@@ -136,7 +131,7 @@ static enum eco_code choose(struct lod_plant *plant, const struct eco_model *mod
 {
 	uint32_t bits = *chosen, failed = bits - 1;
 	double loss;
-	enum eco_code code = loss_of(plant, model, options, &loss, error);
+	enum eco_code code = lod_grid_loss(plant, model, options, &loss, error);
 	*found = true;
 	while (!code && loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX) {
 		double before = loss;

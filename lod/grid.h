@@ -13,8 +13,9 @@
 uint32_t lod_grid_bits_least(const struct eco_model *model);
 
 /* Worst 1 - Q of the plant's full detail against the source model's own triangles: quantization, welding and whatever else was lost
- * on the way in. 0 for a model that covers nothing. */
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, double *loss, struct eco_error *error);
+ * on the way in. 0 for a model that covers nothing. Of the options only `each` and `ctx` count. */
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	double *loss, struct eco_error *error);
 
 /* Takes a plant built with lod_grid_bits_least bits and, where its loss is above LOD_GRID_LOSS, builds it again with the fewest bits
  * that stay below. Where more bits do not help, the loss is not the grid's and the coarser plant is kept. */

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "ecofiles/model.h"
-#include "lod/sort.h"
 
 #define RADIUS 0.05              /* of the plant's height */
 #define WIDEST 64.0              /* radii that the largest extent spans at most: flat covers are wide and low */
@@ -174,83 +173,4 @@ bool lod_hull_normal(const struct lod_hull *h, struct lod_v3 p, struct lod_v3 *n
 		return false;
 	*normal = normal_at(h, s);
 	return lod_v3_dot(*normal, *normal) > 0;
-}
-
-/* ---- Occlusion ---- */
-
-/* From the node outwards to where the density falls to ISO: between it and that neighbour of it which is emptiest. */
-static struct lod_v3 surface_point(const struct lod_hull *h, size_t node)
-{
-	size_t row = h->size[0], slice = row * h->size[1];
-	const ptrdiff_t way[6] = { -1, 1, -(ptrdiff_t)row, (ptrdiff_t)row, -(ptrdiff_t)slice, (ptrdiff_t)slice };
-	int best = 0;
-	for (int k = 1; k < 6; k++)
-		if (h->density[(ptrdiff_t)node + way[k]] < h->density[(ptrdiff_t)node + way[best]])
-			best = k;
-	double inside = h->density[node], outside = h->density[(ptrdiff_t)node + way[best]];
-	double at[3] = { (double)(node % row), (double)(node / row % h->size[1]), (double)(node / slice) };
-	at[best / 2] += (best % 2 ? 1 : -1) * (inside > outside ? (inside - ISO) / (inside - outside) : 0);
-	return lod_v3_add(h->low, lod_v3_scale((struct lod_v3){ at[0], at[1], at[2] }, h->cell));
-}
-
-uint32_t lod_hull_sample(const struct lod_hull *h, struct lod_hull_sample *samples, uint32_t room, uint32_t seed)
-{
-	size_t nodes = (size_t)h->size[0] * h->size[1] * h->size[2];
-	uint64_t all = 0, before = 0;
-	uint32_t count = 0;
-	for (size_t i = 0; i < nodes; i++)
-		all += h->surface[i] == i;
-	/* Nodes come in space order: one out of each equal run of them, at a place of its own in the run. */
-	uint64_t runs = all < room ? all : room, chosen = 0;
-	for (size_t i = 0; i < nodes && count < runs; i++) {
-		if (h->surface[i] != i)
-			continue;
-		if (before == all * count / runs)
-			chosen = before + lod_mix(lod_mix(seed) + count) % (all * (count + 1) / runs - before);
-		if (before++ != chosen)
-			continue;
-		struct lod_v3 p = surface_point(h, i), n = normal_at(h, i);
-		samples[count++] = (struct lod_hull_sample){ { (float)p.x, (float)p.y, (float)p.z }, { (float)n.x, (float)n.y, (float)n.z } };
-	}
-	return count;
-}
-
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Does the picture show something in front of a point `d` from the eye? */
-static bool hidden(const struct lod_hull_sight *sight, const double d[3])
-{
-	const struct lod_eye *eye = sight->eye;
-	double w = dot(eye->forward, d);
-	if (!(w > 0))
-		return false;
-	double x = sight->width * 0.5 * (1 + dot(eye->right, d) / (w * eye->tan_x));
-	double y = sight->height * 0.5 * (1 - dot(eye->up, d) / (w * eye->tan_y));
-	if (!(x >= 0 && x < sight->width && y >= 0 && y < sight->height))
-		return false;
-	size_t pixel = (size_t)y * sight->width + (size_t)x;
-	if (sight->owner && sight->owner[pixel] == sight->self)
-		return false;
-	return sight->depth[pixel] * (w - sight->slack_m) > 1;
-}
-
-double lod_hull_visible(const struct lod_hull_sample *samples, uint32_t count, const struct lod_hull_sight *sight)
-{
-	uint32_t facing = 0, visible = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		const float *n = samples[i].normal;
-		const struct lod_place *place = sight->place;
-		double world[3], d[3], normal[3] = { place->cosine * n[0] - place->sine * n[1], place->sine * n[0] + place->cosine * n[1], n[2] };
-		lod_place_point(place, samples[i].at, world);
-		for (int k = 0; k < 3; k++)
-			d[k] = world[k] - sight->eye->at[k];
-		if (dot(normal, d) >= 0)
-			continue;
-		facing++;
-		visible += !hidden(sight, d);
-	}
-	return facing ? (double)visible / facing : 1;
 }

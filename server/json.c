@@ -91,7 +91,7 @@ void srv_json_count(struct srv_json *json, uint64_t value)
 	put(json, text);
 }
 
-void srv_json_number(struct srv_json *json, double value)
+static void add_number(struct srv_json *json, double value)
 {
 	char text[32];
 	if (!isfinite(value)) {
@@ -123,7 +123,7 @@ void srv_json_point(struct srv_json *json, const double value[3])
 {
 	srv_json_open(json, '[');
 	for (int i = 0; i < 3; i++)
-		srv_json_number(json, value[i]);
+		add_number(json, value[i]);
 	srv_json_close(json, ']');
 }
 
@@ -142,7 +142,7 @@ void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value)
 void srv_json_key_number(struct srv_json *json, const char *key, double value)
 {
 	srv_json_key(json, key);
-	srv_json_number(json, value);
+	add_number(json, value);
 }
 
 void srv_json_key_bool(struct srv_json *json, const char *key, bool value)

@@ -21,12 +21,11 @@ void srv_json_close(struct srv_json *json, char bracket);        /* '}' or ']' *
 void srv_json_key(struct srv_json *json, const char *key);
 void srv_json_text(struct srv_json *json, const char *text);     /* NULL: null; bytes that are not UTF-8 become U+FFFD */
 void srv_json_count(struct srv_json *json, uint64_t value);
-void srv_json_number(struct srv_json *json, double value);       /* shortest that reads back the same; not finite: null */
 void srv_json_bool(struct srv_json *json, bool value);
 void srv_json_null(struct srv_json *json);
 void srv_json_point(struct srv_json *json, const double value[3]);
 
-/* "key": value in one call. */
+/* "key": value in one call. Numbers are the shortest that read back the same; those that are not finite are null. */
 void srv_json_key_text(struct srv_json *json, const char *key, const char *text);
 void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value);
 void srv_json_key_number(struct srv_json *json, const char *key, double value);

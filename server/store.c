@@ -67,7 +67,8 @@ static enum eco_code check_name(const struct srv_store *store, const char *name,
 	return ECO_OK;
 }
 
-enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error)
+/* Owns the pack from then on, also on failure. */
+static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error)
 {
 	struct srv_scene scene = { .pack = pack };
 	enum eco_code code = check_name(store, name, error);
@@ -136,7 +137,7 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 		snprintf(chosen, sizeof chosen, "%s", pack->scene.name);
 	else
 		srv_name_of_file(chosen, path);
-	return srv_store_add_pack(store, chosen, pack, error);
+	return add_pack(store, chosen, pack, error);
 }
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name)

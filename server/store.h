@@ -39,8 +39,6 @@ void srv_store_free(struct srv_store *store);            /* responses must have 
 /* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else srv_name_of_file. Names are
  * [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error);
-/* The same with an open pack, which the store owns from then on, also on failure. */
-enum eco_code srv_store_add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error);
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name);       /* or NULL */
 bool srv_name_valid(const char *name);

@@ -20,7 +20,6 @@ enum srv_trace_bit {
 
 /* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE lists the names. */
 enum eco_code srv_trace_set(const char *names, struct eco_error *error);
-bool srv_trace_on(enum srv_trace_bit bit);
 void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -81,14 +81,9 @@ const atomic_bool *srv_work_cancelled(const struct srv_work *work)
 	return &work->cancelled;
 }
 
-void srv_work_cancel(struct srv_work *work)
-{
-	atomic_store(&work->cancelled, true);
-}
-
 void srv_work_stop(struct srv_work *work)
 {
-	srv_work_cancel(work);
+	atomic_store(&work->cancelled, true);
 	pthread_mutex_lock(&work->mutex);
 	work->stopping = true;
 	pthread_cond_broadcast(&work->wake);

@@ -444,11 +444,11 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 			corner[9] = corner[0] + (corner[9] - corner[0]) * 0.03f;
 		}
 	assert_int_equal(lod_plant_build(&plant, &crown.model, &options, &error), ECO_OK);
-	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &options, &loss, &error), ECO_OK);
 	assert_true(loss > LOD_GRID_LOSS);
 	double coarse = plant.lists[0].list.grid_step[0];
 	assert_int_equal(lod_plant_measure(&plant, &crown.model, &options, &error), ECO_OK);
-	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &options, &loss, &error), ECO_OK);
 	assert_true(loss <= LOD_GRID_LOSS && plant.curve_count > 0);
 	assert_true(plant.solved[LOD_SOLVER_GRID].runs == 1 && plant.solved[LOD_SOLVER_GRID].converged == 1);
 	assert_in_range(plant.solved[LOD_SOLVER_SCALE].converged, 1, plant.solved[LOD_SOLVER_SCALE].runs);
@@ -459,7 +459,7 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 	lod_plant_free(&plant);
 	options.grid_bits = bits - 1;
 	assert_int_equal(lod_plant_build(&plant, &crown.model, &options, &error), ECO_OK);
-	assert_int_equal(lod_grid_loss(&plant, &crown.model, &loss, &error), ECO_OK);
+	assert_int_equal(lod_grid_loss(&plant, &crown.model, &options, &loss, &error), ECO_OK);
 	assert_true(loss > LOD_GRID_LOSS);
 	lod_plant_free(&plant);
 	crown_free(&crown);
@@ -582,7 +582,7 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
 		uint32_t triangles = add_triangles(&crown, 0, 300, 1);
 		add_ladder(&crown, add_points(&crown, 0, 300, 1, triangles), triangles);
 		round_lists(&crown, to[i]);
-		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &loss[i], NULL), ECO_OK);
+		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &(struct lod_plant_options){ 0 }, &loss[i], NULL), ECO_OK);
 		crown_free(&crown);
 	}
 	assert_true(loss[0] < 1e-4);

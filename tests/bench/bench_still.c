@@ -46,8 +46,6 @@ void bench_still_close(struct bench_still *still)
 
 const struct eco_scene *bench_still_scene(const struct bench_still *still) { return &still->scenes.scenes[0].pack->scene; }
 
-const char *bench_still_renderer(const struct bench_still *still) { return still->gl ? view_gl_renderer(still->gl) : "software"; }
-
 /* ---- Plants ---- */
 
 void bench_plants_free(struct bench_plants *plants)

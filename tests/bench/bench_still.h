@@ -18,7 +18,6 @@ enum eco_code bench_still_open(struct bench_still **still, const char *pack, uin
 	struct eco_error *error);
 void bench_still_close(struct bench_still *still);                   /* NULL is fine */
 const struct eco_scene *bench_still_scene(const struct bench_still *still);
-const char *bench_still_renderer(const struct bench_still *still);   /* "software" without OpenGL */
 
 /* A plant in view and what it was drawn with. */
 struct bench_plant {

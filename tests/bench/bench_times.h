@@ -10,7 +10,6 @@ struct bench_plan_time {
 	double ms;                   /* median of the repetitions */
 	uint64_t candidates, gains, looks, places, vertices;         /* as struct lod_planner_stats says */
 	uint32_t cuts, repetitions;
-	double predicted_wrong;      /* pixels */
 };
 
 /* Plans at least thrice, until `least_ms` have gone by or 200 times. */
