@@ -37,8 +37,8 @@ struct lod_lot {                     /* a slot, per plant; [0]: as far plants ar
 	double seen, bare;           /* pixels of one of its plants that are seen, and where no other is, means; of a cell likewise */
 	double extra;                /* bare / seen: what a pixel too many weighs */
 	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
-	double worth[2];             /* wrong when nothing is drawn, ... */
-	double absent;               /* ... and what it counts besides (lod/steps.h) */
+	double worth[2];             /* wrong at an error of 1: of far plants when nothing is drawn, of near ones beside their cells' */
+	double absent;               /* what it counts besides when nothing is drawn (lod/steps.h) */
 	struct lod_cost cost[2];     /* at the last price */
 	struct lod_cost cells;       /* of all its plants' cells */
 	double cells_worth;

@@ -129,13 +129,12 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	}
 	lot->offer_count = m->offer_count - lot->offer_first;
 	for (uint32_t i = lot->offer_first; good && i < m->offer_count; i++) {
-		const struct lod_amount *none = &m->offers[i].steps.amounts[0];
-		double absent = none->vertices ? 0 : m->offers[i].worth * lod_steps_absent(&scene->ladders[m->offers[i].ladder]);
-		double wrong = m->offers[i].worth * lod_steps_error(&m->offers[i].steps, none) - absent;
-		lot->worth[0] += m->offers[i].when == LOD_NEAR ? 0 : wrong;
-		lot->worth[1] += m->offers[i].when == LOD_FAR ? 0 : wrong;
-		lot->absent += m->offers[i].when == LOD_NEAR ? 0 : absent;
-		lot->own += m->offers[i].when == LOD_NEAR ? m->offers[i].worth / importance_of(&scene->ladders[m->offers[i].ladder]) : 0;
+		const struct lod_offer *offer = &m->offers[i];
+		const struct eco_ladder *ladder = &scene->ladders[offer->ladder];
+		lot->worth[0] += offer->when == LOD_NEAR ? 0 : offer->worth;
+		lot->worth[1] += offer->when == LOD_FAR ? 0 : offer->worth;
+		lot->absent += offer->when == LOD_NEAR ? 0 : offer->worth * lod_steps_absent(ladder);
+		lot->own += offer->when == LOD_NEAR ? offer->worth / importance_of(ladder) : 0;
 	}
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->offer_count);
 }
