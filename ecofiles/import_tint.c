@@ -9,6 +9,7 @@
  * nothing in a pack. */
 #include "ecofiles/import_model.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,6 +47,8 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 		return material;
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
+	if (m->materials[material].name[0] == 0)         /* by its name a surface is known as one, whatever its colours (lod/organ_split.h) */
+		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u", (unsigned)material + 1);
 	to = &m->materials[m->material_count];
 	*to = m->materials[material];
 	to->colourless = false;
