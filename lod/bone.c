@@ -177,26 +177,70 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 
 /* ---- Things ---- */
 
-/* What is no tube has no skeleton: one line along the longest side of its box, as wide as the other two on the mean. */
+static struct lod_v3 corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
+{
+	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k]);
+}
+
+/* A triangle's area, with a trace for one that has none, so that sums of areas divide. */
+static double area_of(const struct lod_mesh *mesh, uint32_t t)
+{
+	struct lod_v3 a = corner(mesh, t, 0);
+	return lod_v3_length(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a))) / 2 + 1e-30;
+}
+
+/* The straight line that the middle of a thing follows from end to end of its box along an axis: stems lean. By least squares. */
+static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const struct lod_component *c, int axis)
+{
+	double area = 0, along = 0, square = 0;
+	struct lod_v3 place = { 0, 0, 0 }, product = { 0, 0, 0 };
+	for (uint32_t i = mesh->member_first[line->component]; i < mesh->member_first[line->component + 1]; i++) {
+		uint32_t t = mesh->member[i];
+		struct lod_v3 sum = lod_v3_add(corner(mesh, t, 0), lod_v3_add(corner(mesh, t, 1), corner(mesh, t, 2)));
+		struct lod_v3 weighed = lod_v3_scale(sum, area_of(mesh, t) / 3);
+		double at = lod_v3_axis(sum, axis) / 3;
+		area += area_of(mesh, t);
+		along += area_of(mesh, t) * at;
+		square += area_of(mesh, t) * at * at;
+		place = lod_v3_add(place, weighed);
+		product = lod_v3_add(product, lod_v3_scale(weighed, at));
+	}
+	struct lod_v3 middle = lod_v3_scale(place, 1 / area);
+	double spread = square - along * along / area;
+	struct lod_v3 slope = lod_v3_scale(lod_v3_sub(product, lod_v3_scale(place, along / area)), spread > 0 ? 1 / spread : 0);
+	for (int k = 0; k < 2; k++)
+		line->end[k] = lod_v3_add(middle, lod_v3_scale(slope, (k ? c->high : c->low)[axis] - along / area));
+}
+
+static struct lod_v3 away(struct lod_v3 p, const struct lod_bone *line)
+{
+	struct lod_v3 ab = lod_v3_sub(line->end[1], line->end[0]), ap = lod_v3_sub(p, line->end[0]);
+	double l2 = lod_v3_dot(ab, ab);
+	return lod_v3_sub(ap, lod_v3_scale(ab, l2 > 0 ? lod_v3_dot(ap, ab) / l2 : 0));
+}
+
+/* What is no tube has no skeleton: one line along the longest side of its box, as far from which its surface is as a tube's of its width. */
 static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c, uint32_t component)
 {
-	double side[3];
-	int along = 0;
-	for (int a = 0; a < 3; a++) {
-		side[a] = (double)c->high[a] - c->low[a];
-		along = side[a] > side[along] ? a : along;
-	}
-	struct lod_v3 middle = lod_v3_mix(lod_v3_of(c->low), lod_v3_of(c->high), 0.5);
-	struct lod_v3 half = { along == 0 ? side[0] / 2 : 0, along == 1 ? side[1] / 2 : 0, along == 2 ? side[2] / 2 : 0 };
+	int axis = 0;
+	double area = 0, square = 0;
+	for (int a = 1; a < 3; a++)
+		axis = c->high[a] - c->low[a] > c->high[axis] - c->low[axis] ? a : axis;
 	struct lod_bone *line = add(lines);
-	*line = (struct lod_bone){ .end = { lod_v3_sub(middle, half), lod_v3_add(middle, half) }, .component = component,
-		.width = (side[(along + 1) % 3] + side[(along + 2) % 3]) / 2 };
+	*line = (struct lod_bone){ .component = component };
 	memcpy(line->rgb, c->rgb, 3);
+	fit_line(line, mesh, c, axis);
+	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
+		uint32_t t = mesh->member[i];
+		struct lod_v3 a = away(corner(mesh, t, 0), line), b = away(corner(mesh, t, 1), line), d = away(corner(mesh, t, 2), line);
+		struct lod_v3 sum = lod_v3_add(a, lod_v3_add(b, d));
+		area += area_of(mesh, t);
+		square += area_of(mesh, t) * (lod_v3_dot(a, a) + lod_v3_dot(b, b) + lod_v3_dot(d, d) + lod_v3_dot(sum, sum)) / 12;
+	}
+	line->width = 2 * sqrt(square / area);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
-		for (uint32_t k = 0; k < 3; k++) {
-			struct lod_v3 p = lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)mesh->member[i] + k]);
-			line->error = fmax(line->error, distance_to(p, line->end[0], line->end[1]) - line->width / 2);
-		}
+		for (uint32_t k = 0; k < 3; k++)
+			line->error = fmax(line->error, distance_to(corner(mesh, mesh->member[i], k), line->end[0], line->end[1]) - line->width / 2);
 }
 
 /* ---- All ---- */

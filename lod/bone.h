@@ -7,7 +7,7 @@
  * run on straight at similar width become one.
  *
  * A line is as wide as area asks: a tube of surface a and length l has diameter a / (pi l), an open strip width a / l, and so all lines
- * together project to the same area as the wood. What is treated as wood and is no tube (pots, stumps) gets one line through its box. */
+ * together project to the same area as the wood. What is treated as wood and is no tube (pots, stumps) gets one line, fitted to its surface. */
 #ifndef LOD_BONE_H
 #define LOD_BONE_H
 

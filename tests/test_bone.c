@@ -76,6 +76,39 @@ static void a_tapering_tube_is_a_few_lines(void **state)
 	finish(&soup);
 }
 
+static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct lod_v3 top)
+{
+	struct lod_mesh mesh;
+	struct lod_organs organs;
+	struct lod_bones bones;
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_weld(&mesh, &soup->model, 16, &arena);
+	lod_organs_find(&organs, &mesh, &soup->model, &arena);
+	assert_int_equal(mesh.component_count, 1);
+	organs.components[0].organ = ECO_ORGAN_WOOD;
+	organs.components[0].stout = true;
+	lod_bones_make(&bones, &mesh, &organs, &arena);
+	assert_int_equal(bones.count, 1);
+	struct lod_v3 along = lod_v3_unit(lod_v3_sub(bones.items[0].end[1], bones.items[0].end[0]));
+	assert_true(lod_v3_dot(along, lod_v3_unit(lod_v3_sub(top, foot))) > 0.995);
+	assert_true(bones.items[0].width > 0.6 && bones.items[0].width < 0.85);
+}
+
+static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
+{
+	(void)state;
+	static const struct { struct lod_v3 foot, top; uint32_t sides; } stems[] = {
+		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 }, { { 0, 0, 0 }, { 3, 2, 1 }, 12 },
+	};
+	for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+		struct soup soup;
+		soup_begin(&soup);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), stems[i].foot, stems[i].top, 0.4, 0.4, stems[i].sides, 3);
+		expect_one_line(&soup, stems[i].foot, stems[i].top);
+		finish(&soup);
+	}
+}
+
 /* Tubes along arcs and hanging ones: wherever the lowest point is, the lines follow. */
 static void a_bent_tube_is_followed(void **state)
 {
@@ -236,6 +269,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_straight_tube_is_one_line),
 		cmocka_unit_test(a_tapering_tube_is_a_few_lines),
+		cmocka_unit_test(a_stout_stem_that_leans_is_a_line_that_leans),
 		cmocka_unit_test(a_bent_tube_is_followed),
 		cmocka_unit_test(a_fork_has_a_line_for_each_arm),
 		cmocka_unit_test(an_open_strip_is_as_wide_as_it_is),

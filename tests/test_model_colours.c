@@ -388,6 +388,7 @@ static void vertex_colours_become_materials(void **state)
 		const uint8_t *rgb = m.materials[m.material[i]].rgb;
 
 		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0) && rgb[2] == (i != 0 ? 255 : 0));
+		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");    /* one surface: lod/organ_split.h */
 	}
 	eco_model_free(&m);
 }
