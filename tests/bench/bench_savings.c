@@ -41,7 +41,7 @@ struct study {
 	uint8_t *growth;
 	struct lod_simple *triangle, *shape;
 	float *factor;
-	double share;                /* of the outline, by one leaf */
+	double share, per_pixel;     /* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
 	struct row rows[BENCH_METHODS][ROWS_MAX];
 	uint32_t row_count;
 };
@@ -103,12 +103,11 @@ static void count_vertices(struct study *s)
 			s->full[m][k + 1] = s->full[m][k] + 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
 	}
 	s->simple = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->simple);
-	for (uint32_t k = 0; k < s->n; k++) {
+	for (uint32_t k = 0; k < s->n; k++)
 		s->simple[k + 1] = s->simple[k] + 3;
-	}
 }
 
-/* Depth complexity: leaves' projected area over what they cover. */
+/* What Cook's corrections ask for. Depth complexity: leaves' projected area over what they cover; contrast: how many leaves a pixel has room for. */
 static void measure_share(struct study *s)
 {
 	const struct lod_foliage *f = &s->leaves.foliage;
@@ -123,6 +122,7 @@ static void measure_share(struct study *s)
 			covered += __builtin_popcountll(s->tuning.reference[v][i] & ~s->tuning.wood[v][i]);
 	}
 	s->share = lod_cook_share(s->n, projected / s->tuning.count, covered / s->tuning.count);
+	s->per_pixel = projected > 0 ? (double)s->n * s->tuning.count / projected : 1;
 }
 
 /* ---- A subset's quality ---- */
@@ -349,7 +349,7 @@ static void compare_beside(struct study *s, const struct bench_savings *savings,
 		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
 		add_beside(&s->leaves, reference, 1, &cook[0]);
-		add_beside(&s->leaves, reference, lod_cook_contrast(kept, s->n, 1), &cook[1]);
+		add_beside(&s->leaves, reference, lod_cook_contrast(kept, s->n, s->per_pixel), &cook[1]);
 		for (int m = 0; m < BENCH_METHODS; m++) {
 			const struct row row = reach(s, (enum bench_method)m, savings->at[BENCH_EVEN].cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
