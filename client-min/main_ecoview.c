@@ -294,7 +294,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		view_progress_clear(&v->progress);
 		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow more\n", f->frame);
 	} else {
-		f->predicted_q = view_predicted_q(&view_store_plan(v->store)->prediction);
+		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
 	}
 	step(v, f->frame, "draw");
 	code = draw(v, v->store, eye, v->gl == NULL, &v->picture, error);

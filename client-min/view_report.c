@@ -52,12 +52,6 @@ void view_frame_score(struct view_frame *frame, const struct lod_score *score)
 	frame->owner_q = score->owner_q;
 }
 
-double view_predicted_q(const struct eco_prediction *p)
-{
-	double precision = p->tp + p->fp > 0 ? p->tp / (p->tp + p->fp) : 1, recall = p->tp + p->fn > 0 ? p->tp / (p->tp + p->fn) : 1;
-	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
-}
-
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error)
 {
 	if (!eco_room(&report->frames, &report->room, report->count, sizeof *report->frames))

@@ -29,8 +29,6 @@ struct view_report {                             /* owns `frames` */
 /* A frame with everything that may be missing set to NaN. */
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
 void view_frame_score(struct view_frame *frame, const struct lod_score *score);
-/* Q that the planner expected: from its pixels right and wrong, as Q is computed from counted ones. */
-double view_predicted_q(const struct eco_prediction *prediction);
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error);
 void view_report_line(const struct view_frame *frame, FILE *out);

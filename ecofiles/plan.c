@@ -261,3 +261,12 @@ bool eco_owner_match(uint64_t a, uint64_t b)
 		return a == b;
 	return (a & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS == (b & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS;
 }
+
+/* ---- Predictions ---- */
+
+double eco_predicted_q(const struct eco_prediction *p)
+{
+	double drawn = p->tp + p->fp, wanted = p->tp + p->fn;
+	double extra = drawn > 0 ? p->fp / drawn : 0, missed = wanted > 0 ? p->fn / wanted : 0;        /* 1 - Precision, 1 - Recall */
+	return 1 - sqrt(extra * extra + missed * missed);
+}

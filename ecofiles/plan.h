@@ -43,7 +43,8 @@ struct eco_placement {           /* how a nested eco file's coordinates become t
 
 struct eco_run {                 /* instance lists [list_first, list_end), whose visible plants are drawn by the rules */
 	uint32_t placement, list_first, list_end;
-	uint32_t left;               /* of ECO_SHARE_ONE: plants whose lod_open_hash is below are not, but left to their tile's summary. 0: all are drawn */
+	uint32_t left;               /* of ECO_SHARE_ONE: plants whose lod_open_hash is below are not, but left to their tile's summary. 0:
+	                              * all are drawn */
 };
 
 struct eco_gate {                /* plant's cells are drawn where eco_gate_place is below `end`; plants without cells are not listed */
@@ -56,6 +57,8 @@ static inline uint32_t eco_gate_place(uint8_t band, uint32_t hash) { return band
 struct eco_prediction {          /* pixels expected right and wrong, over the whole picture */
 	double tp, fp, fn;
 };
+/* Q of Neubert 2011, section 2.2, from expected pixels, as lod_score has it from counted ones (lod/raster.h). */
+double eco_predicted_q(const struct eco_prediction *prediction);
 
 struct eco_plan {                /* owns its arrays */
 	uint64_t vertices;           /* exactly what drawing it draws */

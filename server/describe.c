@@ -1,6 +1,5 @@
 #include "server/describe.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "ecofiles/wire.h"
@@ -128,15 +127,6 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
 
 /* ---- Plans ---- */
 
-double srv_predicted_q(const struct eco_prediction *prediction)
-{
-	double drawn = prediction->tp + prediction->fp, wanted = prediction->tp + prediction->fn;
-	if (!(drawn > 0) && !(wanted > 0))
-		return 1;
-	double missed_precision = drawn > 0 ? prediction->fp / drawn : 0, missed_recall = wanted > 0 ? prediction->fn / wanted : 0;
-	return 1 - sqrt(missed_precision * missed_precision + missed_recall * missed_recall);
-}
-
 static void describe_prediction(struct srv_json *json, const struct eco_prediction *prediction)
 {
 	srv_json_key(json, "prediction");
@@ -144,7 +134,7 @@ static void describe_prediction(struct srv_json *json, const struct eco_predicti
 	srv_json_key_number(json, "tp_px", prediction->tp);
 	srv_json_key_number(json, "fp_px", prediction->fp);
 	srv_json_key_number(json, "fn_px", prediction->fn);
-	srv_json_key_number(json, "q", srv_predicted_q(prediction));
+	srv_json_key_number(json, "q", eco_predicted_q(prediction));
 	srv_json_close(json, '}');
 }
 

@@ -10,7 +10,4 @@ void srv_describe_scenes(struct srv_json *json, const struct srv_store *store);
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene);
 void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream);
 
-/* Q of Neubert 2011 from a prediction: 1 - sqrt((1-P)^2 + (1-R)^2); 1 where nothing is covered and nothing is drawn wrong. */
-double srv_predicted_q(const struct eco_prediction *prediction);
-
 #endif

@@ -96,19 +96,6 @@ static void report_of_nothing_is_valid(void **state)
 	assert_non_null(strstr(error.text, "build/tmp/report/none/such/report.json"));
 }
 
-static void predicted_q_is_computed_as_q_is(void **state)
-{
-	(void)state;
-	struct lod_score score;
-	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
-	memset(cover, 1, 60);
-	memset(reference + 20, 1, 60);
-	lod_score(&score, &(struct lod_score_input){ 10, 10, cover, reference, NULL, NULL });
-	assert_true(fabs(view_predicted_q(&(struct eco_prediction){ 40, 20, 20 }) - score.q) < 1e-12);
-	assert_true(view_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
-	assert_true(view_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
-}
-
 static void query_keeps_every_digit(void **state)
 {
 	(void)state;
@@ -203,7 +190,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(line_shows_dashes_for_what_is_not_known), cmocka_unit_test(report_has_every_figure),
-		cmocka_unit_test(report_of_nothing_is_valid), cmocka_unit_test(predicted_q_is_computed_as_q_is),
+		cmocka_unit_test(report_of_nothing_is_valid),
 		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header),
 		cmocka_unit_test(options_are_read_whole_or_refused), cmocka_unit_test(quantiles_are_values_that_occurred),
 		cmocka_unit_test(comparison_has_a_colour_for_each_case),

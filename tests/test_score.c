@@ -86,12 +86,27 @@ static void owners_must_match_where_they_are_known(void **unused)
 	NEAR(score.owner_q, 1 - hypot(0.5, 0.5));
 }
 
+static void predicted_q_is_computed_as_q_is(void **unused)
+{
+	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
+	struct lod_score score;
+	(void)unused;
+	memset(cover, 1, 60);
+	memset(reference + 20, 1, 60);
+	lod_score(&score, &(struct lod_score_input){ 10, 10, cover, reference, NULL, NULL });
+	NEAR(eco_predicted_q(&(struct eco_prediction){ 40, 20, 20 }), score.q);
+	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
+	assert_true(eco_predicted_q(&(struct eco_prediction){ 10, 0, 0 }) == 1);
+	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(known_masks_have_known_scores),
 		cmocka_unit_test(rows_add_up),
 		cmocka_unit_test(owners_must_match_where_they_are_known),
+		cmocka_unit_test(predicted_q_is_computed_as_q_is),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -296,16 +296,6 @@ static void impossible_holdings_are_refused(void **state)
 	bench_free(&b);
 }
 
-static void predictions_give_q(void **state)
-{
-	(void)state;
-	assert_true(srv_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
-	assert_true(srv_predicted_q(&(struct eco_prediction){ 10, 0, 0 }) == 1);
-	assert_true(srv_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
-	double q = srv_predicted_q(&(struct eco_prediction){ 80, 20, 20 });
-	assert_true(q > 0.717 && q < 0.718);             /* 1 - sqrt(2 * 0.2^2) */
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -317,7 +307,6 @@ int main(void)
 		cmocka_unit_test(limits_are_answers_not_crashes),
 		cmocka_unit_test(a_damaged_payload_is_named_and_the_rest_still_served),
 		cmocka_unit_test(impossible_holdings_are_refused),
-		cmocka_unit_test(predictions_give_q),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

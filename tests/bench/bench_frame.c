@@ -161,7 +161,7 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	if (!code) {
 		const struct eco_plan *plan = view_store_plan(store);
 		score(frame, &drawn, &client->reference);
-		frame->predicted_q = plan ? view_predicted_q(&plan->prediction) : NAN;
+		frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
 		frame->vertices = drawn.vertices;
 		frame->bytes = fetch.bytes;
 		frame->plan_bytes = fetch.plan_bytes;
