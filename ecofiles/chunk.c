@@ -158,7 +158,8 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 		s->predictors = eco_read_u16(&r);
 		s->elements = eco_read_u32(&r);
 		s->size = eco_read_u32(&r);
-		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0 || s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
+		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
+				|| s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
 			return eco_fail(error, ECO_DAMAGED, "chunk: record of stream %u is impossible", i);
 		s->wide = flags & 1;
 		s->shift = flags >> 1 & 7;

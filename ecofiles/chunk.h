@@ -16,11 +16,11 @@
  *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
  *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
  *             row before); flags and predictors 0.
- *   SHAPES    no stream records (s = 0): the rest, followed by as many zeros as byte 3 says, is one range-coded stream of all elements in stored order, as of ELEMENTS, read by
- *             eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c): a table of shapes, then for each element which shape it is,
- *             how it is turned, its lengths, the step to its first corner along the curve, its extra values; or that it is none, and its
- *             corners, each one that was there before or what is left after a prediction, and texture coordinates. What the values mean is
- *             in shape.h and chunk_corners.h.
+ *   SHAPES    no stream records (s = 0): the rest, followed by as many zeros as byte 3 says, is one range-coded stream of all elements
+ *             in stored order, as of ELEMENTS, read by eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c): a table of
+ *             shapes, then for each element which shape it is, how it is turned, its lengths, the step to its first corner along the
+ *             curve, its extra values; or that it is none, and its corners, each one that was there before or what is left after a
+ *             prediction, and texture coordinates. What the values mean is in shape.h and chunk_corners.h.
  * A chunk of an ELEMENTS list of triangles may say coder SHAPES: it does where that is smaller. A chunk of a MESH list may say coder
  * ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would lose or alter a triangle, or is larger.
  *

@@ -265,7 +265,8 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 }
 
 /* MESH: edgebreaker or plain triangles, whichever keeps everything and is smaller. */
-static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size, struct eco_error *error)
+static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	struct eco_payload mesh = { .coder = ECO_CODER_MESH }, plain = { .coder = ECO_CODER_ELEMENTS };
 	uint8_t *plain_bytes = NULL;

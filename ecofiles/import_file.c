@@ -1,6 +1,6 @@
 /* What a file is, before a reader of models sees it; and files that models name. The commonest mistakes (a packed file, the pointer that
- * Git LFS leaves in place of one, a scene of an editor, a point cloud) are known by their first bytes or their name, and each has a sentence of its own:
- * the readers would only say that they do not understand. */
+ * Git LFS leaves in place of one, a scene of an editor, a point cloud) are known by their first bytes or their name, and each has a
+ * sentence of its own: the readers would only say that they do not understand. */
 #include "ecofiles/import_model.h"
 
 #include <dirent.h>

@@ -33,8 +33,9 @@
 				      * 64 sparse crowns become balloons of a few leaves, and forests lose */
 #define STEP_HIGH 24
 #define STEPS (STEP_HIGH - STEP_LOW + 1)
-#define LITTLE 0.001                 /* loss for which a scale gives way to those of its neighbours. On other views of eight plants that costs .0003, .004
-				      * at most; without this bound .0008, .017 at most; scales that are not smoothed vary a quarter more */
+#define LITTLE 0.001                 /* loss for which a scale gives way to those of its neighbours. On other views of eight plants
+                                      * that costs .0003, .004 at most; without this bound .0008, .017 at most; scales that are not
+                                      * smoothed vary a quarter more */
 #define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
 #define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further until it is chosen */
 #define FORMS_MAX 4

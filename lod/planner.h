@@ -17,14 +17,15 @@ enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
 
 struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t candidates;         /* steps that could be taken: of everything in view, from nothing to all of it */
-	uint64_t gains;              /* of these, whose gain was computed for this plan: what comes next of all that is drawn, and what prices asked of summaries */
+	uint64_t gains;              /* of these, whose gain was computed for this plan: what comes next of all that is drawn, and what
+	                              * prices asked of summaries */
 	uint64_t looks;              /* how often it was looked up which steps are worth a price: things in view x prices tried */
 	uint64_t places;             /* plants looked at one by one */
 	uint64_t cheapest;           /* optimiser: vertices of the cheapest step that is left and would gain; UINT64_MAX: every curve has ended */
 	uint32_t level;              /* optimiser: how far the scene was opened: further where all that was open had ended */
 	bool converged;              /* the search for what uses the budget ended by itself, and not at a bound of tries; the plan is sound either way */
-	double wrong;                /* optimiser, at that level: the objective, of this plan exactly: seen wrong pixels, each plant for itself. plan->prediction is of
-	                              * the whole picture, where plants stand before plants */
+	double wrong;                /* optimiser, at that level: the objective, of this plan exactly: seen wrong pixels, each plant for
+	                              * itself. plan->prediction is of the whole picture, where plants stand before plants */
 };
 
 struct lod_tables;

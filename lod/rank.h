@@ -1,7 +1,7 @@
-/* Our order: greedy on Precision and Recall. Elements are picked one by one (the first as points), each the one whose footprint adds most (right minus wrong)
- * pixels over many views to what is covered already, octave by octave of the list at the scale that serves the octave best, lazily
- * (gains mostly fall as more is covered), and the list is then looked at again as a whole (rank_refine.h). With it come how far each
- * element follows a scale (eco_growth) and simpler shapes.
+/* Our order: greedy on Precision and Recall. Elements are picked one by one (the first as points), each the one whose footprint adds most
+ * (right minus wrong) pixels over many views to what is covered already, octave by octave of the list at the scale that serves the octave
+ * best, lazily (gains mostly fall as more is covered), and the list is then looked at again as a whole (rank_refine.h). With it come how
+ * far each element follows a scale (eco_growth) and simpler shapes.
  *
  * Deterministic: counts of pixels decide, ties go to the smaller element. */
 #ifndef LOD_RANK_H

@@ -106,7 +106,8 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
 		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
 		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0), .foot = (float)(y + body->up * tilt.upright * rows),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
+		.foot = (float)(y + body->up * tilt.upright * rows),
 		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
 		.within = (float)(within > 0 ? within : 0), .before = (float)(before < 0 ? 0 : before < 1 ? before : 1) };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
@@ -152,7 +153,8 @@ static uint32_t key_of(const struct lod_sight *sight, bool by_range)
 	return bits;
 }
 
-/* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result is in `to`. */
+/* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result
+ * is in `to`. */
 static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
 {
 	uint32_t *spare = to;
@@ -225,8 +227,8 @@ static void dim(const struct lod_screen *screen, const struct lod_sight *sight, 
 	}
 }
 
-/* Share of what is around a sight, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that comes through all, its own
- * crown put aside. */
+/* Share of what is around a sight, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
+ * comes through all, its own crown put aside. */
 static double alone(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
 {
 	struct span across = span_of(sight->x, AROUND * sight->reach_x, screen->columns);
@@ -303,7 +305,8 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 {
 	uint32_t cells = screen->columns * screen->rows;
 	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order), *spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
-	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear), malloc(screen->columns * sizeof *light.horizon) };
+	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
+		malloc(screen->columns * sizeof *light.horizon) };
 	bool good = order && spare && light.through && light.clear && light.horizon;
 	if (good) {
 		for (uint32_t i = 0; i < cells; i++)

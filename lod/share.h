@@ -45,7 +45,8 @@ struct lod_sight {
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
-	float within;                /* of one beside: 1 where it is still before the eye, less the farther back it stands, 0 where none of it is before */
+	float within;                /* of one beside: 1 where it is still before the eye, less the farther back it stands, 0 where none of
+	                              * it is before */
 	float before;                /* of one near by: how much of it hides others; 0 where it is beside, 1 from twice as far before the eye on */
 };
 
@@ -80,8 +81,8 @@ double lod_body_opacity(const struct lod_body *body);
 /* Without `hide` only what lies beside the picture counts as not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
-/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for what is shown of it and
- * errors over covered pixels. While no sight's fn nor fp + fn rises, no more pixels are expected to be wrong. */
+/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for what is
+ * shown of it and errors over covered pixels. While no sight's fn nor fp + fn rises, no more pixels are expected to be wrong. */
 struct lod_odds { float reference, drawn, either; };
 struct lod_odds lod_odds_of(double shown, double fp, double fn);
 

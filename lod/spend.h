@@ -30,8 +30,9 @@ struct lod_spend {
 	uint64_t vertices;
 	uint64_t cheapest;           /* after lod_spend_finish: vertices of the cheapest step that would still gain; UINT64_MAX: none would */
 	double wrong;
-	bool converged;              /* after lod_spend_search: two prices are known, 1/16384 of an interval apart, of which one fits and one does not; or all is
-	                              * bought. false: the bound on tries came first; what was found fits all the same, if it says so */
+	bool converged;              /* after lod_spend_search: two prices are known, 1/16384 of an interval apart, of which one fits and
+	                              * one does not; or all is bought. false: the bound on tries came first; what was found fits all the
+	                              * same, if it says so */
 	uint32_t *hash_first;        /* per slot, into hashes; slot_count + 1 */
 	uint16_t *hashes;            /* of plants that are drawn, slot by slot, ascending where `sorted` */
 	uint8_t *sorted;             /* per slot */

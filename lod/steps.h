@@ -45,10 +45,11 @@ double lod_steps_absent(const struct eco_ladder *ladder);
 /* Errors at an amount that lod_way_floor returns. */
 struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices);
 
-/* The hull of any amounts in ascending vertices, in place, with steps->extra as it is; of two steps whose prices are not `spread` times apart one is made.
- * A hull of a hull at another weight is one at both, and between. */
+/* The hull of any amounts in ascending vertices, in place, with steps->extra as it is; of two steps whose prices are not `spread` times
+ * apart one is made. A hull of a hull at another weight is one at both, and between. */
 void lod_steps_hull(struct lod_steps *steps, double spread);
-#define LOD_STEPS_SPREAD 1.25    /* of ladders: where a curve is nearly straight, a step between does not save more, but more plants change as a camera moves */
+#define LOD_STEPS_SPREAD 1.25    /* of ladders: where a curve is nearly straight, a step between does not save more, but more plants
+                                  * change as a camera moves */
 /* All there is, for who can have everything: `to` as the last amount. Needs room for one more. */
 void lod_steps_complete(struct lod_steps *steps, uint64_t to);
 

@@ -99,8 +99,8 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 /* Packs are mapped: one that is cut short, or a disk that fails, is met here, wherever that is. Nothing can be trusted then. */
 static void pack_is_gone(int number)
 {
-	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed (SIGBUS): start ecoserve again. Put a new pack "
-		"in place by renaming it (mv, or ecopack make), not by writing over the old one (cp)\n";
+	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed (SIGBUS): start ecoserve again. Put a new "
+		"pack in place by renaming it (mv, or ecopack make), not by writing over the old one (cp)\n";
 	(void)number;
 	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
 }
