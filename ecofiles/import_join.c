@@ -151,11 +151,6 @@ static void append(struct eco_model *m, const struct eco_model_frame *frame, str
 
 /* ---- What is known of the axes and the unit ---- */
 
-static const char *letter(enum eco_up up)
-{
-	return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y";
-}
-
 /* By the shape of the joined soup, which is as in its files, if that says enough; else by what the format usually means. */
 static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct eco_notes *notes)
 {
@@ -166,10 +161,10 @@ static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct e
 	if (certainty < ECO_UP_CERTAIN) {
 		up = convention;
 		eco_note(notes, "its shape does not tell which axis points up: taken for %s, as is usual in this format; add \"up\": \"%s\" if not",
-			letter(up), letter(up == ECO_UP_Z ? ECO_UP_Y : ECO_UP_Z));
+			eco_up_name(up), eco_up_name(up == ECO_UP_Z ? ECO_UP_Y : ECO_UP_Z));
 	} else if (up != convention) {
-		eco_note(notes, "by its shape the %s axis points up, not %s as is usual in this format; add \"up\": \"%s\" if not", letter(up),
-			letter(convention), letter(convention));
+		eco_note(notes, "by its shape the %s axis points up, not %s as is usual in this format; add \"up\": \"%s\" if not", eco_up_name(up),
+			eco_up_name(convention), eco_up_name(convention));
 	}
 	return up;
 }

@@ -37,12 +37,6 @@ struct place {                           /* what is known of where the track goe
 	struct eco_sources sources;
 };
 
-static void say_ground(void *ctx, const char *text)
-{
-	(void)ctx;
-	main_note("%s", text);
-}
-
 static enum eco_code open_scene(struct place *place, const struct camera_options *o, struct eco_error *error)
 {
 	place->crs = o->crs;
@@ -63,7 +57,7 @@ static enum eco_code open_scene(struct place *place, const struct camera_options
 	if (!scene->ground.height_count)
 		return ECO_OK;
 	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs, .scene_vertical = scene->vertical,
-		.warn = say_ground };
+		.warn = main_note_text };
 	memcpy(ground.origin, scene->origin, sizeof ground.origin);
 	code = eco_ground_import(&place->ground, &ground, error);
 	place->has_raster = !code;

@@ -11,12 +11,6 @@
 
 #define HEIGHT_STEP_M 0.01
 
-static void warn(void *ctx, const char *text)
-{
-	(void)ctx;
-	main_note("%s", text);
-}
-
 /* Rasters of whole metres or decimetres keep them exactly, in a fraction of the bytes; 0 where heights are finer than that. */
 static double whole_step(const struct eco_ground *ground, double least)
 {
@@ -65,7 +59,7 @@ enum eco_code make_ground_read(struct make *m)
 	if (!main_progress("reading ground", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs, .scene_vertical = source->vertical,
-		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .warn = warn };
+		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .warn = main_note_text };
 	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
 	if (code)
 		return code;

@@ -108,12 +108,6 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
 /* Lines of a table, which names the file where that is needed. */
-static void note_line(void *ctx, const char *text)
-{
-	(void)ctx;
-	main_note("%s", text);
-}
-
 static enum eco_code place_rows(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -135,7 +129,7 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 				eco->skipped[k].count += skipped[k].count;
 		}
 		if (!code)
-			eco_positions_report(reader, note_line, NULL);
+			eco_positions_report(reader, main_note_text, NULL);
 		eco_positions_close(reader);
 		if (code)
 			return code;

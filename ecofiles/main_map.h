@@ -69,6 +69,8 @@ enum eco_code map_draw_ground(struct map *m);
 enum eco_code map_draw_contours(struct map *m);
 enum eco_code map_draw_places(struct map *m);
 
+static inline enum eco_code map_no_memory(struct map *m) { return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map"); }
+
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 
 static inline void map_extend(struct map_bounds *b, double x, double y)

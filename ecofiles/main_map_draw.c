@@ -17,8 +17,6 @@
 #define RADIUS_LEAST 0.9
 #define RADIUS_MOST 7.0
 
-static enum eco_code no_memory(struct map *m) { return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map"); }
-
 /* ---- What the picture shows ---- */
 
 static int by_double(const void *a, const void *b)
@@ -34,7 +32,7 @@ static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
 	double *sorted = malloc((count + 1) * sizeof *sorted);
 	struct map_bounds core = *b;
 	if (!sorted)
-		return no_memory(m);
+		return map_no_memory(m);
 	for (int k = 0; k < 2; k++) {
 		for (uint64_t i = 0; i < count; i++)
 			sorted[i] = (double)(k ? m->points.items[i * stride].y : m->points.items[i * stride].x);
@@ -122,7 +120,7 @@ static enum eco_code look_at_density(struct map *m, double *density)
 	uint8_t *any = calloc(columns, rows);
 	uint64_t shown = 0, blocks = 0;
 	if (!any)
-		return no_memory(m);
+		return map_no_memory(m);
 	m->outside = 0;
 	for (uint64_t i = 0; i < m->points.count; i++) {
 		uint32_t x, y;
@@ -186,7 +184,7 @@ static enum eco_code draw_density(struct map *m)
 	bool good = tally && rgba;
 	free(tally);
 	free(rgba);
-	return good ? ECO_OK : no_memory(m);
+	return good ? ECO_OK : map_no_memory(m);
 }
 
 /* ---- Dots ---- */
@@ -248,7 +246,7 @@ static enum eco_code draw_dots(struct map *m)
 	if (!layer.rgba || !rgba) {
 		free(layer.rgba);
 		free(rgba);
-		return no_memory(m);
+		return map_no_memory(m);
 	}
 	qsort(m->points.items, m->points.count, sizeof *m->points.items, by_height);
 	for (uint64_t i = 0; i < m->points.count; i++) {
@@ -287,7 +285,7 @@ static enum eco_code draw_edges(struct map *m, const struct map_edges *edges, do
 {
 	double *ends = malloc(4 * (size_t)edges->count * sizeof *ends + 1);
 	if (!ends)
-		return no_memory(m);
+		return map_no_memory(m);
 	for (size_t i = 0; i < 2 * (size_t)edges->count; i++) {
 		ends[2 * i] = map_x(m, edges->ends[2 * i]);
 		ends[2 * i + 1] = map_y(m, edges->ends[2 * i + 1]);

@@ -19,8 +19,6 @@
 #define POINTS_MAX 500000000u
 #define KINDS_MAX 1000000u
 
-static enum eco_code no_memory(struct map *m) { return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map"); }
-
 /* Room for one more; false without memory. */
 static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t most, size_t size)
 {
@@ -43,7 +41,7 @@ static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count,
 	struct map_left *bigger = realloc(m->left, (m->left_count + 1u) * sizeof *bigger);
 	va_list args;
 	if (!bigger)
-		return no_memory(m);
+		return map_no_memory(m);
 	m->left = bigger;
 	struct map_left *left = &bigger[m->left_count++];
 	*left = (struct map_left){ .count = count, .kind = kind };
@@ -56,7 +54,7 @@ static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count,
 static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
 {
 	if (!reserve((void **)&points->items, points->count, &points->capacity, POINTS_MAX, sizeof *point))
-		return no_memory(m);
+		return map_no_memory(m);
 	points->items[points->count++] = *point;
 	return ECO_OK;
 }
@@ -94,7 +92,7 @@ static enum eco_code find_kinds(struct map *m)
 		m->kind_of[names[i].source][names[i].plant] = m->kind_count - 1;
 	}
 	free(names);
-	return good ? ECO_OK : no_memory(m);
+	return good ? ECO_OK : map_no_memory(m);
 }
 
 static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2], double height_m)
@@ -144,7 +142,7 @@ static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec
 {
 	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
 	uint32_t found = 0;
-	enum eco_code code = order ? ECO_OK : no_memory(m);
+	enum eco_code code = order ? ECO_OK : map_no_memory(m);
 	for (uint32_t i = 0; i < spec->map_count && order; i++)
 		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
 			order[found++] = &counts->keys[i];
@@ -188,12 +186,6 @@ static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
 	return code;
 }
 
-static void note(void *ctx, const char *text)
-{
-	(void)ctx;
-	main_note("%s", text);
-}
-
 static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -213,7 +205,7 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 		code = add_plant(m, source, row.plant, row.at, height > 0 ? height * row.scale : NAN);
 	}
 	if (!code) {
-		eco_positions_report(reader, note, NULL);
+		eco_positions_report(reader, main_note_text, NULL);
 		code = say_rows(m, reader, spec);
 	}
 	eco_positions_close(reader);
@@ -228,7 +220,7 @@ static enum eco_code add_edges(struct map *m, struct map_edges *edges, const str
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
 		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX, 4 * sizeof *edges->ends))
-			return no_memory(m);
+			return map_no_memory(m);
 		memcpy(edges->ends + 4 * (size_t)edges->count++, (const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
 	}
 	edges->capacity = (uint32_t)capacity;
@@ -320,7 +312,7 @@ static enum eco_code count_kinds(struct map *m)
 {
 	uint64_t *times = calloc(m->sources.count, sizeof *times);
 	if (!times)
-		return no_memory(m);
+		return map_no_memory(m);
 	times[0] = 1;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
@@ -346,7 +338,7 @@ static enum eco_code add_bounds(struct map *m, uint32_t source, const struct tur
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return ECO_OK;
 	if (!reserve((void **)&m->outlines, m->outline_count, &capacity, UINT32_MAX, sizeof *m->outlines))
-		return no_memory(m);
+		return map_no_memory(m);
 	m->outline_capacity = (uint32_t)capacity;
 	struct map_outline *outline = &m->outlines[m->outline_count++];
 	corners_of(t, &m->bounds[source], outline->corners);
@@ -392,7 +384,7 @@ static enum eco_code choose_colors(struct map *m)
 	struct map_kind **order = calloc(m->kind_count + 1u, sizeof *order);
 	uint32_t present = 0;
 	if (!order)
-		return no_memory(m);
+		return map_no_memory(m);
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		if (m->kinds[i].count)
 			order[present++] = &m->kinds[i];
@@ -416,7 +408,7 @@ static enum eco_code find_typical_height(struct map *m)
 	float *heights = malloc((m->points.count / stride + 1) * sizeof *heights);
 	uint32_t count = 0;
 	if (!heights)
-		return no_memory(m);
+		return map_no_memory(m);
 	for (uint64_t i = 0; i < m->points.count; i += stride)
 		if (m->points.items[i].height_m > 0)
 			heights[count++] = m->points.items[i].height_m;
@@ -428,19 +420,13 @@ static enum eco_code find_typical_height(struct map *m)
 
 /* ---- All ---- */
 
-static void warn(void *ctx, const char *text)
-{
-	(void)ctx;
-	main_note("%s", text);
-}
-
 static enum eco_code read_ground(struct map *m)
 {
 	struct eco_source *s = &m->sources.items[0];
 	if (!s->ground.height_count)
 		return ECO_OK;
 	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
-		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = warn }, m->error);
+		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error);
 	m->has_ground = !code;
 	return code;
 }
@@ -451,7 +437,7 @@ static enum eco_code read_sources(struct map *m)
 	m->own = calloc(count, sizeof *m->own);
 	m->bounds = calloc(count, sizeof *m->bounds);
 	m->totals = calloc(count, sizeof *m->totals);
-	enum eco_code code = m->own && m->bounds && m->totals ? find_kinds(m) : no_memory(m);
+	enum eco_code code = m->own && m->bounds && m->totals ? find_kinds(m) : map_no_memory(m);
 	/* nested files come after those that nest them, and are needed first */
 	for (uint32_t s = count; s-- > 0 && !code;) {
 		code = add_instances(m, s);

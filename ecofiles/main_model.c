@@ -134,8 +134,6 @@ static const char *how_text(enum eco_how how)
 	}
 }
 
-static const char *up_text(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
-
 /* ---- As a plant of SCENE.json ---- */
 
 static json_t *text_json(const char *text)
@@ -170,7 +168,7 @@ static json_t *plant_json(const struct seen *s)
 		json_object_set_new(plant, "model", files);
 	}
 	if (s->up || source->up_how == ECO_HOW_SHAPE || source->up_how == ECO_HOW_CONVENTION)
-		json_object_set_new(plant, "up", json_string(up_text(source->up)));
+		json_object_set_new(plant, "up", json_string(eco_up_name(source->up)));
 	if (s->unit)
 		json_object_set_new(plant, "unit", json_string(s->unit));
 	if (s->options.height_m > 0)
@@ -218,7 +216,7 @@ static void print_frame(const struct seen *s)
 		printf("  unit        %s, %s\n", unit, how_text(source->unit_how));
 	else
 		printf("  unit        %.4g m, %s\n", m->scale, how_text(source->unit_how));
-	printf("  up          %s, %s\n", up_text(source->up), how_text(source->up_how));
+	printf("  up          %s, %s\n", eco_up_name(source->up), how_text(source->up_how));
 	printf("  foot        at %.6g, %.6g, %.6g of the file (turned to z up)", m->foot[0], m->foot[1], m->foot[2]);
 	if (source->below > 0)
 		printf("; it reaches %.3g m below the ground", source->below * m->scale);
@@ -407,7 +405,7 @@ static void print_json(const struct seen *s)
 	json_object_set_new(top, "below_m", json_real(m->source.below * m->scale));
 	json_object_set_new(top, "unit_m", json_real(m->scale));
 	json_object_set_new(top, "unit", json_string(how_text(m->source.unit_how)));
-	json_object_set_new(top, "up", json_string(up_text(m->source.up)));
+	json_object_set_new(top, "up", json_string(eco_up_name(m->source.up)));
 	json_object_set_new(top, "up_found", json_string(how_text(m->source.up_how)));
 	json_object_set_new(top, "foot", json_pack("[f,f,f]", m->foot[0], m->foot[1], m->foot[2]));
 	json_object_set_new(top, "triangles_in", json_integer(m->triangles_in));

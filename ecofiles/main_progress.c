@@ -110,3 +110,9 @@ void main_note(const char *format, ...)
 	}
 	pthread_mutex_unlock(&lock);
 }
+
+void main_note_text(void *unused, const char *text)
+{
+	(void)unused;
+	main_note("%s", text);
+}

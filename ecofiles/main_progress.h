@@ -16,5 +16,6 @@ void main_progress_quiet(bool quiet);
 
 /* A line for people that does not spoil the bar. */
 void main_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void main_note_text(void *unused, const char *text);     /* the same, for who is called back */
 
 #endif

@@ -27,6 +27,16 @@ static inline double eco_mix_unit(uint64_t bits)
 	return (double)(bits >> 11) / 9007199254740992.0;
 }
 
+/* A slot of a table for three numbers; the low bits are as good as the high ones. */
+static inline uint32_t eco_mix_slot(uint32_t a, uint32_t b, uint32_t c)
+{
+	uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);
+
+	h ^= h >> 29;
+	h *= 0xbf58476d1ce4e5b9u;
+	return (uint32_t)(h >> 32);
+}
+
 /* One of `count` models of a plant, and a yaw in 1/65536 turns: independent bits of one hash. */
 static inline uint32_t eco_mix_variant(uint64_t seed, uint64_t number, uint32_t count)
 {

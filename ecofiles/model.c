@@ -8,7 +8,17 @@
 #include <string.h>
 
 #include "ecofiles/import_model.h"
+#include "ecofiles/mix.h"
 #include "ecofiles/model_parts.h"
+
+bool eco_image_has_holes(const struct eco_image *image)
+{
+	size_t pixels = (size_t)image->width * image->height;
+	for (size_t i = 0; i < pixels; i++)
+		if (image->rgba[4 * i + 3] < 128)
+			return true;
+	return false;
+}
 
 void eco_model_free(struct eco_model *model)
 {
@@ -43,15 +53,6 @@ struct clean {
 	uint32_t *place;                     /* per vertex: the first vertex at its position; ECO_NONE: not finite */
 	uint32_t *table, mask;               /* open addressing, ECO_NONE is free */
 };
-
-static uint32_t hash3(uint32_t a, uint32_t b, uint32_t c)
-{
-	uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);
-
-	h ^= h >> 29;
-	h *= 0xbf58476d1ce4e5b9u;
-	return (uint32_t)(h >> 32);
-}
 
 static bool table_new(struct clean *c, uint32_t entries)
 {
@@ -92,7 +93,7 @@ static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t ma
 	uint32_t sorted[3] = { corners[0], corners[1], corners[2] }, slot;
 
 	sort3(sorted);
-	slot = hash3(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
+	slot = eco_mix_slot(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
 	for (; c->table[slot] != ECO_NONE; slot = (slot + 1) & c->mask) {
 		uint32_t other[3];
 

@@ -31,6 +31,8 @@ struct eco_image {           /* 8-bit RGBA, straight alpha, sRGB, first row at t
 	uint32_t width, height;
 	uint8_t *rgba;
 };
+/* Does it cut anything out: is alpha below 0.5 anywhere? */
+bool eco_image_has_holes(const struct eco_image *image);
 
 struct eco_material {
 	char name[64];
@@ -48,6 +50,7 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 
 /* How the file's numbers were understood. Up: the axis of the file that points up; found: as the format says, else by shape, Y or Z. */
 enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
+static inline const char *eco_up_name(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
 enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
 struct eco_model_source {
 	char format[64];         /* of the first file, for people */

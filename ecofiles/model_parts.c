@@ -8,20 +8,12 @@
 #include <string.h>
 
 #include "ecofiles/import_model.h"
+#include "ecofiles/mix.h"
 #include "ecofiles/union.h"
 
 #define COORDINATE_MAX 1e9f
 
 /* ---- Places ---- */
-
-static uint32_t hash3(uint32_t a, uint32_t b, uint32_t c)
-{
-	uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);
-
-	h ^= h >> 29;
-	h *= 0xbf58476d1ce4e5b9u;
-	return (uint32_t)(h >> 32);
-}
 
 /* Free slots are ECO_NONE. NULL when memory ran out. */
 static uint32_t *table_new(uint64_t entries, uint32_t *mask)
@@ -59,7 +51,7 @@ bool eco_model_places(struct eco_model *m, uint32_t *place)
 		for (int k = 0; k < 3; k++)
 			p[k] += 0.0f;                /* -0 is 0 */
 		memcpy(bits, p, sizeof bits);
-		slot = hash3(bits[0], bits[1], bits[2]) & mask;
+		slot = eco_mix_slot(bits[0], bits[1], bits[2]) & mask;
 		while (table[slot] != ECO_NONE && memcmp(&m->position[(size_t)table[slot] * 3], p, sizeof bits) != 0)
 			slot = (slot + 1) & mask;
 		if (table[slot] == ECO_NONE)
@@ -108,7 +100,7 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
 		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0, slot, a, b;
 
-		slot = hash3(at, material, 0) & mask;
+		slot = eco_mix_slot(at, material, 0) & mask;
 		while (table[slot] != ECO_NONE && (place[m->index[table[slot]]] != at
 			|| (by_material && m->material[table[slot] / 3] != material)))
 			slot = (slot + 1) & mask;

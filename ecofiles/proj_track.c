@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "ecofiles/track.h"
+#include "ecofiles/track_read.h"
 
 struct eco_track_path {
 	PJ_CONTEXT *context;
@@ -33,12 +33,6 @@ static enum eco_code convert_between(struct eco_track_path *p, const char *from,
 		proj_context_errno_string(p->context, proj_context_errno(p->context)));
 }
 
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
 static enum eco_code own_plane(struct eco_track_path *p, const struct eco_track *track, struct eco_error *error)
 {
 	double center[2], *sorted = malloc(track->count * sizeof *sorted);
@@ -48,7 +42,7 @@ static enum eco_code own_plane(struct eco_track_path *p, const struct eco_track 
 	for (int axis = 0; axis < 2; axis++) {
 		for (uint32_t i = 0; i < track->count; i++)
 			sorted[i] = track->fixes[i].at[axis];
-		qsort(sorted, track->count, sizeof *sorted, by_value);
+		qsort(sorted, track->count, sizeof *sorted, track_by_value);
 		center[axis] = sorted[track->count / 2];
 	}
 	free(sorted);

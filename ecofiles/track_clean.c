@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/track_read.h"
+
 #define WINDOW_S 1.0                     /* speeds are measured over */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
@@ -64,17 +66,11 @@ double track_distance(const struct eco_fix *a, const struct eco_fix *b)
 	return isnan(dz) ? flat : hypot(flat, dz);
 }
 
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
 double track_quantile(double *values, uint32_t count, double share)
 {
 	if (!count)
 		return 0;
-	qsort(values, count, sizeof *values, by_value);
+	qsort(values, count, sizeof *values, track_by_value);
 	return values[(uint32_t)(share * (count - 1))];
 }
 

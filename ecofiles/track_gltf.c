@@ -227,12 +227,6 @@ static enum eco_code add_pose(struct eco_track *track, const struct chain *chain
 	return track_add(track, &fix, error);
 }
 
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
 /* Key times of all channels, ascending, each once; malloc'ed, NULL without memory. */
 static double *key_times(const struct chain *chain, size_t *count)
 {
@@ -251,7 +245,7 @@ static double *key_times(const struct chain *chain, size_t *count)
 				memcpy(times + used, c->times, c->count * sizeof *times);
 			used += c->count;
 		}
-	qsort(times, used, sizeof *times, by_value);
+	qsort(times, used, sizeof *times, track_by_value);
 	for (size_t i = 0; i < used; i++)
 		if (!*count || times[i] > times[*count - 1])
 			times[(*count)++] = times[i];

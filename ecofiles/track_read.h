@@ -38,6 +38,7 @@ bool track_next_line(const struct track_input *in, struct track_line *line);    
 bool track_number(const char **text, const char *end, double *value);
 /* The whole text is a number but for spaces. */
 bool track_is_number(const char *text, const char *end, double *value);
+int track_by_value(const void *a, const void *b);        /* doubles, ascending, for qsort */
 /* A date and time in one of the usual forms: 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525,
  * 02.04.2020 15:19:58. Without a zone it is taken for UTC. Seconds since 1970. *text is moved behind it. */
 bool track_date_time(const char **text, const char *end, double *time_s);

@@ -48,6 +48,12 @@ bool track_number(const char **text, const char *end, double *value)
 	return true;
 }
 
+int track_by_value(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
 bool track_is_number(const char *text, const char *end, double *value)
 {
 	double number;

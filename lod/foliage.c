@@ -6,21 +6,12 @@
 
 #include "lod/element.h"
 
-static bool has_holes(const struct eco_image *image)
-{
-	size_t pixels = (size_t)image->width * image->height;
-	for (size_t i = 0; i < pixels; i++)
-		if (image->rgba[4 * i + 3] < 128)
-			return true;
-	return false;
-}
-
 /* Per image of the model: does it cut anything out? */
 static bool *find_holes(const struct eco_model *model, struct lod_arena *arena)
 {
 	bool *holes = lod_arena_take(arena, model->image_count, sizeof *holes);
 	for (uint32_t i = 0; i < model->image_count; i++)
-		holes[i] = has_holes(&model->images[i]);
+		holes[i] = eco_image_has_holes(&model->images[i]);
 	return holes;
 }
 

@@ -36,17 +36,6 @@ bool lod_colour_is_green(const uint8_t rgb[3])
 	return 100 * rgb[1] > 102 * rgb[0] && 100 * rgb[1] > 105 * rgb[2];
 }
 
-static struct lod_v3 corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
-{
-	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k % 3]);
-}
-
-static struct lod_v3 area_normal(const struct lod_mesh *mesh, uint32_t t)
-{
-	struct lod_v3 a = corner(mesh, t, 0);
-	return lod_v3_scale(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a)), 0.5);
-}
-
 /* ---- One side ---- */
 
 /* 1 or -1 per triangle, so that neighbours look to the same side. */
@@ -98,18 +87,18 @@ static void add_border(struct measure *m, struct lod_shape *shape, struct sums *
 static void add_edges(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t)
 {
 	const struct lod_mesh *mesh = m->mesh;
-	struct lod_v3 normal = lod_v3_scale(lod_v3_unit(area_normal(mesh, t)), m->sign[t]);
+	struct lod_v3 normal = lod_v3_scale(lod_v3_unit(lod_mesh_area_normal(mesh, t)), m->sign[t]);
 	for (uint32_t k = 0; k < 3; k++) {
 		uint32_t edge = lod_mesh_across(m->mesh, t, k), u = edge / 3;
-		double length = lod_v3_distance(corner(mesh, t, k), corner(mesh, t, k + 1));
+		double length = lod_v3_distance(lod_mesh_corner(mesh, t, k), lod_mesh_corner(mesh, t, k + 1));
 		sums->edges += length;
 		if (edge == ECO_NONE)
 			add_border(m, shape, sums, t, k, length);
 		if (edge == ECO_NONE || u < t)
 			continue;
-		struct lod_v3 other = lod_v3_scale(lod_v3_unit(area_normal(mesh, u)), m->sign[u]);
+		struct lod_v3 other = lod_v3_scale(lod_v3_unit(lod_mesh_area_normal(mesh, u)), m->sign[u]);
 		double angle = lod_arc_cosine(lod_v3_dot(normal, other));
-		struct lod_v3 away = lod_v3_sub(corner(mesh, u, edge % 3 + 2), corner(mesh, t, k));
+		struct lod_v3 away = lod_v3_sub(lod_mesh_corner(mesh, u, edge % 3 + 2), lod_mesh_corner(mesh, t, k));
 		sums->bend += (lod_v3_dot(normal, away) < 0 ? angle : -angle) * length;
 		sums->angle += angle * length;
 		sums->angle2 += angle * angle * length;
@@ -119,12 +108,12 @@ static void add_edges(struct measure *m, struct lod_shape *shape, struct sums *s
 static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t)
 {
 	const struct lod_mesh *mesh = m->mesh;
-	struct lod_v3 normal = area_normal(mesh, t);
+	struct lod_v3 normal = lod_mesh_area_normal(mesh, t);
 	double area = lod_v3_length(normal);
 	if (shape->triangle_count++ == 0) {
 		shape->first = t;
 		shape->material = mesh->material[t];
-		m->origin = corner(mesh, t, 0);
+		m->origin = lod_mesh_corner(mesh, t, 0);
 	}
 	for (uint32_t k = 0; k < 3; k++)
 		for (int a = 0; a < 3; a++) {
@@ -134,8 +123,8 @@ static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums
 		}
 	shape->area += area;
 	sums->level += fabs(normal.z);
-	sums->volume += m->sign[t] * volume_of(lod_v3_sub(corner(mesh, t, 0), m->origin), lod_v3_sub(corner(mesh, t, 1), m->origin),
-		lod_v3_sub(corner(mesh, t, 2), m->origin));
+	sums->volume += m->sign[t] * volume_of(lod_v3_sub(lod_mesh_corner(mesh, t, 0), m->origin), lod_v3_sub(lod_mesh_corner(mesh, t, 1), m->origin),
+		lod_v3_sub(lod_mesh_corner(mesh, t, 2), m->origin));
 	lod_light_add(&sums->light, m->rgb[t], m->opaque[t]);
 	sums->opaque += m->opaque[t];
 	add_edges(m, shape, sums, t);

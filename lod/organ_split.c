@@ -33,20 +33,9 @@ struct splitter {
 	bool any;
 };
 
-static struct lod_v3 corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
-{
-	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k % 3]);
-}
-
-static struct lod_v3 area_normal(const struct lod_mesh *mesh, uint32_t t)
-{
-	struct lod_v3 a = corner(mesh, t, 0);
-	return lod_v3_scale(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a)), 0.5);
-}
-
 static double edge_length(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
 {
-	return lod_v3_distance(corner(mesh, t, k), corner(mesh, t, k + 1));
+	return lod_v3_distance(lod_mesh_corner(mesh, t, k), lod_mesh_corner(mesh, t, k + 1));
 }
 
 static struct part empty(void)
@@ -111,7 +100,7 @@ static void part_colours(struct splitter *s, const uint32_t *member, uint32_t co
 		uint32_t t = member[i];
 		bool green = lod_colour_is_green(s->rgb[t]);
 		include(&whole, mesh, t);
-		area[green] += lod_v3_length(area_normal(mesh, t));
+		area[green] += lod_v3_length(lod_mesh_area_normal(mesh, t));
 		first[green] = first[green] == ECO_NONE ? t : first[green];
 	}
 	double size = lod_v3_distance(lod_v3_of(mesh->low), lod_v3_of(mesh->high));
@@ -153,7 +142,7 @@ static void grow(struct part *to, const struct part *part)
 static struct part measure(const struct splitter *s, uint32_t t)
 {
 	const struct lod_mesh *mesh = s->mesh;
-	struct lod_v3 normal = area_normal(mesh, t);
+	struct lod_v3 normal = lod_mesh_area_normal(mesh, t);
 	struct part p = empty();
 	p.area = lod_v3_length(normal);
 	p.triangles = 1;
@@ -164,7 +153,7 @@ static struct part measure(const struct splitter *s, uint32_t t)
 		p.edges += length;
 		p.border += border ? length : 0;
 		if (!border) {
-			double cosine = lod_v3_dot(lod_v3_unit(normal), lod_v3_unit(area_normal(mesh, edge / 3)));
+			double cosine = lod_v3_dot(lod_v3_unit(normal), lod_v3_unit(lod_mesh_area_normal(mesh, edge / 3)));
 			bool alike = mesh->index[edge] != mesh->index[3 * (size_t)t + k];
 			p.bend += lod_arc_cosine(alike ? cosine : -cosine) * length / 2;
 		}

@@ -81,15 +81,6 @@ static void place_eyes(struct lod_probe *probe)
 	}
 }
 
-static bool has_holes(const struct eco_image *image)
-{
-	size_t pixels = (size_t)image->width * image->height;
-	for (size_t i = 0; i < pixels; i++)
-		if (image->rgba[4 * i + 3] < 128)
-			return true;
-	return false;
-}
-
 static size_t view_pixels(const struct lod_probe *probe)
 {
 	return (size_t)probe->options.pixels * probe->options.pixels;
@@ -169,7 +160,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 		count_chunks(probe, &probe->lists[i], &plant->lists[i]);
 	}
 	for (uint32_t i = 0; i < plant->image_count; i++)
-		probe->cut[i] = has_holes(&model->images[plant->images[i]]);
+		probe->cut[i] = eco_image_has_holes(&model->images[plant->images[i]]);
 	bounds(probe, model);
 	place_eyes(probe);
 	return ECO_OK;

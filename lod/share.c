@@ -69,14 +69,9 @@ double lod_body_opacity(const struct lod_body *body)
 	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * body->area / ellipse) : 0;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
 {
-	double ahead = dot(eye->forward, from_eye), slope = ahead > closest ? dot(eye->up, from_eye) / ahead : 0;
+	double ahead = lod_dot(eye->forward, from_eye), slope = ahead > closest ? lod_dot(eye->up, from_eye) / ahead : 0;
 	double x = eye->up[0] - slope * eye->forward[0], y = eye->up[1] - slope * eye->forward[1];
 	return (struct lod_tilt){ eye->up[2] - slope * eye->forward[2], sqrt(x * x + y * y) };
 }
@@ -93,7 +88,7 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	double ahead = dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
+	double ahead = lod_dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
 	bool beside = ahead <= closest;
 	double within = beside ? (ahead + size) / (closest + size) : 1, before = size > 0 ? ahead / closest - 1 : 1;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
@@ -102,8 +97,8 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
 	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
 	struct lod_sight *sight = &screen->sights[screen->count++];
-	double y = 0.5 * screen->rows - dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
-	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + dot(eye->right, d) * columns), .y = (float)y,
+	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
+	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
 		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
 		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),

@@ -6,11 +6,6 @@
 
 #include "ecofiles/turn.h"
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void cross(const double a[3], const double b[3], double out[3])
 {
 	out[0] = a[1] * b[2] - a[2] * b[1];
@@ -28,7 +23,7 @@ static bool normalize(double v[3])
 		return false;
 	for (int i = 0; i < 3; i++)
 		v[i] /= largest;
-	double length = sqrt(dot(v, v));
+	double length = sqrt(lod_dot(v, v));
 	for (int i = 0; i < 3; i++)
 		v[i] /= length;
 	return true;
@@ -85,7 +80,7 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 	assert(looks);
 	bool has_up = normalize(up);
 	cross(eye->forward, up, eye->right);
-	if (!has_up || dot(eye->right, eye->right) < 1e-24) {
+	if (!has_up || lod_dot(eye->right, eye->right) < 1e-24) {
 		/* up says nothing: take the world axis least along the view, Z first, so that a level view stays level */
 		int axis = fabs(eye->forward[2]) < 0.9 ? 2 : 1;
 		for (int i = 0; i < 3; i++)
@@ -131,9 +126,9 @@ bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radi
 	/* a little more than the radius: a plant that only rounding keeps out is drawn */
 	double reach = radius * (1.0 + 1e-9);
 	for (int i = 0; i < 4; i++)
-		if (dot(eye->side[i], from_eye) < -reach)
+		if (lod_dot(eye->side[i], from_eye) < -reach)
 			return false;
-	return dot(eye->forward, from_eye) > -reach;
+	return lod_dot(eye->forward, from_eye) > -reach;
 }
 
 /* Factor on a squared distance, from 2^(-1/4) up to, not including, 2^(1/4). The hash times an odd number modulo 2^16 is a permutation that is
@@ -147,7 +142,7 @@ static double blur(uint32_t hash)
 uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale, uint32_t hash)
 {
 	double d[3] = { world[0] - eye->at[0], world[1] - eye->at[1], world[2] - eye->at[2] };
-	double square = dot(d, d) / (scale * scale) * blur(hash);
+	double square = lod_dot(d, d) / (scale * scale) * blur(hash);
 	if (!(square > 0))
 		return 0;
 	int exponent;

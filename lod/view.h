@@ -13,6 +13,8 @@
 
 #include "ecofiles/plan.h"
 
+static inline double lod_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 struct lod_eye {
 	double at[3];
 	double right[3], up[3], forward[3];      /* orthonormal */

@@ -17,11 +17,6 @@ static enum eco_code no_memory(struct eco_error *error)
 	return ECO_NO_MEMORY;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* ---- Boxes ---- */
 
 struct box { double center[3], half[3], axis[3][3]; };      /* world; half extents along the axes */
@@ -50,8 +45,8 @@ static bool box_seen(const struct lod_eye *eye, const struct box *box)
 		const double *normal = plane < 4 ? eye->side[plane] : eye->forward;
 		double reach = 0;
 		for (int i = 0; i < 3; i++)
-			reach += fabs(dot(normal, box->axis[i])) * box->half[i];
-		if (dot(normal, from_eye) < -reach * (1.0 + 1e-9))
+			reach += fabs(lod_dot(normal, box->axis[i])) * box->half[i];
+		if (lod_dot(normal, from_eye) < -reach * (1.0 + 1e-9))
 			return false;
 	}
 	return true;
@@ -62,7 +57,7 @@ static double box_distance(const struct lod_eye *eye, const struct box *box)
 	double from_center[3] = { eye->at[0] - box->center[0], eye->at[1] - box->center[1], eye->at[2] - box->center[2] };
 	double square = 0;
 	for (int i = 0; i < 3; i++) {
-		double outside = fabs(dot(from_center, box->axis[i])) - box->half[i];
+		double outside = fabs(lod_dot(from_center, box->axis[i])) - box->half[i];
 		if (outside > 0)
 			square += outside * outside;
 	}

@@ -11,6 +11,7 @@
 
 #include "ecofiles/model.h"
 #include "lod/arena.h"
+#include "lod/vector.h"
 
 #define LOD_WELD_BITS_MAX 20u
 
@@ -37,6 +38,19 @@ struct lod_mesh {
 	uint32_t dropped[ECO_DROP_COUNT];    /* of the model's triangles, here */
 	uint32_t unstored;           /* of `dropped`: collapsed */
 };
+
+/* Corner k, or k - 3, of triangle t, metres. */
+static inline struct lod_v3 lod_mesh_corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
+{
+	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k % 3]);
+}
+
+/* Normal of triangle t, as long as its area. */
+static inline struct lod_v3 lod_mesh_area_normal(const struct lod_mesh *mesh, uint32_t t)
+{
+	struct lod_v3 a = lod_mesh_corner(mesh, t, 0);
+	return lod_v3_scale(lod_v3_cross(lod_v3_sub(lod_mesh_corner(mesh, t, 1), a), lod_v3_sub(lod_mesh_corner(mesh, t, 2), a)), 0.5);
+}
 
 /* Arrays come from `arena`. `bits` is the grid's (1 to LOD_WELD_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
  * largest extent are one. Afterwards triangle_count - unstored + sum of

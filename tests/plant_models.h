@@ -142,6 +142,13 @@ static inline void soup_leaf(struct soup *s, uint32_t material, struct lod_v3 at
 	soup_quad(s, material, at, lod_v3_scale(u, length), lod_v3_scale(v, width));
 }
 
+/* `count` leaves all over a ball. */
+static inline void soup_leaves(struct soup *s, uint32_t material, int count, struct lod_v3 at, double radius, double size)
+{
+	for (int i = 0; i < count; i++)
+		soup_leaf(s, material, lod_v3_add(at, lod_v3_scale(soup_direction(s), radius * sqrt(soup_random(s, 0, 1)))), size, 0.6 * size);
+}
+
 /* A closed ball. */
 static inline void soup_ball(struct soup *s, uint32_t material, struct lod_v3 at, double radius, uint32_t n)
 {

@@ -16,12 +16,6 @@ static uint32_t plain(struct soup *s)
 	return soup_material(s, 153, 153, 153, ECO_NONE, false);
 }
 
-static void leaves(struct soup *s, uint32_t material, int count, struct lod_v3 at, double radius, double size)
-{
-	for (int i = 0; i < count; i++)
-		soup_leaf(s, material, lod_v3_add(at, lod_v3_scale(soup_direction(s), radius * sqrt(soup_random(s, 0, 1)))), size, 0.6 * size);
-}
-
 static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 at, double length, double lean, double sink)
 {
 	for (int i = 0; i < count; i++) {
@@ -117,7 +111,7 @@ static void flowers(struct soup *s)
 	for (int i = 0; i < 7; i++) {
 		double x = soup_random(s, -0.05, 0.05), y = soup_random(s, -0.05, 0.05);
 		soup_tube(s, stem, (struct lod_v3){ x, y, 0 }, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.006, 0.004, 5, 6);
-		leaves(s, head, 12, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.04, 0.05);
+		soup_leaves(s, head, 12, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.04, 0.05);
 	}
 	blades(s, leaf, 12, (struct lod_v3){ 0, 0, 0 }, 0.25, 0.9, 0.3);
 }
@@ -130,7 +124,7 @@ static void shrub(struct soup *s)
 		struct lod_v3 d = soup_direction(s);
 		d.z = fabs(d.z) + 0.5;
 		soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, lod_v3_scale(d, 1), 0.03, 0.01, 5, 6);
-		leaves(s, n, 60, lod_v3_scale(d, 1), 0.4, 0.1);
+		soup_leaves(s, n, 60, lod_v3_scale(d, 1), 0.4, 0.1);
 	}
 }
 
@@ -152,7 +146,7 @@ static void ball(struct soup *s)
 static void cloud_of_leaves(struct soup *s)
 {
 	soup_begin(s);
-	leaves(s, plain(s), 800, (struct lod_v3){ 0, 0, 0 }, 1, 0.1);
+	soup_leaves(s, plain(s), 800, (struct lod_v3){ 0, 0, 0 }, 1, 0.1);
 }
 
 static void hanging_basket(struct soup *s)

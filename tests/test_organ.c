@@ -265,12 +265,6 @@ static void frond(struct soup *s, uint32_t material, struct lod_v3 at, struct lo
 	}
 }
 
-static void leaves(struct soup *s, uint32_t material, int count, struct lod_v3 at, double radius, double size)
-{
-	for (int i = 0; i < count; i++)
-		soup_leaf(s, material, lod_v3_add(at, lod_v3_scale(soup_direction(s), radius * sqrt(soup_random(s, 0, 1)))), size, 0.6 * size);
-}
-
 /* Branches that hang together: tubes that share their first vertex with the trunk's last ring. */
 static void bare_tree(struct soup *s, uint32_t material)
 {
@@ -309,7 +303,7 @@ static void bamboo(struct soup *s)
 	uint32_t culm = named(s, "a", 90, 140, 50), leaf = named(s, "b", 60, 150, 40);
 	for (int i = 0; i < 9; i++) {
 		soup_tube(s, culm, (struct lod_v3){ 0.3 * i, 0.1 * i, 0 }, (struct lod_v3){ 0.3 * i, 0.1 * i + 0.3, 5 }, 0.04, 0.02, 8, 12);
-		leaves(s, leaf, 60, (struct lod_v3){ 0.3 * i, 0.1 * i, 4 }, 0.8, 0.2);
+		soup_leaves(s, leaf, 60, (struct lod_v3){ 0.3 * i, 0.1 * i, 4 }, 0.8, 0.2);
 	}
 }
 
@@ -370,7 +364,7 @@ static void potted(struct soup *s)
 	pot(s, clay, 0.25, 0.4);
 	disc(s, soil, 0.36, 0.22);
 	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.3 }, (struct lod_v3){ 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8);
-	leaves(s, leaf, 100, (struct lod_v3){ 0, 0, 1.1 }, 0.5, 0.2);
+	soup_leaves(s, leaf, 100, (struct lod_v3){ 0, 0, 1.1 }, 0.5, 0.2);
 }
 
 static void tulip(struct soup *s)        /* mostly petals, large ones */
@@ -388,24 +382,24 @@ static void cherry_in_bloom(struct soup *s)
 {
 	uint32_t bark = named(s, "", 80, 60, 55), petal = named(s, "", 240, 170, 200);
 	bare_tree(s, bark);
-	leaves(s, petal, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.1);
+	soup_leaves(s, petal, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.1);
 }
 
 static void autumn(struct soup *s)       /* yellow, orange and red, some still green */
 {
 	uint32_t bark = named(s, "", 90, 75, 60), yellow = named(s, "", 220, 180, 40), red = named(s, "", 200, 60, 30), green = named(s, "", 90, 120, 40);
 	bare_tree(s, bark);
-	leaves(s, yellow, 300, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	leaves(s, red, 200, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	leaves(s, green, 150, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, yellow, 300, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, red, 200, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, green, 150, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
 }
 
 static void some_leaves_turn_yellow(struct soup *s)
 {
 	uint32_t bark = named(s, "", 90, 75, 60), green = named(s, "", 90, 130, 50), yellow = named(s, "", 210, 180, 60);
 	bare_tree(s, bark);
-	leaves(s, green, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	leaves(s, yellow, 40, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, green, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, yellow, 40, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
 }
 
 static void vine(struct soup *s)
@@ -417,7 +411,7 @@ static void vine(struct soup *s)
 		soup_tube(s, stem, at, next, 0.012, 0.012, 5, 2);
 		at = next;
 	}
-	leaves(s, leaf, 80, (struct lod_v3){ 0, 0, 1.5 }, 1, 0.1);
+	soup_leaves(s, leaf, 80, (struct lod_v3){ 0, 0, 1.5 }, 1, 0.1);
 }
 
 static void posts_and_rails(struct soup *s)

@@ -222,16 +222,14 @@ static enum eco_code write_pictures(const struct work *w, const struct view_pict
 	return code;
 }
 
-static void set(json_t *row, const char *key, double value) { json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null()); }
-
 static void set_hue(json_t *row, enum variant variant, const struct hue *hue)
 {
 	json_t *h = json_object();
-	set(h, "rms", hue->rms);
-	set(h, "red", hue->tone[0]);
-	set(h, "green", hue->tone[1]);
-	set(h, "blue", hue->tone[2]);
-	set(h, "perceptual", hue->perceptual);
+	bench_shot_set(h, "rms", hue->rms);
+	bench_shot_set(h, "red", hue->tone[0]);
+	bench_shot_set(h, "green", hue->tone[1]);
+	bench_shot_set(h, "blue", hue->tone[2]);
+	bench_shot_set(h, "perceptual", hue->perceptual);
 	json_object_set_new(row, variant_names[variant], h);
 }
 
@@ -240,9 +238,9 @@ static void set_score(json_t *row, const struct view_picture *ours, const struct
 	struct lod_score score;
 	lod_score(&score, &(struct lod_score_input){ .width = ours->width, .height = ours->height, .cover = ours->cover, .reference = reference->cover,
 		.owner = ours->owner, .reference_owner = reference->owner });
-	set(row, "q", score.q);
-	set(row, "skill", score.skill);
-	set(row, "owner_q", score.owner_q);
+	bench_shot_set(row, "q", score.q);
+	bench_shot_set(row, "skill", score.skill);
+	bench_shot_set(row, "owner_q", score.owner_q);
 }
 
 static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant, uint64_t budget, json_t *row,
@@ -279,7 +277,7 @@ static enum eco_code try_budget(const struct work *w, const struct eco_request *
 	enum eco_code code = open_frame(&frame, w->scene, &request, error);
 	json_t *row = *made = json_object();
 	if (!code)
-		set(row, "vertices", (double)frame.selection.vertices);
+		bench_shot_set(row, "vertices", (double)frame.selection.vertices);
 	for (int i = 0; i < VARIANTS && !code; i++)
 		code = bench_stopped(w->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : draw_variant(w, &frame, order[i], budget, row, error);
 	close_frame(&frame);

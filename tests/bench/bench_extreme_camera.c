@@ -64,20 +64,12 @@ static bool look_through(struct extreme *x, struct extreme_world *world, const s
 	return true;
 }
 
-static bool open_shared(struct extreme *x, struct extreme_world *world)
-{
-	const struct extreme_stand *stand = extreme_stand_shared(x);
-	struct eco_error error = { 0 };
-	*world = (struct extreme_world){ 0 };
-	return stand && extreme_good(x, extreme_world_open(world, stand, &(struct extreme_site){ 0 }, &error), &error);
-}
-
 struct shot { const char *name; struct eco_view view; bool planned_only; double least; };    /* least: share of pixels to be covered */
 
 static void look_at_all(struct extreme *x, const struct shot *shots, size_t count)
 {
 	struct extreme_world world;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (size_t i = 0; i < count && good; i++) {
 		struct look look;
 		const struct eco_view *v = &shots[i].view;
@@ -127,7 +119,7 @@ static void inside_leaf(struct extreme *x)
 	struct extreme_world world;
 	struct shot shots[2] = { { .name = "along it" }, { .name = "across it" } };
 	const struct lod_list_draft *leaves = NULL;
-	if (!stand || !open_shared(x, &world))
+	if (!stand || !extreme_world_shared(x, &world))
 		return;
 	for (uint32_t i = 0; i < stand->plants[0].ladder_count && !leaves; i++)
 		if (stand->plants[0].ladders[i].organ == ECO_ORGAN_FOLIAGE && stand->plants[0].ladders[i].triangles != ECO_NONE)
@@ -187,7 +179,7 @@ static void distance_0(struct extreme *x)
 	struct extreme_world world;
 	struct shot shots[3] = { { .name = "at its foot" }, { .name = "at its middle" }, { .name = "at a cell's middle" } };
 	size_t count = 0;
-	if (!open_shared(x, &world))
+	if (!extreme_world_shared(x, &world))
 		return;
 	const struct eco_scene *s = &world.scene->pack->scene;
 	struct lod_place place = placed(&world, 0, 0);
@@ -334,7 +326,7 @@ static void draw_largest(struct extreme *x, struct eco_view view)
 {
 	struct extreme_world world;
 	struct lod_raster large = { 0 }, small = { 0 };
-	bool good = open_shared(x, &world) && silhouette(x, &world, &view, &large);
+	bool good = extreme_world_shared(x, &world) && silhouette(x, &world, &view, &large);
 	view.width = view.height = 1024;
 	if (good && silhouette(x, &world, &view, &small))
 		compare_blocks(x, &large, &small);
@@ -362,7 +354,7 @@ static void all_behind(struct extreme *x)
 {
 	static const double ways[][3] = { { -100, 0, 2 }, { -50, 0, 100 }, { -50.5, 0, 2 } };
 	struct extreme_world world;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (int i = 0; i < 3 && good; i++) {
 		struct eco_view view = view_of(-50, 0, 2, ways[i][0], ways[i][1], ways[i][2]);
 		struct look look;
@@ -427,7 +419,7 @@ static void horizon(struct extreme *x)
 {
 	struct extreme_world world;
 	struct wide_scene *w = calloc(1, sizeof *w);
-	if (extreme_must(x, w != NULL, "no memory") && open_shared(x, &world)) {
+	if (extreme_must(x, w != NULL, "no memory") && extreme_world_shared(x, &world)) {
 		static const uint64_t most[] = { 1000, 100000, 1000000 };
 		double reach = SIDE / 2 * ldexp(1, LEVELS), eyes[][3] = { { -reach, -reach, 1.7 }, { 0, 0, 1.7 }, { 0, 0, 0 } };
 		double targets[][3] = { { 0, 0, 1.7 }, { reach, 0, 1.7 }, { reach, reach, 0 } };

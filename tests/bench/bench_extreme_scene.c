@@ -403,6 +403,14 @@ enum eco_code extreme_world_open(struct extreme_world *world, const struct extre
 	return code;
 }
 
+bool extreme_world_shared(struct extreme *x, struct extreme_world *world)
+{
+	const struct extreme_stand *stand = extreme_stand_shared(x);
+	struct eco_error error = { 0 };
+	*world = (struct extreme_world){ 0 };
+	return stand && extreme_good(x, extreme_world_open(world, stand, &(struct extreme_site){ 0 }, &error), &error);
+}
+
 void extreme_world_close(struct extreme_world *world) { srv_store_free(&world->store); }
 
 /* ---- Views ---- */

@@ -44,6 +44,8 @@ const struct extreme_stand *extreme_stand_shared(struct extreme *x);
 
 enum eco_code extreme_world_open(struct extreme_world *world, const struct extreme_stand *stand, const struct extreme_site *site,
 	struct eco_error *error);
+/* The shared stand where it is; false where that cannot be (x has failed then). Close *world in any case. */
+bool extreme_world_shared(struct extreme *x, struct extreme_world *world);
 void extreme_world_close(struct extreme_world *world);
 
 struct eco_view extreme_site_view(const struct extreme_site *site, const struct eco_view *view);

@@ -14,14 +14,6 @@
 #define STILL_QUICK 200u
 #define JITTER_M 1e-9
 
-static bool open_shared(struct extreme *x, struct extreme_world *world)
-{
-	const struct extreme_stand *stand = extreme_stand_shared(x);
-	struct eco_error error = { 0 };
-	*world = (struct extreme_world){ 0 };
-	return stand && extreme_good(x, extreme_world_open(world, stand, &(struct extreme_site){ 0 }, &error), &error);
-}
-
 static bool bytes_of(struct extreme *x, struct extreme_world *world, const struct eco_request *request, struct eco_writer *bytes)
 {
 	struct eco_plan plan = { 0 };
@@ -40,7 +32,7 @@ static void still(struct extreme *x)
 	struct eco_request request = extreme_request(5000);
 	struct eco_writer first = { 0 };
 	uint32_t count = x->quick ? STILL_QUICK : STILL, asked = 1;
-	bool good = open_shared(x, &world) && bytes_of(x, &world, &request, &first);
+	bool good = extreme_world_shared(x, &world) && bytes_of(x, &world, &request, &first);
 	for (; asked < count && good; asked++) {
 		struct eco_writer next = { 0 };
 		good = bytes_of(x, &world, &request, &next) && extreme_must(x, extreme_same_bytes(&first, &next),
@@ -71,7 +63,7 @@ static void still_streams(struct extreme *x)
 {
 	static const uint64_t most[] = { ECO_BYTES_UNBOUNDED, 100000, 20000 };
 	struct extreme_world world;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (int b = 0; b < 3 && good; b++) {
 		struct eco_request request = extreme_request(20000);
 		struct eco_writer first = { 0 };
@@ -100,7 +92,7 @@ static void jitter(struct extreme *x)
 	struct extreme_world world;
 	uint32_t count = x->quick ? 50 : 1000, changes = 0;
 	uint64_t state = 5, least = UINT64_MAX, most = 0;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (int v = 0; v < VIEWS && good; v++) {
 		struct eco_request still_request = extreme_request(5000);
 		struct eco_writer last = { 0 };
@@ -146,7 +138,7 @@ static void on_border(struct extreme *x)
 	uint64_t state = 9;
 	double largest = 0;
 	uint32_t count = x->quick ? 40 : 200;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (int v = 0; v < 6 && good; v++) {
 		struct eco_request request = extreme_request(5000);
 		double wrong[2] = { INFINITY, 0 }, away = 8 * exp2(v / 4.0);
@@ -180,7 +172,7 @@ static void teleport(struct extreme *x)
 	struct eco_writer first[EYES] = { { 0 } };
 	uint32_t count = x->quick ? 100 : 1000;
 	uint64_t state = 3;
-	bool good = open_shared(x, &world);
+	bool good = extreme_world_shared(x, &world);
 	for (uint32_t i = 0; i < count + EYES && good; i++) {
 		uint32_t at = i < EYES ? i : (uint32_t)(lod_mix(state++) % EYES);
 		struct eco_request request = extreme_request(5000);

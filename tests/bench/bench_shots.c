@@ -77,34 +77,34 @@ bool bench_view_aerial(const struct eco_view *view)
 	return d[2] < -0.2 * sqrt(length);
 }
 
+void bench_shot_set(json_t *row, const char *key, double value)
+{
+	json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null());
+}
+
 double bench_shot_number(const json_t *row, const char *key)
 {
 	const json_t *value = json_object_get(row, key);
 	return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-static void set(json_t *row, const char *key, double value)
-{
-	json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null());
-}
-
 static json_t *row_of(const struct bench_frame *frame)
 {
 	json_t *row = json_object();
-	set(row, "vertices", (double)frame->vertices);
-	set(row, "bytes", (double)frame->bytes);
-	set(row, "plan_bytes", (double)frame->plan_bytes);
-	set(row, "q", frame->score.q);
-	set(row, "p", frame->score.precision);
-	set(row, "r", frame->score.recall);
-	set(row, "wrong", (double)(frame->score.fp + frame->score.fn));
-	set(row, "skill", frame->score.skill);
-	set(row, "owner_q", frame->score.owner_q);
-	set(row, "colour", frame->colour_rms);
-	set(row, "predicted_q", frame->predicted_q);
-	set(row, "plan_ms", frame->plan_ms);
-	set(row, "decode_ms", frame->decode_ms);
-	set(row, "draw_ms", frame->draw_ms);
+	bench_shot_set(row, "vertices", (double)frame->vertices);
+	bench_shot_set(row, "bytes", (double)frame->bytes);
+	bench_shot_set(row, "plan_bytes", (double)frame->plan_bytes);
+	bench_shot_set(row, "q", frame->score.q);
+	bench_shot_set(row, "p", frame->score.precision);
+	bench_shot_set(row, "r", frame->score.recall);
+	bench_shot_set(row, "wrong", (double)(frame->score.fp + frame->score.fn));
+	bench_shot_set(row, "skill", frame->score.skill);
+	bench_shot_set(row, "owner_q", frame->score.owner_q);
+	bench_shot_set(row, "colour", frame->colour_rms);
+	bench_shot_set(row, "predicted_q", frame->predicted_q);
+	bench_shot_set(row, "plan_ms", frame->plan_ms);
+	bench_shot_set(row, "decode_ms", frame->decode_ms);
+	bench_shot_set(row, "draw_ms", frame->draw_ms);
 	return row;
 }
 

@@ -34,5 +34,6 @@ bool bench_view_aerial(const struct eco_view *view);
  * needs data that is not there. */
 enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view, json_t **rows, struct eco_error *error);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
+void bench_shot_set(json_t *row, const char *key, double value);     /* null where it is not finite */
 
 #endif
