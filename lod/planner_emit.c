@@ -24,13 +24,14 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 }
 
 /* Scales serve a plant that stands alone, where a pixel too many is as wrong as one that is missing. Among others it is seldom wrong, and leaves
- * are the larger the more of the plant they miss. Wrong pixels of three scenes at 30,000 to 1,000,000 vertices: 1 to 5 % fewer. Twice the
- * growth leaves fewer yet in a dense forest, but covers more of other plants and more sky. */
+ * are the larger the more of the plant they miss: 1 to 5 % fewer wrong pixels at 30,000 to 1,000,000 vertices, in dense scenes and in open ones.
+ * Half as much growth again leaves fewer yet in a dense forest, but covers more of other plants and more sky. */
 static double grown(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
-	double missed = among > 0 ? lod_planning_curve(p, entry, vertices).fn / MISSED : 0;
-	return 1 + GROWTH * among * among * fmin(1, missed);
+	if (!(entry->among > 0) || p->scene->ladders[entry->ladder].organ == ECO_ORGAN_WOOD)
+		return 1;
+	double missed = lod_planning_curve(p, entry, vertices).fn / MISSED;
+	return 1 + GROWTH * entry->among * entry->among * fmin(1, missed);
 }
 
 static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first,
