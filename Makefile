@@ -116,7 +116,7 @@ $(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_EC
 
 TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
 $(B)/tests/test_make $(B)/tests/test_link $(B)/tests/test_cache $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
-$(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_extreme $(B)/tests/test_extreme_stiff $(B)/tests/test_extreme_plants: $(call objects,$(wildcard tests/bench/bench*.c))
+$(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_owners $(B)/tests/test_extreme $(B)/tests/test_extreme_stiff $(B)/tests/test_extreme_plants: $(call objects,$(wildcard tests/bench/bench*.c))
 # Floating-point traps around lod/: these functions are entered through tests/traps.c.
 TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' tests/traps.c))
 $(TESTS): $(B)/tests/%: $(B)/obj/tests/%.o $(B)/obj/tests/traps.o $(TEST_LIBS) | $(MODULES)
