@@ -256,7 +256,7 @@ void lod_market_price(struct lod_market *m, double price)
 
 /* ---- The picture ---- */
 
-static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
+static struct lod_wrong wrong_of(void *ctx, const struct lod_sight *sight)
 {
 	const struct lod_market *m = ctx;
 	uint32_t in = m->drawn_by[sight->node];
@@ -279,7 +279,7 @@ static struct lod_odds odds_of(void *ctx, const struct lod_sight *sight)
 		buy(&cost, &stall->points.steps, 1, stall->position);
 		cost.fn = lod_points_missed(&stall->points, cost.fn);
 	}
-	return worth > 0 ? lod_odds_of(sight->shown, cost.fp / worth, fmin(1, cost.fn / worth)) : lod_odds_of(sight->shown, 0, 0);
+	return worth > 0 ? (struct lod_wrong){ cost.fp / worth, fmin(1, cost.fn / worth) } : (struct lod_wrong){ 0 };
 }
 
 /* Which tile's choice each tile is drawn by: its own where all above it are open. */
@@ -296,7 +296,7 @@ static void find_drawn_by(struct lod_market *m)
 enum eco_code lod_market_expect(struct lod_market *m, struct eco_prediction *prediction, struct eco_error *error)
 {
 	find_drawn_by(m);
-	return lod_screen_expect(&m->p->screen, odds_of, m, prediction, error);
+	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
 }
 
 /* Of a summary that is drawn beside plants: the points of the last price, fewer of them, each as large. */

@@ -12,6 +12,7 @@
 #define SEEN_LEAST 1e-4          /* of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
 #define HILL 1.0f                /* columns on either side of a foot, up to where ground may hide */
 #define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
+#define DENSEST 0.66666666666666667      /* denser crowns cover as much of a larger ellipse: what is drawn too much of them lies around them */
 #define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
 
 /* ---- Numbers ---- */
@@ -324,41 +325,50 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 
 /* ---- The expected picture ---- */
 
-struct lod_odds lod_odds_of(double shown, double fp, double fn)
+/* The chances that a point is not covered in the reference, as drawn, and in either. */
+struct odds { float reference, drawn, either; };
+
+static struct odds odds_of(double shown, struct lod_wrong wrong)
 {
-	double reference = 1 - shown, drawn = 1 - shown * (1 - fn + fp), either = 1 - shown * (1 + fp);
+	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
 	/* what is not covered in either is not covered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
-	return (struct lod_odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
+	return (struct odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
 }
 
-static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_odds o, struct lod_odds *cells)
+static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_wrong wrong, struct odds *cells)
 {
-	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
+	struct lod_sight wide = *sight;
+	if (sight->shown > DENSEST) {
+		wide.crown_reach_x *= sqrtf((float)(sight->shown / DENSEST));
+		wide.crown_reach_y *= sqrtf((float)(sight->shown / DENSEST));
+	}
+	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
+	struct odds o = odds_of(fmin(sight->shown, DENSEST), wrong);
 	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++) {
 			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * sight->before;
-			struct lod_odds *cell = &cells[r * (int)screen->columns + c];
+			struct odds *cell = &cells[r * (int)screen->columns + c];
 			cell->reference *= 1 - part * (1 - o.reference);
 			cell->drawn *= 1 - part * (1 - o.drawn);
 			cell->either *= 1 - part * (1 - o.either);
 		}
 }
 
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odds, void *ctx, struct eco_prediction *prediction,
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
 	struct eco_error *error)
 {
 	uint32_t count = screen->columns * screen->rows;
-	struct lod_odds *cells = malloc(count * sizeof *cells);
+	struct odds *cells = malloc(count * sizeof *cells);
 	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
 	if (!cells)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
 	for (uint32_t i = 0; i < count; i++)
-		cells[i] = (struct lod_odds){ 1, 1, 1 };
+		cells[i] = (struct odds){ 1, 1, 1 };
 	for (uint32_t i = 0; i < screen->count; i++)
 		if (!screen->sights[i].beside)
-			cover(screen, &screen->sights[i], odds(ctx, &screen->sights[i]), cells);
+			cover(screen, &screen->sights[i], wrong(ctx, &screen->sights[i]), cells);
 	for (uint32_t i = 0; i < count; i++) {
 		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
 		double either = fmin((double)cells[i].either, fmin(reference, drawn));

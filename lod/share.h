@@ -4,7 +4,7 @@
  *   lod_screen_init(&screen, &eye, &view, ground, &error);
  *   lod_screen_add(&screen, &sight) ...                         one for each plant, or for a tile whose plants are not looked at
  *   lod_screen_shares(&screen, &error)                          front to back: sets every sight's share
- *   lod_screen_expect(&screen, odds, ctx, &prediction)          given how well each sight is drawn: pixels right and wrong
+ *   lod_screen_expect(&screen, wrong, ctx, &prediction)         given how well each sight is drawn: pixels right and wrong
  *
  * A plant's crown is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random
  * leaves in random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it:
@@ -81,13 +81,12 @@ double lod_body_opacity(const struct lod_body *body);
 /* Without `hide` only what lies beside the picture counts as not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
-/* How a sight is drawn: the chances that a point in its box is not covered by it in the reference, as drawn, and in either; for what is
- * shown of it and errors over covered pixels. While no sight's fn nor fp + fn rises, no more pixels are expected to be wrong. */
-struct lod_odds { float reference, drawn, either; };
-struct lod_odds lod_odds_of(double shown, double fp, double fn);
+/* How a sight is drawn: pixels too many and missing, over those that it covers; fn at most 1. While no sight's fn nor fp + fn rises, no more
+ * pixels are expected to be wrong. */
+struct lod_wrong { double fp, fn; };
 
-typedef struct lod_odds (*lod_odds_fn)(void *ctx, const struct lod_sight *sight);
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_odds_fn odds, void *ctx, struct eco_prediction *prediction,
+typedef struct lod_wrong (*lod_wrong_fn)(void *ctx, const struct lod_sight *sight);
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
 	struct eco_error *error);
 
 /* e^-x for x >= 0 and the logarithm of x > 0, the same on every machine, to about nine digits. */

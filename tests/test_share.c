@@ -64,11 +64,45 @@ static void a_slope_seen_from_above_hides_nothing(void **state)
 	}
 }
 
+static struct lod_wrong some_wrong(void *ctx, const struct lod_sight *sight)
+{
+	(void)ctx;
+	(void)sight;
+	return (struct lod_wrong){ .fp = 0.2, .fn = 0.1 };
+}
+
+/* However dense its crown is: what is drawn too much of one without gaps lies around it. */
+static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
+{
+	static const double areas[] = { 5, 60, 250, 5000 };
+	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
+	const double center[3] = { 0, 0, 5 };
+	struct lod_eye eye;
+
+	(void)state;
+	lod_eye_make(&eye, &view);
+	for (size_t k = 0; k < sizeof areas / sizeof *areas; k++) {
+		struct lod_body body = tree;
+		struct lod_screen screen;
+		struct eco_prediction p;
+
+		body.area = areas[k];
+		lod_screen_init(&screen, &eye, &view, false);
+		assert_non_null(lod_screen_add(&screen, center, &body));
+		assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
+		assert_int_equal(lod_screen_expect(&screen, some_wrong, NULL, &p, NULL), ECO_OK);
+		assert_float_equal(p.fp / (p.tp + p.fn), 0.2, 0.01);
+		assert_float_equal(p.fn / (p.tp + p.fn), 0.1, 0.01);
+		lod_screen_free(&screen);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_lies_behind_a_ridge_is_hidden),
 		cmocka_unit_test(a_slope_seen_from_above_hides_nothing),
+		cmocka_unit_test(of_a_tree_alone_as_much_is_wrong_as_its_curve_says),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
