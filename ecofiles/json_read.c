@@ -37,6 +37,8 @@ static const char *other_kind(const struct eco_json_file *file)
 		{ "\xff\xfe", "the text is UTF-16; save it as UTF-8" },
 		{ "\xfe\xff", "the text is UTF-16; save it as UTF-8" },
 		{ "ECOPACK", "this is a pack, not a JSON file" },
+		{ "glTF", "this is a model, not a JSON file; a scene names its models (ecofiles/README.md)" },
+		{ "\x89PNG", "this is a picture, not a JSON file" },
 	};
 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

@@ -279,6 +279,24 @@ static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any
 	assert_true(scale[0] < 0.65 && scale[1] > scale[0] && scale[1] < 1);
 }
 
+/* Needles that cover little would be right soonest as a few balloons that cover everything beside them. */
+static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
+{
+	(void)unused;
+	for (int kind = 0; kind < 3; kind++) {
+		struct crown crown;
+		seed = 4;
+		crown_make(&crown, 1200, kind == 0 ? 0.015 : kind == 1 ? 0.04 : 0.1);
+		uint32_t triangles = add_triangles(&crown, 0, 1200, 1), points = add_points(&crown, 0, 1200, 1, triangles);
+		struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
+		measure(&crown, 128);
+		check_curve(&crown.plant, ladder);
+		for (uint32_t i = 0; i < ladder->curve_count; i++)
+			assert_true(error_of(&crown.plant.curves[i]) < 1.6);
+		crown_free(&crown);
+	}
+}
+
 static void size_on_screen_hardly_changes_a_curve(void **unused)
 {
 	struct eco_curve curve[3][3];
@@ -595,6 +613,7 @@ int main(void)
 		cmocka_unit_test(points_and_triangles_get_a_falling_curve_from_one_point_to_all),
 		cmocka_unit_test(the_scale_is_better_than_its_neighbours_and_cooks),
 		cmocka_unit_test(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any),
+		cmocka_unit_test(a_few_leaves_of_a_sparse_crown_are_no_balloons),
 		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
 		cmocka_unit_test(cells_share_the_curve_of_the_whole),
 		cmocka_unit_test(ladders_draw_what_their_curve_was_measured_with),

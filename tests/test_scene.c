@@ -172,6 +172,8 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"name\": \"a\"\n \"crs\": 3}", ":2:6:", "(is a comma missing before it?)" },
 	{ "{\"name\": \"a\", // mine\n}", ":1:15:", "(JSON has no comments)" },
 	{ "ECOPACK1 and more", ":1:1:", "not a JSON file" },
+	{ "glTF\x02 and more", ":1:1:", "a model, not a JSON file" },
+	{ "\x89PNG\r\n and more", ":1:1:", "a picture, not a JSON file" },
 	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
 	{ "\xef\xbb\xbf{\"name\": 3}", ":1:10:", "must be a text" },
 };
