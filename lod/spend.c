@@ -68,7 +68,8 @@ enum eco_code lod_spend_make(struct lod_spend *spend, struct lod_market *m, stru
 		const struct lod_stall *stall = &m->stalls[n];
 		if (node->points > 0)
 			spend->bids[spend->bid_count++] = (struct lod_bid){ .offer = ECO_NONE, .node = n,
-				.steps = alone(node) ? &stall->points.steps : &stall->parts, .count = 1, .worth = stall->worth, .seen = stall->weight * (1 - stall->share) * stall->worth };
+				.steps = alone(node) ? &stall->points.steps : &stall->parts, .count = 1, .worth = stall->worth,
+				.seen = stall->weight * (1 - stall->share) * stall->worth };
 	}
 	return ECO_OK;
 }
