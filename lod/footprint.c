@@ -233,6 +233,31 @@ static inline bool find_box(struct box *box, const struct point *p, uint32_t cor
 /* Rows y .. y + rows of a picture, between x of left and right. Empty where these are the same, or the wrong way around. */
 struct spans { int32_t y, rows, left[LOD_FOOTPRINT_PIXELS], right[LOD_FOOTPRINT_PIXELS]; };
 
+static inline int32_t within(const struct box *box, int64_t x)
+{
+	x = (x + (1 << 23) - 1) >> 24;
+	return (int32_t)(x < box->x0 ? box->x0 : x > box->x1 + 1 ? box->x1 + 1 : x);
+}
+
+/* A triangle's rows lie between its longest edge, by height, and one of the others. In one loop without branches, as triangles are small: what
+ * costs time is where a loop ends. */
+static inline __attribute__((always_inline)) void find_triangle_spans(struct spans *spans, const struct box *box, const struct point p[3], int way)
+{
+	uint32_t top = p[1].y < p[0].y, low = p[2].y >= p[1].y ? 2 : 1;
+	top = p[2].y < p[top].y ? 2 : top;
+	low = p[low].y >= p[0].y ? low : 0;
+	struct point first = p[top], bend = p[3 - top - low], last = p[low];
+	bool down = low == (top + 1) % 3;
+	int32_t *along = down == (way > 0) ? spans->right : spans->left, *across = down == (way > 0) ? spans->left : spans->right;
+	struct edge whole = edge_make(first, last, box->y0), upper = edge_make(first, bend, box->y0), lower = edge_make(bend, last, box->y0);
+	int32_t turn = first_centre(bend.y) - box->y0, end = first_centre(last.y) - box->y0;
+	end = end > spans->rows ? spans->rows : end;
+	for (int32_t y = 0; y < end; y++, whole.x += whole.slope, upper.x += upper.slope, lower.x += lower.slope) {
+		along[y] = within(box, whole.x);
+		across[y] = within(box, y < turn ? upper.x : lower.x);
+	}
+}
+
 /* In one go, as most leaves are: each row of the picture lies between one edge that goes down and one that goes up. */
 static inline __attribute__((always_inline)) void find_spans(struct spans *spans, const struct box *box, const struct point *p,
 	uint32_t corners, int way)
@@ -241,6 +266,10 @@ static inline __attribute__((always_inline)) void find_spans(struct spans *spans
 	spans->y = top;
 	spans->rows = end - top;
 	spans->left[end - top - 1] = spans->right[end - top - 1] = 0;    /* a corner on a centre reaches it, but covers it not */
+	if (corners == 3) {
+		find_triangle_spans(spans, box, p, way);
+		return;
+	}
 	for (uint32_t i = 0; i < corners; i++) {
 		struct point a = p[i], b = p[i + 1 < corners ? i + 1 : 0];
 		bool down = a.y < b.y;
@@ -251,10 +280,8 @@ static inline __attribute__((always_inline)) void find_spans(struct spans *spans
 		if (y >= last)
 			continue;
 		struct edge edge = down ? edge_make(a, b, y) : edge_make(b, a, y);
-		for (; y < last; y++, edge.x += edge.slope) {
-			int64_t x = (edge.x + (1 << 23) - 1) >> 24;
-			side[y - top] = (int32_t)(x < box->x0 ? box->x0 : x > box->x1 + 1 ? box->x1 + 1 : x);
-		}
+		for (; y < last; y++, edge.x += edge.slope)
+			side[y - top] = within(box, edge.x);
 	}
 }
 

@@ -51,6 +51,7 @@
 #define SCALES 5u                        /* tried at every step */
 #define CANDIDATES_LEAST 1024u
 #define CANDIDATES_SHARE 32u             /* times what a step's end has */
+#define CANDIDATES_ROUGH 8u              /* where nothing but how good the step becomes is asked */
 #define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
 #define BATCH 256u
 #define ASK 512u                         /* looks between two questions whether to go on */
@@ -72,6 +73,7 @@ struct ranking {
 	struct candidate *heap;
 	uint32_t heap_count;
 	uint32_t points;             /* the first so many elements are picked as points */
+	bool rough;                  /* half the views, and fewer candidates: how good the list becomes is all that is asked */
 	/* the step */
 	double scale;
 	struct lod_crown_views views;
@@ -192,10 +194,10 @@ static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_
  * Mirzasoleiman and others 2015). */
 static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 {
-	uint64_t most = (uint64_t)end * CANDIDATES_SHARE > CANDIDATES_LEAST ? (uint64_t)end * CANDIDATES_SHARE : CANDIDATES_LEAST;
+	uint64_t most = (uint64_t)end * (r->rough ? CANDIDATES_ROUGH : CANDIDATES_SHARE);
 	uint64_t enough = CANDIDATES_MOST + 3 * (uint64_t)(end - r->picked);
 	uint32_t left = r->count - r->picked;
-	most = most < enough ? most : enough;
+	most = most < CANDIDATES_LEAST ? CANDIDATES_LEAST : most < enough ? most : enough;
 	r->heap_count = 0;
 	for (uint32_t i = 0; i < r->count; i++)
 		if (!r->taken[i] && (most >= left || lod_mix(salt * r->count + i) % left < most))
@@ -350,7 +352,7 @@ static bool take_steps(struct ranking *r, uint32_t until, uint32_t points)
 		r->crown.points = end <= points;
 		lod_crown_set_level(&r->crown, end);
 		r->scale = choose_scale(r, end, r->scale);
-		r->views = (struct lod_crown_views){ 0, 1 };
+		r->views = (struct lod_crown_views){ 0, r->rough ? 2 : 1 };
 		lod_crown_set_scale(&r->edges, r->scale, r->crown.points);
 		redraw(r);
 		gather(r, end, r->picked);
@@ -382,6 +384,7 @@ static bool begin_list(struct ranking *r)
 		return true;
 	for (int as_points = 0; as_points < 2; as_points++) {
 		begin_anew(r);
+		r->rough = !as_points;
 		if (!take_steps(r, as_points ? points : leaves, as_points ? points : 0))
 			return false;
 		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
