@@ -14,7 +14,8 @@
  * the large ones. A pine of 4,920 went from .78 to .80 and a coconut palm of 25,158 from .53 to .59 (mean over distances mostly near).
  *
  * Where wrong pixels are what counts, more sweeps go on to help: an aspen's over those of the best of Lee's three at 50, 30 and 10 % of the
- * leaves, lists per sector of 3 degrees, .50 .52 .60 after 8, .48 .51 .60 after 20. */
+ * leaves, lists per sector of 3 degrees, .50 .52 .60 after 8, .48 .51 .60 after 20. Who stays is looked at again when it stayed 1, 2, 4, 8 times
+ * there: as good in a fifth less time. */
 #include "lod/rank_refine.h"
 
 #include <math.h>
@@ -410,16 +411,19 @@ static void choose(struct refine *r, uint32_t element)
 	r->early[element] = worth.of[best_first > low_key ? best_first - 1 : low_key][best_code] / triangles;
 }
 
-/* Who stayed twice is left alone once. */
+/* Who stayed twice is left alone once; where many sweeps follow, who stays is looked at ever less often. */
 static void look_again(struct refine *r, uint32_t element)
 {
-	if (r->stays[element] < RESTS) {
+	uint8_t stays = r->stays[element];
+	bool many = r->in->options->wrong_pixels;
+	if (many ? (stays & (stays - 1)) == 0 : stays < RESTS) {
 		choose(r, element);
 		return;
 	}
 	r->next_first[element] = r->first[element];
 	r->next_code[element] = r->code[element];
-	r->stays[element] = 0;
+	if (!many)
+		r->stays[element] = 0;
 }
 
 static void choose_piece(void *pieces, uint32_t i)

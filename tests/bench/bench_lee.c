@@ -6,8 +6,8 @@
  * views. Beside lists per sector of view stands what the same makers reach for the very picture, and what no choice of leaves can be
  * better than.
  *
- * Sectors are cones around directions all over the upper sphere: 12 degrees wide, and 1.5. Their lists are built from 48 directions in a cone and
- * tested with others in it; one static list is built from directions all around. Lee's orders are made anew for each view. */
+ * Sectors are cones around directions all over the upper sphere: 12 degrees wide, and 1.5. Their lists are built from 16 or 24 directions in a cone
+ * and tested with others in it; one static list is built from directions all around. Lee's orders are made anew for each view. */
 #include <math.h>
 #include <string.h>
 
@@ -24,10 +24,10 @@
 /* `model` NULL: the crown. */
 static enum eco_code unit(struct bench *bench, const struct bench_model *model, json_t **out, struct eco_error *error)
 {
-	const struct bench_lee_extent extent = { bench->full ? 12 : 1, bench->full ? 4 : 3 };
+	const struct bench_lee_extent extent = { { bench->full ? 12 : 4, bench->full ? 12 : 1 }, bench->full ? 4 : 2 };
 	char name[96], stamp[64];
 	snprintf(name, sizeof name, "lee-%s", model ? model->name : "crown-6143");
-	snprintf(stamp, sizeof stamp, "%u sectors %u views %016llx", extent.sectors, extent.views,
+	snprintf(stamp, sizeof stamp, "%u %u sectors %u views %016llx", extent.sectors[LEE_NARROW], extent.sectors[LEE_WIDE], extent.views,
 		(unsigned long long)(model ? bench_file_hash(model->path) : 0));
 	if ((*out = bench_recall(bench, name, stamp)))
 		return ECO_OK;

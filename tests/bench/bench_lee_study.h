@@ -20,7 +20,7 @@ extern const char *const bench_lee_methods[LEE_METHODS];
 enum bench_lee_width { LEE_NARROW, LEE_WIDE, LEE_WIDTHS };
 extern const double bench_lee_degrees[LEE_WIDTHS];
 
-struct bench_lee_extent { uint32_t sectors, views; };        /* so many of each width, and views in each */
+struct bench_lee_extent { uint32_t sectors[LEE_WIDTHS], views; };    /* of each width; views in each */
 
 /* Takes the model over. `out` becomes (leaves alone count where they are fewer than a thousand)
  *   leaves, cells, lists: [of each width, how many lists it takes to see the plant from the side and from above]
