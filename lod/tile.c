@@ -1,5 +1,6 @@
 /* Quadtree, top down: each tile sorts its items into quarters and goes on with those that are not empty. A tile whose items all lie
- * in one quarter is not kept: it would be a node with one child. */
+ * in one quarter is not kept: it would be a node with one child. A tile whose southern and northern half can be leaves is cut into these
+ * two: so leaves are half full at least, and what plants cost does not depend on where their number lies between two powers of four. */
 #include "lod/tile.h"
 
 #include <assert.h>
@@ -152,13 +153,19 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 			break;
 		square = (struct square){ square.x + (only & 1 ? half : 0), square.y + (only & 2 ? half : 0), half };
 	}
+	/* where two halves do, quarters would be lists half as long, and twice as many */
+	bool halves = few(b, first, ends[1] - first) && few(b, ends[1], first + count - ends[1]);
+	if (halves) {
+		ends[0] = ends[1];
+		ends[2] = ends[3];
+	}
 	uint32_t node = add_node(b, first, count), begin = first;
 	for (int q = 0; q < 4 && !b->failed; begin = ends[q++]) {
 		if (ends[q] == begin)
 			continue;
 		double half = square.side / 2;
-		uint32_t child = split(b, begin, ends[q] - begin,
-			(struct square){ square.x + (q & 1 ? half : 0), square.y + (q & 2 ? half : 0), half }, depth + 1);
+		struct square quarter = { square.x + (q & 1 ? half : 0), square.y + (q & 2 ? half : 0), half };
+		uint32_t child = split(b, begin, ends[q] - begin, halves ? square : quarter, depth + 1);
 		struct lod_tile_node *n = &b->tiles->nodes[node], *c = &b->tiles->nodes[child];
 		for (int i = 0; i < 3; i++) {
 			n->low[i] = n->child_count ? fmin(n->low[i], c->low[i]) : c->low[i];

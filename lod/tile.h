@@ -1,4 +1,5 @@
-/* Quadtree over what stands in an eco file: square tiles, split until few enough things stand in each (Deussen 2002, 6.2).
+/* Quadtree over what stands in an eco file: square tiles, split until few enough things stand in each (Deussen 2002, 6.2); a square's halves
+ * where these are few enough.
  *
  *   lod_tiles_build(&tiles, items, count, 128, &error);
  *   for each node, parents first: bounds, children; a leaf's items, plant by plant, each plant's in Morton order

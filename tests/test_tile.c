@@ -112,6 +112,25 @@ static void test_each_thing_in_one_leaf(void **state)
 				check(counts[c], mosts[m], (enum layout)layout);
 }
 
+/* In the mean, of evenly scattered things, whatever their number. */
+static void test_leaves_are_not_nearly_empty(void **state)
+{
+	static struct lod_tile_item items[10000];
+	(void)state;
+	for (uint32_t count = 129; count <= 10000; count += count / 8) {
+		struct lod_tiles tiles;
+		uint32_t leaves = 0;
+		lay_out(items, count, SCATTERED);
+		for (uint32_t i = 0; i < count; i++)
+			items[i].at[1] = unit(2, i) * 100;
+		assert_int_equal(lod_tiles_build(&tiles, items, count, 128, NULL), ECO_OK);
+		for (uint32_t n = 0; n < tiles.node_count; n++)
+			leaves += tiles.nodes[n].child_count == 0;
+		assert_true(leaves * 50 <= count);
+		lod_tiles_free(&tiles);
+	}
+}
+
 static void test_same_input_same_tiles(void **state)
 {
 	struct lod_tile_item items[800];
@@ -160,6 +179,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_each_thing_in_one_leaf),
+		cmocka_unit_test(test_leaves_are_not_nearly_empty),
 		cmocka_unit_test(test_same_input_same_tiles),
 		cmocka_unit_test(test_neighbours_lie_near),
 		cmocka_unit_test(test_morton_interleaves),
