@@ -337,32 +337,21 @@ static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bo
 	*differences_fit = (int64_t)high - low <= ECO_DRACO_VALUE_MAX;
 }
 
-static enum eco_code column_size(struct eco_draco_column column, uint32_t rows, bool difference, size_t *size,
-	struct eco_error *error)
-{
-	enum eco_code code;
-	uint8_t *bytes;
-
-	column.difference = difference;
-	code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, &column, 1, rows, &bytes, size, error);
-	free(bytes);
-	return code;
-}
-
 /* Whether a column is smaller as values or as differences is left to the coder itself. Sets shape.wide where neither can be. */
 static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	for (uint32_t i = 0; rows->shape.order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
-		struct eco_draco_column *column = &rows->columns[i];
+		struct eco_draco_column *column = &rows->columns[i], as_difference = *column;
 		bool values_fit, differences_fit;
 		enum eco_code code = ECO_OK;
 		size_t plain = SIZE_MAX, difference = SIZE_MAX;
 
 		find_bounds(column, rows->shape.rows, &values_fit, &differences_fit);
+		as_difference.difference = true;
 		if (values_fit)
-			code = column_size(*column, rows->shape.rows, false, &plain, error);
+			code = eco_draco_column_size(column, rows->shape.rows, &plain, error);
 		if (code == ECO_OK && differences_fit)
-			code = column_size(*column, rows->shape.rows, true, &difference, error);
+			code = eco_draco_column_size(&as_difference, rows->shape.rows, &difference, error);
 		if (code != ECO_OK)
 			return code;
 		column->difference = difference < plain;

@@ -39,6 +39,9 @@ bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
 enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
 	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 
+/* How many bytes a column's values take in a sequential stream, but for a constant. */
+enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error);
+
 /* Decodes exactly those rows and columns into columns[].values, or fails with ECO_DAMAGED. */
 enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
 	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error);
