@@ -1,6 +1,6 @@
 /* Quadtree, top down: each tile sorts its items into quarters and goes on with those that are not empty. A tile whose items all lie
  * in one quarter is not kept: it would be a node with one child. A tile whose southern and northern half can be leaves is cut into these
- * two: so leaves are half full at least, and what plants cost does not depend on where their number lies between two powers of four. */
+ * two: so leaves of an even forest are half full, and a plant costs the same wherever their number lies between two powers of four. */
 #include "lod/tile.h"
 
 #include <assert.h>
