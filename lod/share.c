@@ -83,6 +83,13 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
 	return sqrt(upright * upright + level * level);
 }
 
+/* The square of how far away a body is, in its own radii: below 1 the eye is within its ellipsoid. */
+static double apart(const double d[3], const struct lod_body *body)
+{
+	double across = body->across > 0 ? body->across : body->up, up = body->up > 0 ? body->up : body->across;
+	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
+}
+
 struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
 {
 	if (!eco_room(&screen->sights, &screen->capacity, screen->count, sizeof *screen->sights))
@@ -91,7 +98,8 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
 	double ahead = lod_dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
 	bool beside = ahead <= closest;
-	double within = beside ? (ahead + size) / (closest + size) : 1, before = size > 0 ? ahead / closest - 1 : 1;
+	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1, within = size > 0 ? lod_exp_minus(apart(d, body)) : 0;
+	within = !beside ? within + (1 - within) * before : size > 0 ? within * fmax(0, (ahead + size) / (closest + size)) : 0;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
 	double tall = lod_tilt_height(&tilt, body->across, body->up), high = lod_tilt_height(&tilt, body->crown_across, body->crown_up);
@@ -105,7 +113,7 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
 		.foot = (float)(y + body->up * tilt.upright * rows),
 		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
-		.within = (float)(within > 0 ? within : 0), .before = (float)(before < 0 ? 0 : before < 1 ? before : 1) };
+		.within = (float)within, .before = (float)before };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
 	sight->pixels = sight->opacity * sight->ellipse;
 	return sight;

@@ -11,6 +11,11 @@
  * whatever is farther away along the ground and lower on the screen than a foot in the same column is behind the ground. (Not in depth: seen from
  * above, what is lower on a slope is deeper, and not hidden.)
  *
+ * Where a plant is in the picture whose middle is not before the eye is not known, and its box is larger than the picture. It shows much where
+ * the eye is within it and mostly nothing where it is not: e^-r^2 of its box, r its distance in its own radii. (Of four views among trees such
+ * plants would show 1,340,000 pixels by their boxes, and showed 350,000.) Else each that comes by takes a part of the budget from all others, and
+ * gives it back.
+ *
  * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
  * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH. So does all that a tile's summary covers, as no one
  * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views of a dense
@@ -45,8 +50,7 @@ struct lod_sight {
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
-	float within;                /* of one beside: 1 where it is still before the eye, less the farther back it stands, 0 where none of
-	                              * it is before */
+	float within;                /* of one near by: so much counts of what its box shows; 1 where before is 1, 0 where none of it is before the eye */
 	float before;                /* of one near by: how much of it hides others; 0 where it is beside, 1 from twice as far before the eye on */
 };
 

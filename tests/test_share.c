@@ -1,9 +1,10 @@
-/* What shows of plants: what ground hides, from the side and from above. */
+/* What shows of plants: what ground hides, from the side and from above, and what is around the eye. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <math.h>
 #include <string.h>
 
 #include "lod/share.h"
@@ -97,12 +98,39 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 	}
 }
 
+/* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the picture, but what the eye is within. */
+static void what_passes_the_eye_goes_little_by_little(void **state)
+{
+	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+	struct lod_screen screen;
+	float before[3] = { 0 };
+
+	(void)state;
+	for (int step = 0; step <= 400; step++) {
+		const double y = 5 - 0.025 * step, feet[3][3] = { { 0, y, 0 }, { 2, y, 0 }, { 4, y, 0 } };
+		float within[3];
+
+		look_at_trees(&screen, &view, feet, 3);
+		for (int i = 0; i < 3; i++) {
+			within[i] = screen.sights[i].within;
+			assert_true(within[i] >= 0 && within[i] <= 1);
+			assert_true(step == 0 || fabsf(before[i] - within[i]) < 0.03f);
+			before[i] = within[i];
+		}
+		assert_true(within[0] >= within[1] && within[1] >= within[2]);
+		assert_true(!screen.sights[2].beside || within[2] < 0.05f);
+		lod_screen_free(&screen);
+	}
+	assert_true(before[0] <= 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_lies_behind_a_ridge_is_hidden),
 		cmocka_unit_test(a_slope_seen_from_above_hides_nothing),
 		cmocka_unit_test(of_a_tree_alone_as_much_is_wrong_as_its_curve_says),
+		cmocka_unit_test(what_passes_the_eye_goes_little_by_little),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
