@@ -1,9 +1,13 @@
 /* Missing samples grow in from the known ones, a ring a round. A round takes only what was known before it, so its values are written
- * when all of it is computed. Besides the samples it needs a bit each, and eight bytes for each that is missing. */
+ * when all of it is computed. Where rings from several sides meet are creases: sweeps in and out again, each sample the mean of its
+ * neighbours, level them. Besides the samples it needs a bit each, and eight bytes for each that is missing. */
 #include "ecofiles/ground.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#define SWEEPS_MAX 64u
+#define SWEPT_MAX ((size_t)1 << 28)  /* samples in all sweeps: some seconds */
 
 struct fill {
 	struct eco_ground *ground;
@@ -67,6 +71,19 @@ static void grow(struct fill *f)
 	}
 }
 
+static void level(struct fill *f)
+{
+	struct eco_ground *g = f->ground;
+	size_t sweeps = SWEPT_MAX / f->end < SWEEPS_MAX ? SWEPT_MAX / f->end : SWEEPS_MAX;
+
+	for (size_t sweep = 0; sweep < sweeps; sweep++)
+		for (size_t k = 0; k < f->end; k++) {
+			size_t i = f->queue[sweep % 2 ? k : f->end - 1 - k];
+
+			g->height_m[i] = neighbour_mean(g, i);
+		}
+}
+
 enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error)
 {
 	size_t count = (size_t)ground->columns * ground->rows, missing = 0;
@@ -84,8 +101,10 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 	f.queue = malloc(missing * sizeof *f.queue);
 	f.values = malloc(missing * sizeof *f.values);
 	ready = f.queued != NULL && f.queue != NULL && f.values != NULL;
-	if (ready)
+	if (ready) {
 		grow(&f);
+		level(&f);
+	}
 	free(f.queued);
 	free(f.queue);
 	free(f.values);

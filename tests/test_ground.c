@@ -106,6 +106,32 @@ static void what_is_missing_grows_in_from_its_neighbours(void **state)
 	eco_ground_free(&g);
 }
 
+/* A slope with a hole is a slope again: no crease where what grew in from two sides meets. */
+static void a_hole_in_a_slope_is_levelled(void **state)
+{
+	enum { SIDE = 24 };
+	char text[8192];
+	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
+	struct eco_ground g;
+
+	(void)state;
+	for (int y = 0; y < SIDE; y++)
+		for (int x = 0; x < SIDE; x++) {
+			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
+
+			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c", hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
+		}
+	import_good(&g, &(struct given){ .path = input_text("ground", "slope.asc", text) });
+	assert_int_equal(g.filled, 81);
+	for (uint32_t y = 1; y + 1 < SIDE; y++)
+		for (uint32_t x = 1; x + 1 < SIDE; x++) {
+			const float *at = &g.height_m[y * SIDE + x];
+
+			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1 && fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
+		}
+	eco_ground_free(&g);
+}
+
 /* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
 static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const int16_t *samples, const char *crs)
 {
@@ -566,6 +592,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(samples_lie_at_pixel_centres_from_the_south_west),
 		cmocka_unit_test(what_is_missing_grows_in_from_its_neighbours),
+		cmocka_unit_test(a_hole_in_a_slope_is_levelled),
 		cmocka_unit_test(scale_offset_and_row_order_of_the_file_are_honoured),
 		cmocka_unit_test(a_crs_is_converted_and_never_guessed),
 		cmocka_unit_test(a_raster_that_is_too_large_is_averaged_down),
