@@ -489,7 +489,7 @@ static void degrees_and_turned_rasters_are_resampled(void **state)
 	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 }, turned[6] = { 0, 7, 7, 500, 7, -7 };
 	struct given g = { .scene_crs = "EPSG:32632", .origin = { 500000, 5316000, 0 } };
 	struct eco_ground ground;
-	double z, far_z;
+	double z, far_z = 0;
 
 	(void)state;
 	for (int i = 0; i < 3600; i++)

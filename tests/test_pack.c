@@ -106,7 +106,7 @@ static void all_tables_come_back(void **state)
 {
 	struct scene_pack p;
 	struct eco_error error = { 0 };
-	struct eco_pack *pack;
+	struct eco_pack *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
 
 	(void)state;

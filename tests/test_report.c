@@ -103,7 +103,7 @@ static void query_keeps_every_digit(void **state)
 	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
 	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,1&fov_y_deg=45&width=800&height=600"
 		"&vertices=1000");
-	struct eco_request most = { .view = { { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },
+	struct eco_request most = { .view = { .eye = { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },
 		.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED - 1 };
 	for (int i = 0; i < 3; i++)
 		most.view.target[i] = most.view.up[i] = most.view.eye[0];

@@ -282,9 +282,9 @@ static uint32_t pooled_leaves(int32_t stem_z)
 	int32_t stem[] = { 0, 0, stem_z, 200, 0, stem_z, 0, 100, stem_z };
 	struct lod_list_draft drafts[2] = {
 		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
-		  .elements = { 1, 4, 2, 1, fan, card, NULL, one } },
+		  .elements = { 1, 4, 2, 1, fan, card, NULL, one, NULL } },
 		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
-		  .elements = { 1, 3, 1, 1, tri, stem, NULL, zero } } };
+		  .elements = { 1, 3, 1, 1, tri, stem, NULL, zero, NULL } } };
 	struct eco_ladder ladders[2] = {
 		{ .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 0 },
 		{ .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 1, .level_count = 1, .level_end = { 1 } } };

@@ -246,7 +246,7 @@ static json_t *json_of(const struct sums *s)
 static enum eco_code run_motion(struct bench *bench, const char *pack, const struct eco_request *starts, uint32_t count, enum motion motion,
 	json_t **out, struct eco_error *error)
 {
-	struct reel reels[BUDGETS + 1] = { { NULL } };
+	struct reel reels[BUDGETS + 1] = { { 0 } };
 	struct sums sums[BUDGETS] = { { 0 } };
 	enum eco_code code = ECO_OK;
 	for (size_t b = 0; b <= BUDGETS && !code; b++)

@@ -205,7 +205,7 @@ static struct bytes mutate(const struct model *m)
 
 /* ---- Files ---- */
 
-static void stop(const char *what, const char *path)
+static _Noreturn void stop(const char *what, const char *path)
 {
 	fprintf(stderr, "mutants: %s: %s: %s\n", path, what, strerror(errno));
 	exit(2);
@@ -310,6 +310,7 @@ static void look_at(const struct eco_model *m)
 			sum += m->position[3 * (size_t)m->index[3 * (size_t)i + (size_t)k]] + m->materials[m->material[i]].rgb[k];
 	for (uint32_t i = 0; i < m->image_count; i++)
 		sum += m->images[i].rgba[(size_t)m->images[i].width * m->images[i].height * 4 - 1];
+	(void)sum;
 }
 
 static void try_mutant(struct model *m, uint64_t id, const struct options *o)
