@@ -60,9 +60,12 @@ struct eco_rows_element { int32_t *position, *uv, *extra; };
 /* Largest magnitude of a position, uv or extra value that a chunk can hold. */
 #define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
 
+/* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners, ECO_ROWS_EXTRA_MAX extra values; split
+ * rows have one corner. ECO_NO_MEMORY leaves nothing to free. */
 enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
 void eco_rows_free(struct eco_chunk_rows *rows);
 
+/* `row` is below shape.rows. _get returns false where a value is beyond ECO_ROWS_VALUE_MAX. */
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 

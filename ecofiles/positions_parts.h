@@ -39,6 +39,7 @@ struct eco_levels *eco_levels_open(void);
 enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path, struct eco_error *error);
 /* After all were counted: at most `count` heights for each plant. */
 void eco_levels_make(struct eco_levels *levels, uint32_t count);
+/* The height of its class, metres; height_m itself where none was made. */
 double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double height_m);
 void eco_levels_close(struct eco_levels *levels);
 

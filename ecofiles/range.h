@@ -29,7 +29,7 @@ struct eco_range {
 	const uint8_t *bytes;
 };
 
-void eco_bits_start(struct eco_bit *models, size_t count);
+void eco_bits_start(struct eco_bit *models, size_t count);       /* models that know nothing */
 
 void eco_range_write(struct eco_range *range, struct eco_writer *writer);
 void eco_range_read(struct eco_range *range, const uint8_t *bytes, size_t size);
@@ -37,6 +37,9 @@ void eco_range_read(struct eco_range *range, const uint8_t *bytes, size_t size);
  * bytes beyond the end were read: the same number, where all bytes are there and as they were written; UINT32_MAX: bytes are left over. */
 uint32_t eco_range_end(struct eco_range *range);
 
+/* Writing, these take a value and return it; reading, the value is ignored, and what was written is returned. */
+
+/* A bit, and its model learns from it. */
 bool eco_range_bit(struct eco_range *range, struct eco_bit *model, bool bit);
 /* `bits` (0..64) bits, each as likely 0 as 1. */
 uint64_t eco_range_raw(struct eco_range *range, unsigned bits, uint64_t value);

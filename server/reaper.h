@@ -21,6 +21,7 @@ void srv_reaper_stop(struct srv_reaper *reaper);         /* frees it; NULL is fi
 /* Begins with a deadline `after_ms` from now. NULL if there is no memory: the connection then has no deadline. */
 struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t after_ms);
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);      /* NULL lease: nothing */
+/* No deadline until it is armed again: the server works. */
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 

@@ -12,6 +12,7 @@
 struct srv_work;
 typedef void (*srv_work_fn)(void *job);
 
+/* `threads` of them, and room for queue_max jobs that wait. On an error *work is NULL. */
 enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, uint32_t queue_max, struct eco_error *error);
 /* Runs fn(job) on some thread; false if the queue is full or stopped. Every accepted job is run, also while stopping. Any thread. */
 bool srv_work_submit(struct srv_work *work, srv_work_fn fn, void *job);
