@@ -373,7 +373,8 @@ static void begin_anew(struct ranking *r)
 	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
 }
 
-/* The beginning is made as points, unless as many vertices show more as leaves. */
+/* The beginning is made as points, unless as many vertices show more as leaves: tried roughly. On eight plants that says the same as
+ * a trial with all views, and beginnings take 1.3 to 2.5 times less time. */
 static bool begin_list(struct ranking *r)
 {
 	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
