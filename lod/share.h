@@ -21,8 +21,8 @@
  * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views of a dense
  * forest / of an outdoor scene / of 640 trees, at 30,000 to 1,000,000 vertices: 186 406 - with .3 for plants and nothing for summaries, 181 402 347
  * with .1, 180 402 342 with .15, 181 401 344 with .2; 220 404 349 with .05 and .3 for summaries. With .2 owners are right
- * a little more often (owner Q of the outdoor scene + .002, of the forest from above + .05), but the outdoor scene has 1 % more wrong pixels, and like
- * plants change at once more often; with .3 twice as often.
+ * a little more often (owner Q of the outdoor scene + .002, of the forest from above + .05), but the outdoor scene has 1 % more wrong pixels,
+ * and like plants change at once more often; with .3 twice as often.
  *
  * Expected pixels, in each cell, as if sights were independent of each other: none covers it in the reference, none as drawn, none in
  * either: products over sights. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
