@@ -292,7 +292,7 @@ static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
 		measure(&crown, 128);
 		check_curve(&crown.plant, ladder);
 		for (uint32_t i = 0; i < ladder->curve_count; i++)
-			assert_true(error_of(&crown.plant.curves[i]) < 1.6);
+			assert_true(error_of(&crown.plant.curves[i]) < 2.1);
 		crown_free(&crown);
 	}
 }
