@@ -24,14 +24,14 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
 }
 
 /* Scales serve a plant that stands alone, where a pixel too many is as wrong as one that is missing. Among others it is seldom wrong, and leaves
- * are the larger the more of the plant they miss: 1 to 5 % fewer wrong pixels at 30,000 to 1,000,000 vertices, in dense scenes and in open ones.
- * Half as much growth again leaves fewer yet in a dense forest, but covers more of other plants and more sky. */
+ * are the larger the more of the plant they miss. Wrong pixels of three scenes at 30,000 to 1,000,000 vertices: 1 to 5 % fewer. Twice the
+ * growth leaves fewer yet in a dense forest, but covers more of other plants and more sky; with the square of `among` 0.6 % fewer are wrong,
+ * but more of them are too much: 1 - Q of 30,000 to 300,000 vertices is 1 to 2 % larger. */
 static double grown(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	if (!(entry->among > 0) || p->scene->ladders[entry->ladder].organ == ECO_ORGAN_WOOD)
-		return 1;
-	double missed = lod_planning_curve(p, entry, vertices).fn / MISSED;
-	return 1 + GROWTH * entry->among * entry->among * fmin(1, missed);
+	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
+	double missed = among > 0 ? lod_planning_curve(p, entry, vertices).fn / MISSED : 0;
+	return 1 + GROWTH * among * among * fmin(1, missed);
 }
 
 static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first,
