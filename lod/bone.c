@@ -177,16 +177,10 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 
 /* ---- Things ---- */
 
-static struct lod_v3 corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
-{
-	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k]);
-}
-
 /* A triangle's area, with a trace for one that has none, so that sums of areas divide. */
 static double area_of(const struct lod_mesh *mesh, uint32_t t)
 {
-	struct lod_v3 a = corner(mesh, t, 0);
-	return lod_v3_length(lod_v3_cross(lod_v3_sub(corner(mesh, t, 1), a), lod_v3_sub(corner(mesh, t, 2), a))) / 2 + 1e-30;
+	return lod_v3_length(lod_mesh_area_normal(mesh, t)) + 1e-30;
 }
 
 /* The straight line that the middle of a thing follows from end to end of its box along an axis: stems lean. By least squares. */
@@ -196,7 +190,7 @@ static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const s
 	struct lod_v3 place = { 0, 0, 0 }, product = { 0, 0, 0 };
 	for (uint32_t i = mesh->member_first[line->component]; i < mesh->member_first[line->component + 1]; i++) {
 		uint32_t t = mesh->member[i];
-		struct lod_v3 sum = lod_v3_add(corner(mesh, t, 0), lod_v3_add(corner(mesh, t, 1), corner(mesh, t, 2)));
+		struct lod_v3 sum = lod_v3_add(lod_mesh_corner(mesh, t, 0), lod_v3_add(lod_mesh_corner(mesh, t, 1), lod_mesh_corner(mesh, t, 2)));
 		struct lod_v3 weighed = lod_v3_scale(sum, area_of(mesh, t) / 3);
 		double at = lod_v3_axis(sum, axis) / 3;
 		area += area_of(mesh, t);
@@ -232,7 +226,7 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 	fit_line(line, mesh, c, axis);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
 		uint32_t t = mesh->member[i];
-		struct lod_v3 a = away(corner(mesh, t, 0), line), b = away(corner(mesh, t, 1), line), d = away(corner(mesh, t, 2), line);
+		struct lod_v3 a = away(lod_mesh_corner(mesh, t, 0), line), b = away(lod_mesh_corner(mesh, t, 1), line), d = away(lod_mesh_corner(mesh, t, 2), line);
 		struct lod_v3 sum = lod_v3_add(a, lod_v3_add(b, d));
 		area += area_of(mesh, t);
 		square += area_of(mesh, t) * (lod_v3_dot(a, a) + lod_v3_dot(b, b) + lod_v3_dot(d, d) + lod_v3_dot(sum, sum)) / 12;
@@ -240,7 +234,7 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 	line->width = 2 * sqrt(square / area);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
 		for (uint32_t k = 0; k < 3; k++)
-			line->error = fmax(line->error, distance_to(corner(mesh, mesh->member[i], k), line->end[0], line->end[1]) - line->width / 2);
+			line->error = fmax(line->error, distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0], line->end[1]) - line->width / 2);
 }
 
 /* ---- All ---- */

@@ -370,7 +370,7 @@ static void compare_beside(struct study *s, const struct bench_reach *at, uint32
 		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
 		add_beside(&s->leaves, &b->reference, 1, &b->cook[0]);
-		add_beside(&s->leaves, &b->reference, lod_cook_contrast(kept, s->n, 1), &b->cook[1]);
+		add_beside(&s->leaves, &b->reference, lod_cook_contrast(kept, s->n, s->per_pixel), &b->cook[1]);
 		for (int m = 0; m < BENCH_METHODS; m++) {
 			const struct row row = reach(s, (enum bench_method)m, at->cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
