@@ -3,7 +3,9 @@
  * Elements are balls of a density field (equation 5, with the clamp that the print leaves out) of radius 5 % of the plant's height.
  * Orientation: an element facing along the field's gradient at the nearest point of the iso-surface survives longer. Density: thin
  * dense regions out first, until density is even; there stochastic order takes over. Both in [0,1], combined as P = o^2 + d,
- * normalised, with a little noise. */
+ * normalised, with noise: little of it strips whole regions whose leaves happen to face away from the surface, such as the tops of
+ * conifers. Of 0.05, 0.5 and 1.5 (of P's range) the last is best: Q 0.815, 0.822, 0.823 of a park at 30,000 vertices, 0.967, 0.969, 0.971 of a
+ * forest at 300,000. */
 #ifndef LOD_ORDER_H
 #define LOD_ORDER_H
 

@@ -169,6 +169,29 @@ static void test_models_are_those_that_read(void **unused)
 	free(models);
 }
 
+static void test_packed_models_of_another_folder_are_not_those_of_the_last(void **unused)
+{
+	struct eco_error error = { 0 };
+	struct bench_model *models;
+	uint32_t count;
+	(void)unused;
+	for (int i = 0; i < 3; i++) {                        /* one folder, another, and the same with one more triangle */
+		static const char *const folders[] = { ROOT "/one", ROOT "/two", ROOT "/two" };
+		char command[512];
+		struct eco_model read;
+		snprintf(command, sizeof command, "mkdir -p %s/models && cd %s/models && rm -f * && (printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nv 1 1 1\\n'; "
+			"for i in $(seq %d); do echo f 1 2 $((2 + i)); done) | xz >plant.obj.xz", folders[i], folders[i], i ? i : 2);
+		assert_int_equal(system(command), 0);
+		bench.data = folders[i];
+		assert_int_equal(bench_models(&bench, &models, &count, &error), ECO_OK);
+		assert_int_equal(count, 4);
+		assert_int_equal(bench_model_read(&bench, &models[0], &read, &error), ECO_OK);
+		assert_int_equal(read.triangle_count, i ? i : 2);
+		eco_model_free(&read);
+		free(models);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -178,6 +201,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_packed_models_of_another_folder_are_not_those_of_the_last, set_up, tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

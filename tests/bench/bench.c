@@ -4,6 +4,7 @@
  * that is damaged counts as none. Nothing is ever half there: files are written beside and renamed. */
 #include "tests/bench/bench_state.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
@@ -269,8 +270,23 @@ void bench_key(struct bench *bench, const char *key, double value, const char *b
 
 struct bench_table { struct bench *bench; char name[64]; json_t *item, *rows; };
 
+/* So that programs can ask for columns by name. */
+static bool all_differ(const char *columns)
+{
+	for (const char *a = columns; *a; a += strcspn(a, ",") + (a[strcspn(a, ",")] == ',')) {
+		size_t size = strcspn(a, ",");
+		for (const char *b = a + size; *b == ','; b += strcspn(b, ",")) {
+			b++;
+			if (strcspn(b, ",") == size && !strncmp(a, b, size))
+				return false;
+		}
+	}
+	return true;
+}
+
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show)
 {
+	assert(all_differ(columns));
 	struct bench_table *table = calloc(1, sizeof *table);
 	if (!table)
 		abort();
@@ -485,7 +501,8 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 		written = bench_file_write(path, text, strlen(text), &why);
 	free(text);
 	bench_note(bench, "%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were there)%s%s", s->section->name, state, seconds,
-		bench_cpu_s() - s->begun_cpu_s, s->kept, s->recalled, code ? ": " : "", code ? error->text : "");
+		bench_cpu_s() - s->begun_cpu_s, s->kept, s->recalled, code && code != ECO_INTERRUPTED ? ": " : "",
+		code && code != ECO_INTERRUPTED ? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
 	json_decref(s->items);

@@ -52,7 +52,8 @@ const char *bench_objects(struct bench *bench, const char *objects);
 /* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside and renamed. */
 json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
 
-/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as in the file. */
+/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as in the file, of
+ * different names. */
 struct bench_table;
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show);
 void bench_table_row(struct bench_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -133,7 +133,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			"floating-point "
 		"errors around lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared by make determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
-	bench_key(bench, "extreme_failed", failed, "<= 0");
+	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");
 	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names) : ECO_OK;
 }
 

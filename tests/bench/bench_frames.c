@@ -133,7 +133,7 @@ static void write_means(struct bench *bench, const struct study *s)
 	char name[64];
 	snprintf(name, sizeof name, "frames_%s", s->scene);
 	struct bench_table *table = bench_table_open(bench, name, "budget,method,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,plan ms,transfer at "
-		"10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,at 100 Mbit/s ms,vertices,bytes,predicted Q", true);
+		"10 Mbit/s ms,transfer at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,total at 100 Mbit/s ms,vertices,bytes,predicted Q", true);
 	for (uint32_t b = 0; b < s->budgets; b++)
 		for (uint32_t m = 0; m < BENCH_METHODS; m++) {
 			const struct means *a = &s->all[m][b];
@@ -355,7 +355,7 @@ static enum eco_code show_reference(struct bench *bench, struct eco_error *error
 	double frame = bench_shot_number(unit, "frame_ms"), full = bench_shot_number(unit, "full_ms");
 	bench_say(bench, "The 5,000 trees at %u x %u by the software rasteriser: %.0f vertices in view in %.0f ms, %.0f in %.0f ms.", RATIO_WIDTH,
 		RATIO_HEIGHT, bench_shot_number(unit, "full_vertices"), full, bench_shot_number(unit, "vertices"), frame);
-	bench_key(bench, "trees5000_reference_ratio", full / frame, "<= 10");
+	bench_key(bench, "trees5000_reference_ratio", full / frame, "<= 10: time of full detail over that of 26 M vertices, rasteriser");
 	return ECO_OK;
 }
 
@@ -377,10 +377,10 @@ static double key_mean(const struct study *s, bool aerial, enum figure figure)
 
 static void scbi_keys(struct bench *bench, const struct study *s)
 {
-	bench_key(bench, "scbi_aerial_q", key_mean(s, true, QUALITY), ">= 0.92");
-	bench_key(bench, "scbi_aerial_skill", key_mean(s, true, SKILL), ">= 0.6");
-	bench_key(bench, "scbi_eye_q", key_mean(s, false, QUALITY), ">= 0.88");
-	bench_key(bench, "scbi_eye_skill", key_mean(s, false, SKILL), ">= 0.5");
+	bench_key(bench, "scbi_aerial_q", key_mean(s, true, QUALITY), ">= 0.92: Q from above at 1,000,000 vertices");
+	bench_key(bench, "scbi_aerial_skill", key_mean(s, true, SKILL), ">= 0.6: skill there");
+	bench_key(bench, "scbi_eye_q", key_mean(s, false, QUALITY), ">= 0.88: Q at eye level at 1,000,000 vertices");
+	bench_key(bench, "scbi_eye_skill", key_mean(s, false, SKILL), ">= 0.5: skill there");
 }
 
 static void trees5000_keys(struct bench *bench, const struct study *s)
@@ -389,7 +389,7 @@ static void trees5000_keys(struct bench *bench, const struct study *s)
 		{ 26000000, "trees5000_q_26m" } };
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
 		uint32_t b = at_budget(s, keys[i].vertices);
-		bench_key(bench, keys[i].key, b < s->budgets ? mean(&s->all[BENCH_OURS][b], QUALITY) : NAN, "shown");
+		bench_key(bench, keys[i].key, b < s->budgets ? mean(&s->all[BENCH_OURS][b], QUALITY) : NAN, "Q at so many vertices");
 	}
 }
 
@@ -439,14 +439,16 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"+ 3 triangles): 640 trees 2.10 M, palms 1.76 M, outdoor 2.48 M, sunflowers 2.19 M; Neubert 2011: 5,000 trees 26 M.", BENCH_SHOT_WIDTH,
 		BENCH_SHOT_HEIGHT);
 	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,P,R,wrong pixels,skill,owner_q,colour RMS,"
-		"predicted Q,plan ms,transfer at 10 Mbit/s ms,at 100 Mbit/s ms,decode ms,draw ms,total at 10 ms,total at 100 ms,vertices,bytes", false) };
+		"predicted Q,plan ms,transfer at 10 Mbit/s ms,transfer at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,total at 100 Mbit/s ms,"
+		"vertices,bytes", false) };
 	bench_head(bench, "Occlusion on and off, at equal vertices");
 	tables.occlusion = bench_table_open(bench, "frames_occlusion", "scene,vertices,Q with occlusion,Q without,wrong with,wrong without,ratio,skill "
 		"with,skill without", true);
 	bench_head(bench, "At the Q of the stochastic order (Cook)");
 	bench_say(bench, "The same scenes by the same planner, from packs whose leaves come in that order. Ours is between two budgets that have a "
 		"lower and a higher Q in the same view. An owner is a plant.");
-	tables.equal = bench_table_open(bench, "frames_equal", "scene,view,Q,vertices,ours,fewer %,owner_q,ours,colour RMS,ours", true);
+	tables.equal = bench_table_open(bench, "frames_equal", "scene,view,Q,vertices,vertices of ours,fewer %,owner_q,owner_q of ours,"
+		"colour RMS,colour RMS of ours", true);
 	struct lost lost = { -INFINITY, -INFINITY };
 	for (size_t i = 0; i < SCENES && !code; i++)
 		if (scenes[i].quick || bench->full)

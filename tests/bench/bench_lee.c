@@ -151,6 +151,25 @@ static void write_rows(struct bench_table *table, struct bench_table *ratios, co
 	}
 }
 
+/* Lee's table, as it is printed in the paper, with ours below. */
+static void write_crown(struct bench *bench, const json_t *unit)
+{
+	struct bench_table *table = bench_table_open(bench, "lee_crown", "crown of 6143 leaves: wrong %,at 80 %,at 50 %,at 30 %,at 10 %,scaled: at 80 %,"
+		"scaled: at 50 %,scaled: at 30 %,scaled: at 10 %,other leaf: at 80 %,other leaf: at 50 %,other leaf: at 30 %,other leaf: at 10 %", true);
+	static const int columns[] = { 0, 3, 1 };
+	for (int width = 0; width < LEE_WIDTHS; width++)
+		for (int m = 0; m < LEE_METHODS; m++) {
+			char row[256];
+			int at = snprintf(row, sizeof row, "%s%s", bench_lee_methods[m], width == LEE_NARROW ? "" : " (12 degrees)");
+			for (int i = 0; i < 3 * LEE_SHARES; i++)
+				at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f", 100 * figure(unit, (enum bench_lee_width)width, m, i % LEE_SHARES,
+					columns[i / LEE_SHARES]));
+			if (width == LEE_NARROW || m == LEE_SECTOR)
+				bench_table_row(table, "%s", row);
+		}
+	bench_table_close(table);
+}
+
 static enum eco_code plot_crown(struct bench *bench, const json_t *unit, struct eco_error *error)
 {
 	static const int shown[] = { LEE_DISTANCE, LEE_NORMAL, LEE_LAYER, LEE_STOCHASTIC, LEE_COMBINED, LEE_STATIC, LEE_SECTOR };
@@ -173,9 +192,11 @@ static void write_keys(struct bench *bench, const struct worst *worst)
 	for (size_t c = 0; c < CONTESTS; c++) {
 		const struct worst *w = &worst[c];
 		for (int share = 0; share < LEE_SHARES; share++) {
-			char key[48];
+			char key[48], bar[96];
+			const char *words = contests[c].bars[share];
 			snprintf(key, sizeof key, "%s_%u", contests[c].key, bench_lee_percent[share]);
-			bench_key(bench, key, w->ratio[share], contests[c].bars[share]);
+			snprintf(bar, sizeof bar, "%s%s%s", words, *words ? ": " : "", contests[c].name);
+			bench_key(bench, key, w->ratio[share], bar);
 		}
 		bench_say(bench, "Wrong pixels over those of the best of Lee's three at 80, 50, 30 and 10 %% of the leaves, %s: mean over %u plants %.2f, "
 			"%.2f, %.2f, %.2f; worst %.2f (%s), %.2f (%s), %.2f (%s), %.2f (%s).", contests[c].name, w->count, w->sum[0] / w->count,
@@ -208,8 +229,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		found++;
 		note_worst(worst, name, one);
 		write_rows(table, ratios, name, one);
-		if (i == 0)
+		if (i == 0) {
+			write_crown(bench, one);
 			code = plot_crown(bench, one, error);
+		}
 	}
 	bench_table_close(table);
 	bench_table_close(ratios);

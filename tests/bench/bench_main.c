@@ -187,6 +187,7 @@ static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, 
 		{ "cache", 1, NULL, CACHE }, { "build", 1, NULL, BUILD }, { "only", 1, NULL, ONLY },
 		{ "extreme", 0, NULL, EXTREME }, { "jobs", 1, NULL, JOBS },
 		{ "trust", 0, NULL, TRUST }, { "list", 0, NULL, LIST }, { "quiet", 0, NULL, QUIET }, { "help", 0, NULL, HELP }, { 0 } };
+	char *end;
 	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
 		switch (c) {
 		case FULL: bench->full = true; break;
@@ -201,8 +202,8 @@ static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, 
 			strcat(strcat(a->only, *a->only ? "," : ""), optarg);
 			break;
 		case JOBS:
-			a->jobs = (uint32_t)strtoul(optarg, NULL, 10);
-			if (a->jobs < 1 || a->jobs > JOBS_MAX)
+			a->jobs = (uint32_t)strtoul(optarg, &end, 10);
+			if (*end || a->jobs < 1 || a->jobs > JOBS_MAX)
 				return eco_fail(error, ECO_BAD_USAGE, "--jobs %s: 1 to %u sections can run at the same time", optarg, JOBS_MAX);
 			break;
 		case TRUST: bench->state->trust = true; break;

@@ -1,13 +1,14 @@
 /* Plants one by one: every model of the data folder that reads as a plant, and the generated kinds.
  *
  * Nothing here knows the names of files: all are tried whose endings ecopack reads, and those that fail are left out, aloud. Packed ones
- * (.xz) are read from an unpacked copy in the cache. */
+ * (.xz) are read from an unpacked copy in the cache, which is made anew for another folder and after a change in it. */
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "lod/foliage.h"
 #include "tests/bench/bench_state.h"
@@ -19,7 +20,12 @@
 static const char *const endings[] = { ".glb", ".gltf", ".obj", ".fbx", ".dae", ".ply", ".stl", ".3ds" };
 static const char *const generated[] = { "park", "forest", "sunflowers" };
 
-struct list { struct bench_model *items; uint32_t count, room; bool packed; };
+struct list {
+	struct bench_model *items;
+	uint32_t count, room;
+	bool packed;
+	uint64_t stamp;              /* of all files: where they are, sizes and times; in any order */
+};
 
 static bool ends_with(const char *name, const char *ending)
 {
@@ -62,6 +68,12 @@ static bool unpacked(const char *path)
 	return access(sibling, R_OK) == 0;
 }
 
+static uint64_t stamp_of(const char *path, const struct stat *status)
+{
+	uint64_t parts[3] = { (uint64_t)status->st_size, (uint64_t)status->st_mtim.tv_sec, (uint64_t)status->st_mtim.tv_nsec };
+	return XXH3_64bits_withSeed(parts, sizeof parts, XXH3_64bits(path, strlen(path)));
+}
+
 static enum eco_code scan(struct list *list, const char *folder, bool made, uint32_t depth, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -72,9 +84,12 @@ static enum eco_code scan(struct list *list, const char *folder, bool made, uint
 		if (*entry->d_name == '.' || snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof ((struct bench_model *)0)->path ||
 			stat(path, &status))
 			continue;
-		if (S_ISDIR(status.st_mode))
+		if (S_ISDIR(status.st_mode)) {
 			code = scan(list, path, made, depth + 1, error);
-		else if (is_model(entry->d_name))
+			continue;
+		}
+		list->stamp += stamp_of(path, &status);
+		if (is_model(entry->d_name))
 			code = add(list, path, entry->d_name, made, error);
 		else if (ends_with(entry->d_name, ".xz") && !unpacked(path))
 			list->packed = true;
@@ -166,10 +181,10 @@ static enum eco_code find_all(struct bench *bench, struct list *list, struct eco
 		snprintf(folder, sizeof folder, "%s/models", bench->data);
 		code = scan(list, folder, false, 0, error);
 		if (!code && list->packed) {
-			snprintf(copy, sizeof copy, "%s/models", bench->cache);
+			snprintf(copy, sizeof copy, "%s/models-%016llx", bench->cache, (unsigned long long)list->stamp);
 			if (access(copy, R_OK))
-				code = bench_command(bench, error, "rm -rf '%s.tmp' && cp -R '%s' '%s.tmp' && chmod -R u+w '%s.tmp' && find '%s.tmp' -name '*.xz' "
-					"-exec xz -df {} + && mv '%s.tmp' '%s'", copy, folder, copy, copy, copy, copy, copy);
+				code = bench_command(bench, error, "rm -rf '%s/models'* && cp -R '%s' '%s.tmp' && chmod -R u+w '%s.tmp' && find '%s.tmp' -name '*.xz' "
+					"-exec xz -df {} + && mv '%s.tmp' '%s'", bench->cache, folder, copy, copy, copy, copy, copy);
 			list->count = 0;
 			if (!code)
 				code = scan(list, copy, false, 0, error);

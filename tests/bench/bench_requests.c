@@ -105,7 +105,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			"from nothing to beyond everything, a quarter of them with a budget of bytes. Counted by the client that draws: vertices of every "
 			"state of a stream, bytes, chunks sent twice, answers that differ; for one view in some, ten budgets: predicted wrong pixels never rise "
 			"with the budget, and vertices are left over only where nothing more is to be gained.");
-		bench_key(bench, "requests_violations", (double)count_of(all, "violations"), "0");
+		bench_key(bench, "requests_violations", (double)count_of(all, "violations"), "0: of what must always hold");
 		bench_key(bench, "requests_count", (double)count_of(all, "requests"), "asked; 100,000 with FULL=1");
 	}
 	if (table)

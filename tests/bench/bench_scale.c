@@ -281,7 +281,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		code = plot_sizes(bench, units, found, error);
 		bench_say(bench, "Scale from the table against the best for unseen views, %u plants, %u shares from 0.01 to 0.8: mean gap in Q %.4f, "
 			"largest %.4f (%s).", found, LAMBDAS, t.sum / t.count, t.worst, t.worst_of);
-		bench_key(bench, "s_opt_gap", t.worst, "<= 0.01");
+		bench_key(bench, "s_opt_gap", t.worst, "<= 0.01: Q lost by the table's scale, worst plant and share");
 	}
 	return code;
 }

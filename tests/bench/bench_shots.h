@@ -16,7 +16,8 @@ struct bench_method {
 	bool ignore_occlusion;
 	bool full_only;
 };
-enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH_COMBINED, BENCH_DEUSSEN_2002, BENCH_METHODS };
+enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH_COMBINED, BENCH_DEUSSEN_2002, BENCH_DENSITY_ORDER,
+	BENCH_ORIENTATION_ORDER, BENCH_METHODS };
 extern const struct bench_method bench_methods[BENCH_METHODS];
 
 /* False where the scene needs data that is not there: the report says so, and it is no error. Else *code is that of making its pack. */

@@ -332,8 +332,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"changes, be it one leaf, a near one with the part of it that does; leaves that grow by less than a sixteenth of their area do not. "
 		"Worst share of a model with at least %u plants in view, at all distances: %s.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH,
 		HEIGHT, COLOR_TOLD, worst.ratio_of, LIKE_LEAST, worst.change_of);
-	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5");
-	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05");
+	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5: pixels that change over those of the reference, worst camera");
+	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05: of a model's plants that switch at once, worst frame");
 	bench_key(bench, "steadiness_octave", worst.octave, "of a model's plants within an octave of distance, worst");
 	bench_key(bench, "steadiness_jump", worst.jump, "<= 0.05: of those, by more than an eighth of a plant's vertices");
 	return ECO_OK;
