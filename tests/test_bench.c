@@ -207,6 +207,7 @@ static void test_a_run_leaves_tables_report_and_summary(void **state)
 	(void)state;
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_string_equal(text_of("out/tiny.csv"), "unit,square\n0,0\n1,1\n2,4\n3,9\n4,16\n");
+	assert_true(says("out/report.html", "<th class=\"n\">unit<th class=\"n\">square<tr><td class=\"n\">0<td"));
 	assert_true(says("out/report.html", "Squares &lt;of&gt; 5 &amp; more &quot;numbers&quot;"));
 	json_t *summary = bench_json_read(ROOT "/out/summary.json");
 	assert_true(json_number_value(json_object_get(summary, "tiny_sum")) == 30);

@@ -268,7 +268,16 @@ void bench_key(struct bench *bench, const char *key, double value, const char *b
 		"bar", bar ? bar : ""));
 }
 
-struct bench_table { struct bench *bench; char name[64]; json_t *item, *rows; };
+struct bench_table { struct bench *bench; char name[64]; json_t *item, *rows; uint32_t commas; };
+
+static uint32_t commas_of(const char *text)
+{
+	uint32_t count = 0;
+	for (; *text; text++)
+		count += *text == ',';
+	return count;
+}
+
 
 /* So that programs can ask for columns by name. */
 static bool all_differ(const char *columns)
@@ -293,6 +302,7 @@ struct bench_table *bench_table_open(struct bench *bench, const char *name, cons
 	table->bench = bench;
 	snprintf(table->name, sizeof table->name, "%s", name);
 	table->rows = json_array();
+	table->commas = commas_of(columns);
 	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns", columns, "show", (int)show, "rows", table->rows);
 	/* in the report where it was opened */
 	bench_item(bench, json_incref(table->item));
@@ -305,6 +315,7 @@ void bench_table_row(struct bench_table *table, const char *format, ...)
 	va_start(args, format);
 	char *text = text_of(format, args);
 	va_end(args);
+	assert(commas_of(text) == table->commas);
 	json_array_append_new(table->rows, json_string(text));
 	free(text);
 }

@@ -56,6 +56,7 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
  * different names. */
 struct bench_table;
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show);
+/* As many cells as there are columns, without commas in them. */
 void bench_table_row(struct bench_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void bench_table_close(struct bench_table *table);
 

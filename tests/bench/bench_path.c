@@ -164,7 +164,7 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 	struct bench_series series[BENCH_METHODS];
 	uint32_t seen = 0, counted = 0;
 	struct bench_table *table = bench_table_open(bench, "path_frames", "frame,trees in view,stochastic %,density %,orientation %,combined %,"
-		"greedy all at one scale %,greedy %,greedy with simpler leaves %", false);
+		"greedy at one scale %,greedy %,greedy with simpler leaves %", false);
 	for (uint32_t f = 0; f < p->frame_count; f++) {
 		x[f] = f;
 		for (int m = 0; m < BENCH_METHODS; m++) {

@@ -123,19 +123,34 @@ static bool looks_like_number(const char *cell, size_t size)
 
 static bool is_nan(const char *cell, size_t size) { return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4)); }
 
-static void print_cells(FILE *out, const char *line, const char *tag)
+/* Where the cell after this one begins, or NULL. */
+static const char *next_cell(const char *at)
 {
-	for (const char *at = line;; at++) {
+	at += strcspn(at, ",");
+	return *at ? at + 1 : NULL;
+}
+
+static void print_cells(FILE *out, const char *line)
+{
+	for (const char *at = line; at; at = next_cell(at)) {
 		size_t size = strcspn(at, ",");
-		bool head = *tag == 't' && tag[1] == 'h', none = is_nan(at, size), number = !head && (none || looks_like_number(at, size));
-		fprintf(out, "<%s%s>", tag, number ? " class=\"n\"" : "");
+		bool none = is_nan(at, size);
+		fputs(none || looks_like_number(at, size) ? "<td class=\"n\">" : "<td>", out);
 		if (none)
 			fputs("\xe2\x80\x93", out);
 		else
 			escape(out, at, size);
-		at += size;
-		if (!*at)
-			return;
+	}
+}
+
+/* Names of columns, those of numbers above their numbers. `row`: one of the table, or NULL. */
+static void print_names(FILE *out, const char *columns, const char *row)
+{
+	for (const char *at = columns; at; at = next_cell(at)) {
+		size_t size = row ? strcspn(row, ",") : 0;
+		fputs(row && (is_nan(row, size) || looks_like_number(row, size)) ? "<th class=\"n\">" : "<th>", out);
+		escape(out, at, strcspn(at, ","));
+		row = row ? next_cell(row) : NULL;
 	}
 }
 
@@ -158,10 +173,10 @@ static void print_table(FILE *out, const json_t *item)
 	if (folded)
 		fprintf(out, "<details><summary>%zu rows</summary>", json_array_size(rows));
 	fputs("<div class=\"wide\"><table><tr>", out);
-	print_cells(out, json_string_value(json_object_get(item, "columns")), "th");
+	print_names(out, json_string_value(json_object_get(item, "columns")), json_string_value(json_array_get(rows, 0)));
 	json_array_foreach(rows, i, row) {
 		fputs("<tr>", out);
-		print_cells(out, json_string_value(row), "td");
+		print_cells(out, json_string_value(row));
 	}
 	fputs("</table></div>", out);
 	if (folded)

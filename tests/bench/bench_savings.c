@@ -31,8 +31,8 @@
 #define BESIDE_STRIDE 4u
 #define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
-const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy, all at one scale", "greedy",
-	"greedy, leaves as triangles" };
+const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy at one scale", "greedy",
+	"greedy with simpler leaves" };
 
 struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) triangles */
 
