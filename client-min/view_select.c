@@ -14,9 +14,6 @@
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
 
-const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "simple", "lines", "points", "blend triangles", "blend simple",
-	"blend lines", "blend points", "summary" };
-
 struct walk {
 	struct view_selection *out;
 	const struct view_store *store;

@@ -29,7 +29,6 @@ enum view_role {
 	                                                          /* the first elements of a list in one form, those after them in another */
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
-extern const char *const view_role_names[VIEW_ROLE_COUNT];
 
 struct view_selection {                  /* owns its arrays */
 	struct view_instance *instances;

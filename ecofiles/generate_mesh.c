@@ -144,7 +144,7 @@ static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, do
 	return mesh->count++;
 }
 
-void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
+static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
 {
 	assert(corners == 3 || corners == 4);
 	mesh->failed = mesh->failed || !eco_room(&mesh->faces, &mesh->face_capacity, mesh->face_count, sizeof *mesh->faces);
@@ -180,9 +180,9 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 		for (uint32_t k = 0; i && k < sides; k++) {
 			uint32_t next = (k + 1) % sides;
 			if (tip)
-				gen_face(mesh, material, 3, (uint32_t[]){ before + k, before + next, first });
+				add_face(mesh, material, 3, (uint32_t[]){ before + k, before + next, first });
 			else
-				gen_face(mesh, material, 4, (uint32_t[]){ before + k, before + next, first + next, first + k });
+				add_face(mesh, material, 4, (uint32_t[]){ before + k, before + next, first + next, first + k });
 		}
 		before = first;
 	}
@@ -210,7 +210,7 @@ static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_
 		corner[2] = add_vertex(mesh, gen_add(leaf->at, along), 0.5, 1);
 		corner[3] = add_vertex(mesh, gen_sub(middle, half), 0, 0.45);
 	}
-	gen_face(mesh, material, 4, corner);
+	add_face(mesh, material, 4, corner);
 }
 
 /* Six corners, four triangles around the stalk: a leaf that arches to its tip. */
@@ -226,7 +226,7 @@ static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct g
 	for (int i = 0; i < 6; i++)
 		corner[i] = add_vertex(mesh, at[i], 0, 0);
 	for (uint32_t i = 1; i < 5; i++)
-		gen_face(mesh, material, 3, (uint32_t[]){ corner[0], corner[i], corner[i + 1] });
+		add_face(mesh, material, 3, (uint32_t[]){ corner[0], corner[i], corner[i + 1] });
 }
 
 /* Five corners: a strip that narrows to a point, three triangles around one corner so that it is a fan. */
@@ -239,9 +239,9 @@ static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen
 		add_vertex(mesh, gen_mad(leaf->at, half, -1), 0, 0), add_vertex(mesh, gen_add(leaf->at, half), 1, 0),
 		add_vertex(mesh, gen_mad(middle, half, 0.8), 1, 0.5), add_vertex(mesh, gen_mad(middle, half, -0.8), 0, 0.5),
 		add_vertex(mesh, gen_add(gen_add(leaf->at, along), sink), 0.5, 1) };
-	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[0], corner[1] });
-	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[1], corner[2] });
-	gen_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[2], corner[4] });
+	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[0], corner[1] });
+	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[1], corner[2] });
+	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[2], corner[4] });
 }
 
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf)

@@ -58,8 +58,6 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count);
 
-void gen_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[]);
-
 /* A closed-up tube through points; radius 0 at the last point is a tip. */
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);

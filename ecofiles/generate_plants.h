@@ -41,7 +41,6 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 
 /* ---- Textures (generate_texture.c) ---- */
 
-extern const char *const gen_texture_names[];                                  /* ends with NULL */
 enum eco_code gen_texture_write(const char *folder, const char *name, struct eco_error *error);
 
 #endif

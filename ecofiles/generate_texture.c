@@ -111,8 +111,6 @@ static const struct painting { const char *name; uint32_t size; void (*paint)(st
 	{ "spray.png", 128, paint_spray },
 };
 
-const char *const gen_texture_names[] = { "leaf.png", "spray.png", NULL };
-
 enum eco_code gen_texture_write(const char *folder, const char *name, struct eco_error *error)
 {
 	const struct painting *painting = NULL;

@@ -22,7 +22,7 @@ struct ply {
 	uint64_t vertices, surfaces; /* of the element "vertex"; of "face", "tristrips" and the like */
 	bool vertex_first;
 	uint32_t property_count;     /* of a vertex */
-	size_t offset[PROPERTIES_MAX], bytes_of[PROPERTIES_MAX], stride;
+	size_t offset[PROPERTIES_MAX], stride;
 	bool is_double[PROPERTIES_MAX];
 	uint32_t axis[3];            /* properties x, y, z; ECO_NONE: not there */
 };
@@ -47,7 +47,6 @@ static bool add_property(struct ply *p, const char *type, const char *name)
 	if (i == PROPERTIES_MAX || bytes == 0)
 		return false;
 	p->offset[i] = p->stride;
-	p->bytes_of[i] = bytes;
 	p->is_double[i] = bytes == 8;
 	for (int k = 0; k < 3; k++)
 		if (name[0] == "xyz"[k] && name[1] == 0)

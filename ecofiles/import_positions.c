@@ -28,7 +28,8 @@
 
 /* ---- What is said ---- */
 
-void eco_positions_note(void *reader, const char *format, ...)
+/* A note of the reader itself, kept once. */
+__attribute__((format(printf, 2, 3))) static void add_note(void *reader, const char *format, ...)
 {
 	struct eco_positions *p = reader;
 	va_list arguments;
@@ -38,7 +39,8 @@ void eco_positions_note(void *reader, const char *format, ...)
 	va_end(arguments);
 }
 
-void eco_positions_count(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
+/* Counts into one of `skipped` or `filtered`, with the first line and text. */
+static void count_in(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
 {
 	if (counter->count++ > 0)
 		return;
@@ -51,7 +53,7 @@ void eco_positions_count(const struct eco_positions *p, struct eco_skipped *coun
 
 static void count(struct eco_positions *p, enum eco_skip why, const char *text)
 {
-	eco_positions_count(p, &p->skipped[why], text);
+	count_in(p, &p->skipped[why], text);
 }
 
 /* ---- Fields ---- */
@@ -93,7 +95,7 @@ static bool passes_filters(struct eco_positions *p)
 
 		if (eco_filter_passes(&p->spec->filters[i], value, decimal_of(p)))
 			continue;
-		eco_positions_count(p, &p->filtered[i], shown(value, text, sizeof text));
+		count_in(p, &p->filtered[i], shown(value, text, sizeof text));
 		count(p, ECO_SKIP_FILTERED, text);
 		return false;
 	}
@@ -276,11 +278,11 @@ static void note_far(struct eco_positions *p)
 	if (p->good_places == 0 || p->nearest_m <= FAR_M)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
-		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their "
+		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their "
 			"coordinates swapped: x is easting "
 			"or longitude, y is northing or latitude", p->nearest_m / 1000);
 	else
-		eco_positions_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
+		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
 			p->nearest_m / 1000);
 }
 
@@ -526,7 +528,7 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs, .vertical = p->spec->vertical,
 		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs : NULL,
 		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
-		.note = eco_positions_note, .ctx = p };
+		.note = add_note, .ctx = p };
 
 	if (p->from_geometry && rows->degrees_doubted && p->spec->crs == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this format means unless it says otherwise; add "

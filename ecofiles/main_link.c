@@ -305,7 +305,8 @@ static bool is_ours(const struct eco_list *summary)
 	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes == (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
 }
 
-enum eco_code link_summaries(struct link *l, struct link_part *part)
+/* The part's summaries, with the numbers of the whole. */
+static enum eco_code part_summaries(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	enum eco_code code = ECO_OK;
@@ -332,7 +333,7 @@ static enum eco_code add_summaries(struct link *l)
 	struct make_summing summing;
 	enum eco_code code = make_summing_begin(&summing, &l->m);
 	for (uint32_t i = 0; i < l->count && !code; i++) {
-		code = link_summaries(l, &l->parts[i]);
+		code = part_summaries(l, &l->parts[i]);
 		make_refer(&l->m);
 		if (!code)
 			code = make_summing_keep(&summing, l->parts[i].tile_first + l->parts[i].pack->scene.root);

@@ -30,8 +30,6 @@ struct link {
 
 /* The plants of a part, but for those that are known already. */
 enum eco_code link_plants(struct link *l, struct link_part *part);
-/* The part's summaries, with the numbers of the whole. */
-enum eco_code link_summaries(struct link *l, struct link_part *part);
 /* The record of the whole for a list of a part, as far as references go to plants, colours and lists. */
 struct eco_list link_list(const struct link_part *part, uint32_t list);
 enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record);

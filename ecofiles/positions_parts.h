@@ -81,9 +81,5 @@ struct eco_positions {
 
 /* Opens the file, again if it was open, and finds the columns (positions_columns.c). */
 enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error *error);
-/* A note of the reader itself, kept once. */
-void eco_positions_note(void *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Counts into one of `skipped` or `filtered`, with the first line and text. */
-void eco_positions_count(const struct eco_positions *p, struct eco_skipped *counter, const char *text);
 
 #endif

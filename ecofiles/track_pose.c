@@ -14,7 +14,8 @@
 
 /* ---- Axes ---- */
 
-void track_look(struct eco_fix *fix, const double look[3], const double up[3])
+/* Sets yaw, pitch and roll of a fix from the camera's axes in the world (Z up): units, `look` ahead and `up`. */
+static void look_along(struct eco_fix *fix, const double look[3], const double up[3])
 {
 	double flat = hypot(look[0], look[1]);
 	fix->pitch_deg = atan2(look[2], flat) * DEG;
@@ -74,7 +75,7 @@ void track_pose(struct eco_fix *fix, const double rotation[9], const double posi
 	}
 	to_z_up(look, axes.world);
 	to_z_up(up, axes.world);
-	track_look(fix, look, up);
+	look_along(fix, look, up);
 }
 
 struct track_axes track_axes_of(const struct track_input *in, enum eco_axes axes, enum eco_world world)

@@ -53,8 +53,6 @@ int track_digits(const char *text, const char *end, int count);
 
 /* ---- Looks ---- */
 
-/* Sets yaw, pitch and roll of a fix from the camera's axes in the world (Z up): units, `look` ahead and `up`. */
-void track_look(struct eco_fix *fix, const double look[3], const double up[3]);
 /* A pose: camera to world, rotation row by row and position, with axes as the format (or the options) have them, Z up afterwards. */
 struct track_axes { enum eco_axes axes; enum eco_world world; };
 void track_pose(struct eco_fix *fix, const double rotation[9], const double position[3], struct track_axes axes);

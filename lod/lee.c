@@ -6,8 +6,6 @@
 
 #include "lod/sort.h"
 
-const char *const lod_lee_names[LOD_LEE_COUNT] = { "distance", "normal", "layer+normal" };
-
 void lod_lee_group_make(struct lod_lee_group *group, const struct lod_v3 *center, const struct lod_v3 *normal, const uint32_t *leaves,
 	uint32_t count)
 {

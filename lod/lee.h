@@ -17,7 +17,6 @@
 #include "lod/vector.h"
 
 enum lod_lee_method { LOD_LEE_DISTANCE, LOD_LEE_NORMAL, LOD_LEE_LAYER, LOD_LEE_COUNT };
-extern const char *const lod_lee_names[LOD_LEE_COUNT];          /* distance, normal, layer+normal */
 
 /* The paper does not say how many. */
 #define LOD_LEE_LAYERS 5u

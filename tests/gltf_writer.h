@@ -13,7 +13,6 @@
 #define GLTF_UBYTE 5121
 #define GLTF_SHORT 5122
 #define GLTF_USHORT 5123
-#define GLTF_INT 5124
 #define GLTF_UINT 5125
 #define GLTF_FLOAT 5126
 

@@ -239,7 +239,8 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 
 /* ---- What a section says ---- */
 
-void bench_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
+/* Takes the item over. */
+static void add_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
 
 /* As vasprintf, but there is always a text. The caller frees it. */
 static char *text_of(const char *format, va_list args)
@@ -256,11 +257,11 @@ void bench_say(struct bench *bench, const char *format, ...)
 	va_start(args, format);
 	char *text = text_of(format, args);
 	va_end(args);
-	bench_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
+	add_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
 	free(text);
 }
 
-void bench_head(struct bench *bench, const char *text) { bench_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text)); }
+void bench_head(struct bench *bench, const char *text) { add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text)); }
 
 void bench_key(struct bench *bench, const char *key, double value, const char *bar)
 {
@@ -305,7 +306,7 @@ struct bench_table *bench_table_open(struct bench *bench, const char *name, cons
 	table->commas = commas_of(columns);
 	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns", columns, "show", (int)show, "rows", table->rows);
 	/* in the report where it was opened */
-	bench_item(bench, json_incref(table->item));
+	add_item(bench, json_incref(table->item));
 	return table;
 }
 
@@ -344,7 +345,7 @@ void bench_table_close(struct bench_table *table)
 
 void bench_picture(struct bench *bench, const char *file, const char *caption)
 {
-	bench_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption ? caption : ""));
+	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption ? caption : ""));
 }
 
 /* ---- Programs ---- */

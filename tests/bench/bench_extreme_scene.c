@@ -43,7 +43,8 @@ bool extreme_stand_place(struct extreme_stand *stand, const struct extreme_place
 	return true;
 }
 
-bool extreme_stand_scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count, uint64_t seed)
+/* `count` of a plant anywhere in the square, sizes 0.8 to 1.2. */
+static bool scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count, uint64_t seed)
 {
 	bool good = true;
 	for (uint32_t i = 0; i < count && good; i++) {
@@ -64,7 +65,8 @@ static enum eco_code add_soup(struct extreme_stand *stand, struct soup *soup, co
 	return code;
 }
 
-enum eco_code extreme_stand_make(struct extreme_stand *stand, struct eco_error *error)
+/* A tree, a bush and grass, 60 of them in four tiles with a summary above. */
+static enum eco_code make_stand(struct extreme_stand *stand, struct eco_error *error)
 {
 	struct soup soup;
 	*stand = (struct extreme_stand){ .side = 40, .near_m = 0.05, .summaries = true };
@@ -82,7 +84,7 @@ enum eco_code extreme_stand_make(struct extreme_stand *stand, struct eco_error *
 		soup_quad(&soup, leaf, (struct lod_v3){ soup_random(&soup, -0.3, 0.3), soup_random(&soup, -0.3, 0.3), 0.2 },
 			(struct lod_v3){ 0.02, 0, 0 }, (struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
 	code = code ? code : add_soup(stand, &soup, "grass", error);
-	if (!code && !(extreme_stand_scatter(stand, 0, 14, 1) && extreme_stand_scatter(stand, 1, 20, 2) && extreme_stand_scatter(stand, 2, 26, 3)))
+	if (!code && !(scatter(stand, 0, 14, 1) && scatter(stand, 1, 20, 2) && scatter(stand, 2, 26, 3)))
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a stand");
 	return code;
 }
@@ -104,7 +106,7 @@ const struct extreme_stand *extreme_stand_shared(struct extreme *x)
 	struct eco_error error = { 0 };
 	if (shared.plant_count)
 		return &shared;
-	if (!extreme_good(x, extreme_stand_make(&shared, &error), &error)) {
+	if (!extreme_good(x, make_stand(&shared, &error), &error)) {
 		extreme_stand_free(&shared);
 		return NULL;
 	}
@@ -127,7 +129,6 @@ struct packing {                         /* tables of a scene while it is writte
 	uint32_t palette_first[EXTREME_PLANTS];
 	struct eco_tile tiles[2 + TILES];            /* the root places the stand's own, which has four */
 	struct eco_group groups[TILES * EXTREME_PLANTS];
-	struct eco_list group_lists[TILES * EXTREME_PLANTS];
 	struct eco_child children[1 + TILES];
 	struct eco_writer places;
 	struct eco_error *error;

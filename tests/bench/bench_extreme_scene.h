@@ -1,6 +1,6 @@
 /* Scenes for extreme cases: real plants, built once, packed into a scene that stands anywhere, served and drawn in this process.
  *
- *   extreme_stand_make(&stand, &error)                     a tree, a bush and grass, 60 of them in four tiles with a summary above
+ *   stand = extreme_stand_shared(x)                        a tree, a bush and grass, 60 of them in four tiles with a summary above
  *   extreme_world_open(&world, &stand, &site, &error)      as a pack whose root places all of it by `site`
  *   extreme_site_view(&site, &view)                        a view of the stand where it would be at the origin -> in that world
  *   extreme_plan, extreme_draw                             what the server answers; what a viewer draws of it
@@ -34,12 +34,9 @@ struct extreme_world { struct srv_store store; struct srv_scene *scene; };
 
 /* Builds one more plant of a model, in an order that takes little time. */
 enum eco_code extreme_stand_add(struct extreme_stand *stand, const struct eco_model *model, const char *name, struct eco_error *error);
-/* `count` of a plant anywhere in the square, sizes 0.8 to 1.2. */
-bool extreme_stand_scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count, uint64_t seed);
 bool extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place);
-enum eco_code extreme_stand_make(struct extreme_stand *stand, struct eco_error *error);
 void extreme_stand_free(struct extreme_stand *stand);
-/* The stand that all families share, made when first asked for; NULL where it cannot be (x has failed then). */
+/* The stand that all families share, made when first asked for, and never freed by them; NULL where it cannot be (x has failed then). */
 const struct extreme_stand *extreme_stand_shared(struct extreme *x);
 
 enum eco_code extreme_world_open(struct extreme_world *world, const struct extreme_stand *stand, const struct extreme_site *site,

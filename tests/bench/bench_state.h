@@ -39,7 +39,6 @@ enum eco_code bench_report_write(struct bench *bench, const struct bench_section
 /* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-void bench_item(struct bench *bench, json_t *item);      /* takes it over */
 double bench_now_s(void);
 double bench_cpu_s(void);                                /* of this process, and of those that it started and waited for */
 /* Says what became of a section whose process ended without a word. */
