@@ -45,8 +45,8 @@ static bool find_shapes(struct encoding *c)
 
 	for (uint32_t i = 0; good && i < c->count; i++)
 		at[c->elements[i].element] = c->elements[i].corner_at;
-	good = good && eco_shapes_find(&c->codec.shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at,
-		ECO_EXACT_SHIFT }, USES_LEAST, by_element);
+	good = good && eco_shapes_find(&c->codec.shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
+		USES_LEAST, by_element);
 	for (uint32_t i = 0; good && i < c->count; i++)
 		c->of[i] = by_element[c->elements[i].element];
 	free(at);
@@ -72,7 +72,7 @@ static double cost_of(const struct encoding *c, const struct eco_shapes *shapes,
 
 		if (c->of[i] == ECO_SHAPE_NONE)
 			continue;
-		if (!eco_shape_fit(shapes, &shapes->items[c->of[i]], exact_of(c, i), ECO_EXACT_SHIFT, &p)) {
+		if (!eco_shape_fit(shapes, &shapes->items[c->of[i]], exact_of(c, i), &p)) {
 			left++;
 			continue;
 		}
@@ -165,7 +165,7 @@ static void place_all(struct encoding *e)
 	for (uint32_t i = 0; i < e->count; i++) {
 		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL : &c->shapes.items[e->of[i]];
 
-		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), ECO_EXACT_SHIFT, &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
+		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
 			e->of[i] = ECO_SHAPE_NONE;
 	}
 }

@@ -74,7 +74,6 @@ struct eco_shapes_input {
 	const struct eco_elements *elements;         /* with `exact` */
 	uint32_t first, end;
 	const size_t *at;
-	uint32_t coarse_shift;       /* soup is rounded to 2^coarse_shift of the grid */
 };
 #define ECO_SHAPE_NONE UINT32_MAX
 /* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE: those whose shape fewer than
@@ -84,8 +83,7 @@ void eco_shapes_free(struct eco_shapes *shapes);
 /* Leaves out shapes of fewer than `uses` of the `count` elements, and numbers the others anew. Returns the elements that have one. */
 uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count, uint32_t uses);
 
-/* How to place the shape so that no corner is further from `exact` than rounding to the coarse grid could move it. */
-bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, uint32_t coarse_shift,
-	struct eco_placing *placing);
+/* How to place the shape so that no corner is further from `exact` than rounding to the list's grid could move it. */
+bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, struct eco_placing *placing);
 
 #endif

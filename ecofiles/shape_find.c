@@ -9,7 +9,6 @@
  * corner is too far off, values are moved by one step as long as that helps. */
 #include "ecofiles/shape.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,12 +48,9 @@ static int32_t nearest(double v)
 	return (int32_t)floor(v + 0.5);
 }
 
-/* What rounding to the coarse grid can move a corner by, squared. */
-static double room_of(uint32_t coarse_shift)
-{
-	double half = (double)(1u << coarse_shift) / 2;
-	return 3 * half * half;
-}
+/* What rounding to the list's grid moves a corner by at most, along an axis, and squared. */
+static const double half = 0.5 * (1u << ECO_EXACT_SHIFT);
+static const double room = 0.75 * (1u << 2 * ECO_EXACT_SHIFT);
 
 /* ---- Elements and models of shapes ---- */
 
@@ -242,7 +238,7 @@ static double miss_of(const struct trial *t, const struct eco_placing *p)
 }
 
 /* Moves one value at a time by one step while the worst corner is too far off and comes nearer. */
-static double improve(const struct trial *t, struct eco_placing *p, double miss, double room)
+static double improve(const struct trial *t, struct eco_placing *p, double miss)
 {
 	int32_t *value[9] = { &p->center[0], &p->center[1], &p->center[2], &p->way[0], &p->way[1], &p->roll, &p->size[0], &p->size[1],
 		&p->size[2] };
@@ -268,11 +264,11 @@ static double improve(const struct trial *t, struct eco_placing *p, double miss,
 }
 
 static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct model *m, const int32_t *exact,
-	uint32_t coarse_shift, struct eco_placing *p)
+	struct eco_placing *p)
 {
 	struct body b;
 	struct pose pose;
-	double misfit, room = room_of(coarse_shift);
+	double misfit;
 	if (!body_of(&b, exact, m->corners) || !pose_of(m, &b, shapes->stretch, &pose, &misfit) || misfit > room)
 		return false;
 	*p = (struct eco_placing){ .roll = 0 };
@@ -290,14 +286,13 @@ static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *s
 	round_way(shapes, pose.axis[0], p->way);
 	p->roll = round_roll(shapes, p, pose.axis[1]);
 	const struct trial t = { shapes, shape, exact };
-	return improve(&t, p, miss_of(&t, p), room) <= room;
+	return improve(&t, p, miss_of(&t, p)) <= room;
 }
 
-bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, uint32_t coarse_shift,
-	struct eco_placing *placing)
+bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, struct eco_placing *placing)
 {
 	struct model m;
-	return model_of(&m, shape) && fit_model(shapes, shape, &m, exact, coarse_shift, placing);
+	return model_of(&m, shape) && fit_model(shapes, shape, &m, exact, placing);
 }
 
 /* ---- Axes ---- */
@@ -388,7 +383,6 @@ struct finder {
 	uint32_t *by_size;           /* elements, the largest first; those that are points are left out */
 	uint32_t sized;
 	struct model *models;        /* of the shapes */
-	double room;
 };
 
 static uint8_t corners_of(const struct finder *f, uint32_t i)
@@ -411,7 +405,7 @@ static bool is_of(const struct finder *f, const struct model *m, uint8_t stretch
 {
 	struct pose pose;
 	double misfit;
-	return pose_of(m, &f->bodies[i], stretch, &pose, &misfit) && misfit <= f->room;
+	return pose_of(m, &f->bodies[i], stretch, &pose, &misfit) && misfit <= room / 4;
 }
 
 #define ASKED_MAX 6
@@ -557,10 +551,10 @@ static bool measure(struct finder *f)
 
 static void finest_steps(const struct finder *f, struct eco_shapes *s)
 {
-	double typical = f->sized ? f->bodies[f->by_size[f->sized / 8]].radius : 0, half = (double)(1u << f->in->coarse_shift) / 2;
-	s->place_shift = (uint8_t)(f->in->coarse_shift - 1);
+	double typical = f->sized ? f->bodies[f->by_size[f->sized / 8]].radius : 0;
+	s->place_shift = ECO_EXACT_SHIFT - 1;
 	for (int i = 0; i < 3; i++)
-		s->size_shift[i] = (uint8_t)(f->in->coarse_shift - 1);
+		s->size_shift[i] = ECO_EXACT_SHIFT - 1;
 	s->way_bits = 1;
 	while (s->way_bits < ECO_SHAPE_TURN_BITS_MAX && ldexp(typical * WAYS_FINE, -s->way_bits) > half)
 		s->way_bits++;
@@ -590,8 +584,7 @@ static bool find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uin
 
 bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *in, uint32_t uses, uint32_t *of)
 {
-	struct finder f = { .in = in, .count = in->end - in->first, .room = room_of(in->coarse_shift) / 4 };
-	assert(in->coarse_shift > 0);
+	struct finder f = { .in = in, .count = in->end - in->first };
 	f.bodies = malloc(f.count * sizeof *f.bodies);
 	f.by_size = malloc(f.count * sizeof *f.by_size);
 	f.models = malloc(ECO_SHAPES_MAX * sizeof *f.models);

@@ -93,7 +93,7 @@ static void nothing_is_drawn_of_no_pack(void **state)
 	struct bench_still *still;
 	struct eco_error error = { 0 };
 	(void)state;
-	assert_int_not_equal(bench_still_open(&still, "build/tmp/no-such-pack.eco", 8, 6, true, &error), ECO_OK);
+	assert_int_not_equal(bench_still_open(&still, "build/tmp/no-such-pack.eco", &error), ECO_OK);
 	assert_null(still);
 	assert_true(error.text[0] != 0);
 	bench_still_close(NULL);

@@ -16,6 +16,7 @@
 
 #define STEP 0.001
 #define CELLS 4u
+#define GAP_LEAST 100.0          /* vertices: fewer are rough */
 
 static uint64_t seed;
 
@@ -365,8 +366,8 @@ static void add_share(struct lod_probe *probe, const struct eco_ladder *ladder, 
 		assert_int_equal(lod_probe_add(probe, &cuts[i], NULL), ECO_OK);
 }
 
-/* Greatest difference between the errors of the curve and of drawings at its samples and between them, from `least` vertices on. */
-static double curve_gap(struct crown *crown, uint32_t views, uint64_t least)
+/* Greatest difference between the errors of the curve and of drawings at its samples and between them, from GAP_LEAST vertices on. */
+static double curve_gap(struct crown *crown, uint32_t views)
 {
 	struct lod_probe probe;
 	const struct eco_ladder *first = &crown->ladders[0];
@@ -380,7 +381,7 @@ static double curve_gap(struct crown *crown, uint32_t views, uint64_t least)
 	for (uint32_t i = 0; i + 1 < 2 * first->curve_count; i++) {
 		const struct eco_curve *sample = &crown->plant.curves[first->curve_first + i / 2];
 		double share = i % 2 ? (sample[0].share + (double)sample[1].share) / 2 : sample->share;
-		if (share * (double)full < (double)least)
+		if (share * (double)full < GAP_LEAST)
 			continue;
 		struct eco_curve said = lod_ladder_curve(&probe.scene, first, share);
 		struct lod_probe_result drawn;
@@ -417,7 +418,7 @@ static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 			ladder->before = whole / CELLS;
 		}
 		measure(&crown, 160);
-		double own = curve_gap(&crown, 8, 100), other = curve_gap(&crown, 11, 100);
+		double own = curve_gap(&crown, 8), other = curve_gap(&crown, 11);
 		if (own > 0.02 || other > 0.04)
 			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i, own, other);
 		crown_free(&crown);

@@ -262,7 +262,7 @@ static enum eco_code draw_pictures(struct bench *bench, const char *scene, const
 	struct bench_still *still = NULL;
 	struct view_picture full = { 0 }, ours = { 0 };
 	struct eco_request asked = *request;
-	enum eco_code code = bench_still_open(&still, pack, request->view.width, request->view.height, true, error);
+	enum eco_code code = bench_still_open(&still, pack, error);
 	for (uint32_t i = 0; i <= count && !code; i++) {         /* full detail first: the others are compared with it */
 		uint32_t at = (i + count) % (count + 1);
 		char file[128];
@@ -324,7 +324,7 @@ static enum eco_code time_reference(struct bench *bench, const char *pack, json_
 	enum eco_code code = bench_scene_views(bench, "trees5000", &request, 1) == 1 ? ECO_OK : eco_fail(error, ECO_NOT_FOUND,
 		"no view of the 5,000 trees");
 	if (!code)
-		code = bench_still_open(&still, pack, RATIO_WIDTH, RATIO_HEIGHT, true, error);
+		code = bench_still_open(&still, pack, error);
 	request.view.width = RATIO_WIDTH;
 	request.view.height = RATIO_HEIGHT;
 	request.bytes = ECO_BYTES_UNBOUNDED;

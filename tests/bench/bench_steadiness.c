@@ -250,7 +250,7 @@ static enum eco_code run_motion(struct bench *bench, const char *pack, const str
 	struct sums sums[BUDGETS] = { { 0 } };
 	enum eco_code code = ECO_OK;
 	for (size_t b = 0; b <= BUDGETS && !code; b++)
-		code = bench_still_open(&reels[b].still, pack, WIDTH, HEIGHT, true, error);
+		code = bench_still_open(&reels[b].still, pack, error);
 	for (uint32_t k = 0; k < count && !code; k++)
 		code = run_camera(bench, reels, &starts[k].view, motion, sums, error);
 	for (size_t b = 0; b <= BUDGETS; b++)

@@ -3,30 +3,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "tests/bench/bench_fetch.h"
 
 struct bench_still {
 	struct srv_store scenes;
 	struct view_store *store;
-	struct view_gl *gl;                  /* NULL: software */
 };
 
-enum eco_code bench_still_open(struct bench_still **still, const char *pack, uint32_t width, uint32_t height, bool software,
-	struct eco_error *error)
+enum eco_code bench_still_open(struct bench_still **still, const char *pack, struct eco_error *error)
 {
 	struct bench_still *s = *still = calloc(1, sizeof *s);
 	struct view_store_options options = { .images = true };
-	struct eco_error why = { 0 };
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
 	srv_store_init(&s->scenes);
 	enum eco_code code = srv_store_add(&s->scenes, "still", pack, error);
 	if (!code)
 		code = view_store_new(&s->store, &options, error);
-	if (!code && !software && view_gl_open(&s->gl, &(struct view_gl_options){ width, height }, &why))
-		s->gl = NULL;
 	if (code) {
 		bench_still_close(s);
 		*still = NULL;
@@ -38,7 +32,6 @@ void bench_still_close(struct bench_still *still)
 {
 	if (!still)
 		return;
-	view_gl_close(still->gl);
 	view_store_free(still->store);
 	srv_store_free(&still->scenes);
 	free(still);
@@ -98,8 +91,6 @@ static enum eco_code draw(struct bench_still *still, const struct view_selection
 	struct view_picture *picture, struct eco_error *error)
 {
 	double near_m = view_store_near_m(still->store) > 0 ? view_store_near_m(still->store) : 0.1;
-	if (still->gl)
-		return view_gl_draw(still->gl, &(struct view_gl_job){ still->store, selection, eye, near_m, VIEW_TINT_NONE }, picture, error);
 	return view_reference_draw(&(struct view_reference_job){ still->store, selection, eye, near_m, 0, NULL }, picture, error);
 }
 

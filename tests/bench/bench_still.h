@@ -1,7 +1,7 @@
-/* Still pictures in this process, by way of a stream as a viewer gets it: drawn by OpenGL as a viewer draws them, or by the rasteriser where
- * there is no OpenGL; with the plants that were in view and what each of them drew. For sections that compare colours and frames.
+/* Still pictures in this process, by way of a stream as a viewer gets it, drawn by the rasteriser, with the plants that were in view and what
+ * each of them drew. For sections that compare colours and frames.
  *
- *   bench_still_open(&still, pack, width, height, false, &error);
+ *   bench_still_open(&still, pack, &error);
  *   bench_still_draw(still, &request, &picture, &plants, &error);       as often as wanted; chunks that came once are kept
  *   bench_still_close(still);
  *
@@ -14,8 +14,7 @@
 #include "ecofiles/view.h"
 
 struct bench_still;
-enum eco_code bench_still_open(struct bench_still **still, const char *pack, uint32_t width, uint32_t height, bool software,
-	struct eco_error *error);
+enum eco_code bench_still_open(struct bench_still **still, const char *pack, struct eco_error *error);
 void bench_still_close(struct bench_still *still);                   /* NULL is fine */
 const struct eco_scene *bench_still_scene(const struct bench_still *still);
 
@@ -31,7 +30,7 @@ struct bench_cut { uint32_t list, first, end; float scale; uint64_t vertices; };
 struct bench_plants { struct bench_plant *items; uint32_t count; struct bench_cut *cuts; };  /* sorted by owner; owns its arrays */
 void bench_plants_free(struct bench_plants *plants);
 
-/* The request's view has the size that was given to open. Both results are replaced (zero them first); plants may be NULL. */
+/* Both results are replaced (zero them first); plants may be NULL. */
 enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request, struct view_picture *picture,
 	struct bench_plants *plants, struct eco_error *error);
 
