@@ -305,7 +305,7 @@ static void settle_points(struct lod_stall *stall, double points)
 	uint32_t whole = (uint32_t)stall->position;
 	const struct lod_amount *a = &stall->points.steps.amounts[whole];
 	double part = stall->position - whole, all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
-	stall->part[0] = stall->part[1] = (struct lod_amount){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
+	stall->part[0] = (struct lod_amount){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
 	if (part > 0) {
 		stall->part[0].fp += part * (a[1].fp - a->fp);
 		stall->part[0].fn += part * (a[1].fn - a->fn);

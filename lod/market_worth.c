@@ -72,7 +72,13 @@ static double importance_of(const struct eco_ladder *ladder)
 	return ladder->importance > 0 ? ladder->importance : 1;
 }
 
-/* Of everything at the slot's anchor. Of a cell, what the plant's own list does not draw already. */
+/* Of a cell, the share of a ladder's elements that the plant's own list does not draw already. */
+static double rest_of(const struct lod_slot *slot, const struct eco_ladder *ladder)
+{
+	return slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
+}
+
+/* Of everything at the slot's anchor; of a cell, the rest of it. */
 static double anchor_pixels(const struct lod_market *m, const struct lod_slot *slot)
 {
 	uint32_t count;
@@ -80,8 +86,7 @@ static double anchor_pixels(const struct lod_market *m, const struct lod_slot *s
 	double sum = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
-		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
-		sum += rest * organ_pixels(m, ladder, slot->band);
+		sum += rest_of(slot, ladder) * organ_pixels(m, ladder, slot->band);
 	}
 	return sum;
 }
@@ -123,8 +128,7 @@ static enum eco_code make_lot(struct lod_market *m, uint32_t s, struct eco_error
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t id = ladders[i];
 		const struct eco_ladder *ladder = &scene->ladders[id];
-		double rest = slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
-		double part = all > 0 ? rest * organ_pixels(m, ladder, slot->band) / all : 0;
+		double part = all > 0 ? rest_of(slot, ladder) * organ_pixels(m, ladder, slot->band) / all : 0;
 		good = add_offers(m, s, id, part * lot->seen * importance_of(ladder));
 	}
 	lot->offer_count = m->offer_count - lot->offer_first;

@@ -248,7 +248,7 @@ static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct 
 		for (uint32_t gate = 0; !code && gate <= m->gates_most[plant]; gate++) {
 			uint16_t held = m->gates_held[plant];
 			bool better;
-			if (m->gates_most[plant] == 0 || (gate > 0 && !m->slot_of[plant * (size_t)ECO_BANDS + gate - 1]))
+			if (m->gates_most[plant] == 0 || (gate > 0 && lod_market_whole(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
 				continue;
 			m->gates_held[plant] = (uint16_t)(gate + 1);
 			code = try_held(d, budget, found, &better, error);
@@ -383,27 +383,20 @@ static bool complete(const struct lod_planning *p)
 
 /* The finest level from `level` on towards coarser ones that is not too large to look at. From a walker's eyes to the horizon there may be
  * millions of plants, nearly all hidden or smaller than a pixel: their tiles are told apart only as far as time allows. */
-static enum eco_code open_possible(struct lod_planning *p, int *level, int coarsest, struct eco_error *error)
+static enum eco_code open_possible(struct lod_planning *p, int *level, struct eco_error *error)
 {
 	for (;; --*level) {
 		struct eco_error local = { 0 };
-		bool bound = *level > coarsest && (p->scene->needs & ECO_NEED_SUMMARIES);
+		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? PLACES_MOST : 0;
 		enum eco_code code = open_level(p, *level, &local);
-		if (code != ECO_TOO_LARGE || *level <= coarsest)
+		if (code != ECO_TOO_LARGE || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 		p->screen.count = 0;
 		code = lod_visible_restart(&p->visible, error);
 		if (code)
 			return code;
 	}
-}
-
-static enum eco_code look_first(struct lod_planning *p, int *level, struct eco_error *error)
-{
-	begin_screen(p);
-	*level = 0;
-	return open_possible(p, level, COARSEST, error);
 }
 
 enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
@@ -414,8 +407,9 @@ enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct e
 
 enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)
 {
-	int level, asked = 0;
-	enum eco_code code = look_first(p, &level, error);
+	int level = 0, asked = 0;
+	begin_screen(p);
+	enum eco_code code = open_possible(p, &level, error);
 	for (bool first = true; !code; first = false) {
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
@@ -423,7 +417,7 @@ enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *err
 		if (code || all || p->cheapest != UINT64_MAX || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;
-		code = open_possible(p, &level, COARSEST, error);
+		code = open_possible(p, &level, error);
 	}
 	return code;
 }

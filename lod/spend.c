@@ -235,7 +235,6 @@ static uint64_t share_floor(struct lod_spend *spend, const struct lod_bid *bid, 
 	return wanted;
 }
 
-/* The fewest that a share can hold and that are more than `plants` < count. */
 uint64_t lod_spend_share_next(struct lod_spend *spend, const struct lod_bid *bid, uint64_t plants)
 {
 	const uint16_t *hashes = hashes_of(spend, bid);
@@ -348,7 +347,6 @@ static uint64_t buy(struct lod_spend *spend, struct lod_bid *bid, uint64_t left)
 	return spent;
 }
 
-/* All but bid `except` (ECO_NONE: all) go on with what the budget leaves. */
 bool lod_spend_rest(struct lod_spend *spend, uint64_t budget, uint32_t except)
 {
 	struct lod_candidate *heap = malloc(((size_t)spend->bid_count + 1) * sizeof *heap);
@@ -453,7 +451,7 @@ static void find_densities(const struct lod_spend *spend, double (*drawn)[ECO_OR
 			const struct lod_slot *slot = &p->visible.slots[t->slot];
 			if (!slot->cell || eco_gate_place(t->whole_band, 0) >= p->gates[slot->plant])
 				continue;
-			uint32_t whole = m->slot_of[slot->plant * (size_t)ECO_BANDS + t->whole_band] - 1;
+			uint32_t whole = lod_market_whole(m, slot->plant, t->whole_band);
 			double count = drawn_share(&p->visible.nodes[n]) * shown(p, t);
 			for (int o = 0; o < ECO_ORGAN_COUNT; o++) {
 				drawn[whole][o] += count * drawn[t->slot][o];
