@@ -1,10 +1,10 @@
 /* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor s_opt that minimises the
- * distance of (Precision, Recall) to (1, 1), and the wrong pixels that are left.
+ * distance of (Precision, Recall) to (1, 1) (and keeps the wrong pixels in bounds: curve_ways.c), and the wrong pixels that are left.
  *
  * What is measured is what will be drawn: the cut sets of lod/ladder.h, over views all around (probe.h), against the organ's own
  * full detail. Scales are kept relative to Cook's 1/lambda, whose singularity at 0 is thus taken out: s/s_Cook is a slow function
- * of log lambda, so the search starts from the neighbouring share's answer, walks an eighth of an octave at a time and ends with
- * a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
+ * of log lambda, so the search starts from the neighbouring share's answer, walks in strides down to an eighth of an octave and ends
+ * with a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
  *
  * Leaves come in several forms, and the same vertices show many elements as points or few as they are. At each share some reaches
  * between these ends are tried, the same numbers of elements at all shares, so that a way may stay at one while vertices go into

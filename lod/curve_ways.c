@@ -5,10 +5,10 @@
 
 #include "lod/ladder.h"
 
-#define WRONG_MOST 2                 /* wrong pixels to each that there is to cover, beyond which each counts as much as all of Q. Minimising
-                                      * 1 - Q alone blows a few leaves of a sparse crown (needles, bamboo) up to 8 wrong pixels each. With 1,
+#define WRONG_MOST 2                 /* wrong pixels to each that there is to cover, beyond which each counts as much as all of Q. By 1 - Q
+                                      * alone a few leaves of a sparse crown (needles, bamboo) swell up to 8 wrong pixels to each. With 1,
                                       * scenes lose, as plants hide each other's wrong pixels; with 1.5, herbs and dense crowns of 20 to 40
-                                      * leaves: a pine of needles at 2,048 vertices has Q .86 (.61 unbounded, .91 so), a herb at 64 .63 (.71) */
+                                      * leaves: a pine of needles at 2,048 vertices has Q .86 (.61 unbounded, .91 with 2), a herb at 64 .63 (.71) */
 #define LITTLE 0.001                 /* loss for which a scale gives way to those of its neighbours. On other views of eight plants
                                       * that costs .0003, .004 at most; without this bound .0008, .017 at most; scales that are not
                                       * smoothed vary a quarter more */

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-#define GIVING_WAY 0.07          /* tiles are open, and gates are, in part where choices differ by less than this, of what they gain */
-#define LAST_PRICE 1e-200        /* of what is bought only where nothing else is left to buy */
+#define GIVING_WAY 0.07          /* tiles and gates are open in part where both choices differ by less than this share of what the finer saves */
+#define LAST_PRICE 1e-200        /* of what is bought where nothing else is left to buy */
 
 /* ---- At a price ---- */
 
@@ -54,7 +54,7 @@ static void sum_cells(struct lod_market *m, const struct lod_tally *t, struct lo
 	whole->cells_worth += t->count * cell->worth[1];
 }
 
-/* How far what saves so much coarsely has given way to what saves so much finely: 1 where that is the better by far. */
+/* How far what is coarse, and saves so much, has given way to what is fine: 1 where that saves much more. */
 static double fine_share(const struct lod_market *m, double fine, double coarse)
 {
 	if (m->sharp || !(fine > 0))
@@ -65,7 +65,7 @@ static double fine_share(const struct lod_market *m, double fine, double coarse)
 
 struct bands { double plants, near, far; };              /* of a plant, side by side: what they save with cells, and without */
 
-/* A gate is before all that is farther away. So where cells are worth more in a band than in the one before it, both decide as one. */
+/* Plants before a gate draw cells, and are the nearest. So where cells are worth more in a band than in the one before it, both decide as one. */
 static uint32_t join_bands(struct bands *bands, uint32_t count)
 {
 	while (count > 1) {
@@ -78,7 +78,7 @@ static uint32_t join_bands(struct bands *bands, uint32_t count)
 	return count;
 }
 
-/* Of how many plants the cells are worth it. */
+/* How many plants' cells are worth it. */
 static double count_near(const struct lod_market *m, uint32_t plant)
 {
 	struct bands bands[ECO_BANDS];
@@ -99,7 +99,7 @@ static double count_near(const struct lod_market *m, uint32_t plant)
 	return sum;
 }
 
-/* Where a gate ends that so many plants are before. */
+/* The gate that so many plants are before, the nearest bands first. */
 static uint32_t gate_of(const struct lod_market *m, uint32_t plant, double near)
 {
 	uint32_t gate = 0;

@@ -22,26 +22,26 @@
 
 enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
 
-struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, seen ones; of a lot, fp before it is weighed */
+struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, of those seen; of a lot: fp is not weighed by `extra` yet */
 
 struct lod_offer {                   /* a ladder for the plants of one slot */
 	uint32_t slot, ladder;
 	uint8_t when;
-	double worth;                /* seen pixels of one plant that it is about, times its importance: wrong by this much at an error of 1 */
+	double worth;                /* seen pixels of one plant that the ladder draws, times its importance: wrong by this much at an error of 1 */
 	struct lod_steps steps;
 	double position;             /* at the last price */
 };
 
-struct lod_lot {                     /* a slot, per plant; [0]: as far plants are drawn, [1] as near ones are */
+struct lod_lot {                     /* a slot, per plant; [0]: as far plants are drawn, [1]: as near ones are */
 	uint32_t offer_first, offer_count;
-	double seen, bare;           /* pixels of one of its plants that are seen, and where no other is, means; of a cell likewise */
+	double seen, bare;           /* means over its plants, or cells: pixels that are seen; of these, bare ones (struct lod_sight) */
 	double extra;                /* bare / seen: what a pixel too many weighs */
-	double own, parts;           /* while it is made: of its own lists beside cells; of cells, before they are scaled to what is seen */
-	double worth[2];             /* wrong at an error of 1: of far plants when nothing is drawn, of near ones beside their cells' */
-	double absent;               /* what it counts besides when nothing is drawn (lod/steps.h) */
+	double own, parts;           /* while it is made: what its own lists show beside cells; what cells would, before it is scaled to what is seen */
+	double worth[2];             /* wrong where nothing is drawn: of a far plant; of a near one but for its cells */
+	double absent;               /* what counts besides where nothing of it is drawn (lod/steps.h) */
 	struct lod_cost cost[2];     /* at the last price */
-	struct lod_cost cells;       /* of all its plants' cells */
-	double cells_worth;
+	struct lod_cost cells;       /* at the last price: of all its plants' cells */
+	double cells_worth;          /* of these */
 };
 
 enum lod_held { LOD_HELD_NOT, LOD_HELD_OPEN, LOD_HELD_SHUT };
@@ -53,10 +53,10 @@ struct lod_stall {                   /* a tile */
 	bool opened;                 /* at the last price: more than half */
 	double share;                /* at the last price: how far its summary has given way to its plants and children, 0 to 1 */
 	double weight;               /* and how far those above it have given way to it */
-	struct lod_amount part[2];   /* its summary, settled: so many points, as what is left for them does not depend on what is bought */
-	struct lod_steps parts;
+	struct lod_amount part[2];   /* of a summary that is drawn beside plants: its points once the market is settled, and all that the price has */
+	struct lod_steps parts;      /* these as steps */
 	double worth;                /* wrong when nothing of it is drawn, its children's too */
-	double pixels, bare;         /* of that, what is due to pixels; of these, where no other plant is */
+	double pixels, bare;         /* pixels of that; of these, bare ones */
 	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
 	struct lod_summary_view look;
@@ -70,7 +70,7 @@ struct lod_market {
 	struct lod_lot *lots;                /* per slot */
 	struct lod_offer *offers;            uint32_t offer_count, offer_capacity;
 	struct lod_stall *stalls;            /* per node */
-	uint32_t *drawn_by;                  /* per node, at the last expectation */
+	uint32_t *drawn_by;                  /* per node: whose choice it is drawn by, when last expected or settled */
 	uint64_t *counts;                    /* per slot: plants, all that is open being drawn */
 	double *scratch;                     /* per slot */
 	struct lod_amount **blocks;          uint32_t block_count, block_capacity, block_used;
@@ -85,17 +85,17 @@ struct lod_market {
 enum eco_code lod_market_make(struct lod_market *market, struct lod_planning *p, struct eco_error *error);
 void lod_market_free(struct lod_market *market);
 
-/* Slots by plant and band of whole plants: the caller knows that there is one, else ECO_NONE. */
+/* The slot of a plant's whole plants in a band; ECO_NONE where there is none. */
 static inline uint32_t lod_market_whole(const struct lod_market *market, uint32_t plant, uint8_t band)
 {
 	return market->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
 }
 
-/* Each cell of the plants of tiles that are open, as often as it is tallied, with the whole plant's lot that it belongs to. */
+/* Calls fn for each tally of cells in tiles that are open, with the cell's lot and that of the whole plants it is part of. */
 typedef void (*lod_market_cell_fn)(struct lod_market *market, const struct lod_tally *tally, struct lod_lot *cell, struct lod_lot *whole);
 void lod_market_cells(struct lod_market *market, lod_market_cell_fn fn);
 
-/* Between these prices something changes: above the first nothing is bought, below the second nearly all that gains. */
+/* Above the first price nothing is bought, below the second nearly all that gains. */
 void lod_market_prices(const struct lod_market *market, double *high, double *low);
 
 /* Sets p->gates too. Price 0 takes every step. */

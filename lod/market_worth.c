@@ -11,8 +11,8 @@
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* amounts taken from memory at once */
 #define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
-#define SMOOTH_BANDS 3           /* on either side, ...*/
-#define SMOOTH_PLANTS 400.0      /* ... where there are fewer plants than this: of many most are hidden */
+#define SMOOTH_BANDS 3           /* on either side count, too, ... */
+#define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: of many most are hidden */
 #define HIDDEN_WOOD 0.2          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
 
 /* ---- Room ---- */

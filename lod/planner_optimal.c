@@ -24,14 +24,14 @@
 #define PRICES_PER_MARK 4        /* between two whose pictures are looked at, at most */
 #define PRICE_TRIES 8            /* between two prices, for the one that uses the budget, ... */
 #define PRICE_SLACK 0.001        /* ... but for so much of it */
-#define SMALL_OFFERS 64u
-#define SMALL_REACH 6
-#define SMALL_PASSES 3
+#define SMALL_OFFERS 64u         /* scenes of fewer offers and tiles are small: */
+#define SMALL_REACH 6            /* so many prices on either side are tried, ... */
+#define SMALL_PASSES 3           /* ... and each tile and gate the other way round so often at most */
 #define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
 #define CELLS_PX 1.0             /* ... and cells; further where the budget is larger than what there is */
-#define FINER_OCTAVES 3
-#define FINER_TIMES 3
-#define SMALL_STEPS 4
+#define FINER_OCTAVES 3          /* from one level to the next */
+#define FINER_TIMES 3            /* levels above 0; the last opens all */
+#define SMALL_STEPS 4            /* levels below 0 that are one octave apart */
 #define COARSEST -12
 #define PLACES_MOST 100000u      /* plants that one level looks at */
 

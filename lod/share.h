@@ -1,28 +1,35 @@
 /* What plants share of the picture: how much of each shows among the others, and what all of them together are expected to cover. Both on a
  * coarse grid of cells over the screen, from where plants stand and how dense they are: nothing is drawn.
  *
- *   lod_screen_init(&screen, &eye, &view, ground, &error);
- *   lod_screen_add(&screen, &sight) ...                         one for each plant, or for a tile whose plants are not looked at
- *   lod_screen_shares(&screen, &error)                          front to back: sets every sight's share
- *   lod_screen_expect(&screen, wrong, ctx, &prediction)         given how well each sight is drawn: pixels right and wrong
+ *   lod_screen_init(&screen, &eye, &view, ground);
+ *   sight = lod_screen_add(&screen, center, &body) ...          one for each plant, or for a tile whose plants are not looked at
+ *   lod_screen_shares(&screen, hide, &error)                    front to back: sets every sight's share
+ *   lod_screen_expect(&screen, wrong, ctx, &prediction, &error) given how well each sight is drawn: pixels right and wrong
+ *   lod_screen_free(&screen)
  *
  * A plant's crown is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random
  * leaves in random directions). What lies behind is seen through that. Where a scene has ground, a plant's foot is a point of it:
  * whatever is farther away along the ground and lower on the screen than a foot in the same column is behind the ground. (Not in depth: seen from
  * above, what is lower on a slope is deeper, and not hidden.)
  *
- * Where a plant is in the picture whose middle is not before the eye is not known, and its box is larger than the picture. It shows much where
- * the eye is within it and mostly nothing where it is not: e^-r^2 of its box, r its distance in its own radii. (Of four views among trees such
- * plants would show 1,340,000 pixels by their boxes, and showed 350,000.) Else each that comes by takes a part of the budget from all others, and
- * gives it back.
+ * Of a plant whose middle is not before the eye it is not known where in the picture it is, and its box is larger than the picture. It shows
+ * much where the eye is within it, and mostly nothing where it is not: e^-r^2 of its box, r being its distance in its own radii. (In four
+ * views among trees such plants would show 1,340,000 pixels by their boxes, and showed 350,000.) Without that each one that comes by would
+ * take a part of the budget from all others, and give it back.
  *
  * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
  * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH. So does all that a tile's summary covers, as no one
- * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views of a dense
- * forest / of an outdoor scene / of 640 trees, at 30,000 to 1,000,000 vertices: 186 406 - with .3 for plants and nothing for summaries, 181 402 347
- * with .1, 180 402 342 with .15, 181 401 344 with .2; 220 404 349 with .05 and .3 for summaries. With .2 owners are right
- * a little more often (owner Q of the outdoor scene + .002, of the forest from above + .05), but the outdoor scene has 1 % more wrong pixels,
- * and like plants change at once more often; with .3 twice as often.
+ * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views each of a
+ * dense forest, an outdoor scene and 640 trees, at 30,000 to 1,000,000 vertices:
+ *
+ *   .3 for plants, nothing for summaries     186 406   -
+ *   .1                                       181 402 347
+ *   .15                                      180 402 342
+ *   .2                                       181 401 344
+ *   .05 for plants, .3 for summaries         220 404 349
+ *
+ * With .2 owners are right a little more often (owner Q of the outdoor scene + .002, of the forest from above + .05), but the outdoor scene has
+ * 1 % more wrong pixels, and more like plants change at once; with .3 twice as many.
  *
  * Expected pixels, in each cell, as if sights were independent of each other: none covers it in the reference, none as drawn, none in
  * either: products over sights. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
@@ -52,7 +59,7 @@ struct lod_sight {
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
-	float within;                /* of one near by: so much counts of what its box shows; 1 where before is 1, 0 where none of it is before the eye */
+	float within;                /* of one near by: so much counts of what its box shows; 1 where `before` is 1, 0 where none of it is before the eye */
 	float before;                /* of one near by: how much of it hides others; 0 where it is beside, 1 from twice as far before the eye on */
 };
 
