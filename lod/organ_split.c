@@ -219,7 +219,7 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 
 /* ---- Components again ---- */
 
-/* Triangles of one label that meet in a vertex are one component; numbers go by first triangles, as in weld.c. */
+/* Triangles of one label that meet in a vertex are one component. */
 static void number_again(struct splitter *s, struct lod_arena *arena)
 {
 	struct lod_mesh *mesh = s->mesh;
@@ -233,17 +233,7 @@ static void number_again(struct splitter *s, struct lod_arena *arena)
 	for (uint32_t i = 1; i < 3 * n; i++)
 		if (at[i].key == at[i - 1].key)
 			eco_union_join(s->parent, at[i - 1].value, at[i].value);
-	mesh->component_count = 0;
-	memset(mesh->member_first, 0, ((size_t)n + 2) * sizeof *mesh->member_first);
-	for (uint32_t t = 0; t < n; t++) {
-		uint32_t root = eco_union_root(s->parent, t);
-		mesh->component[t] = root == t ? mesh->component_count++ : mesh->component[root];
-		mesh->member_first[mesh->component[t] + 2]++;
-	}
-	for (uint32_t c = 2; c <= mesh->component_count + 1; c++)
-		mesh->member_first[c] += mesh->member_first[c - 1];
-	for (uint32_t t = 0; t < n; t++)
-		mesh->member[mesh->member_first[mesh->component[t] + 1]++] = t;
+	lod_mesh_number(mesh, s->parent);
 }
 
 void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3], struct lod_arena *arena)

@@ -342,15 +342,11 @@ static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t mat
 		}
 }
 
-static void find_components(struct lod_mesh *mesh, uint32_t material_count, struct lod_arena *arena)
+void lod_mesh_number(struct lod_mesh *mesh, uint32_t *parent)
 {
 	uint32_t n = mesh->triangle_count;
-	mesh->component = lod_arena_take(arena, n, sizeof *mesh->component);
-	mesh->member = lod_arena_take(arena, n, sizeof *mesh->member);
-	mesh->member_first = lod_arena_take(arena, (size_t)n + 2, sizeof *mesh->member_first);
-	struct lod_arena_piece *mark = arena->last;
-	uint32_t *parent = lod_arena_take(arena, n, sizeof *parent);
-	join_all(mesh, parent, material_count, arena);
+	mesh->component_count = 0;
+	memset(mesh->member_first, 0, ((size_t)n + 2) * sizeof *mesh->member_first);
 	for (uint32_t t = 0; t < n; t++) {
 		uint32_t root = eco_union_root(parent, t);
 		mesh->component[t] = root == t ? mesh->component_count++ : mesh->component[root];
@@ -360,6 +356,18 @@ static void find_components(struct lod_mesh *mesh, uint32_t material_count, stru
 		mesh->member_first[c] += mesh->member_first[c - 1];
 	for (uint32_t t = 0; t < n; t++)
 		mesh->member[mesh->member_first[mesh->component[t] + 1]++] = t;
+}
+
+static void find_components(struct lod_mesh *mesh, uint32_t material_count, struct lod_arena *arena)
+{
+	uint32_t n = mesh->triangle_count;
+	mesh->component = lod_arena_take(arena, n, sizeof *mesh->component);
+	mesh->member = lod_arena_take(arena, n, sizeof *mesh->member);
+	mesh->member_first = lod_arena_take(arena, (size_t)n + 2, sizeof *mesh->member_first);
+	struct lod_arena_piece *mark = arena->last;
+	uint32_t *parent = lod_arena_take(arena, n, sizeof *parent);
+	join_all(mesh, parent, material_count, arena);
+	lod_mesh_number(mesh, parent);
 	lod_arena_release(arena, mark);
 }
 

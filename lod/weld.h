@@ -60,6 +60,10 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 /* Whether a triangle of the model has corners that are there and finite; else why not. */
 bool lod_mesh_usable(const struct eco_model *model, uint32_t triangle, enum eco_drop *why);
 
+/* Triangles of one root (ecofiles/union.h: a parent for each) are one component; numbers go by first triangles. Fills component, member and
+ * member_first, which has room for triangle_count + 2. */
+void lod_mesh_number(struct lod_mesh *mesh, uint32_t *parent);
+
 /* Fills `across` again after triangles have changed. */
 void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena);
 
