@@ -308,14 +308,27 @@ static struct lod_forms_leg leg_past(const struct lod_forms *forms, uint64_t ver
 static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t vertices) { return leg_past(forms, vertices, INFINITY); }
 static struct lod_forms_leg leg_of_share(const struct lod_forms *forms, double share) { return leg_past(forms, UINT64_MAX, share); }
 
-/* Steps along the leg that draw no more than `vertices`. */
+static bool draws_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t k, uint64_t vertices)
+{
+	struct lod_forms_state s = along(leg, k);
+	return lod_forms_vertices(forms, &s) <= vertices;
+}
+
+/* Steps along the leg that draw no more than `vertices`. Where all elements cost the same that is a line, but for rounding: so first it is
+ * looked at on both sides of where it should be. */
 static uint64_t steps_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t vertices)
 {
-	uint64_t low = 0, high = leg_steps(leg) + 1;
+	uint64_t low = 0, high = leg_steps(leg) + 1, length = leg->vertices[1] - leg->vertices[0];
+	if (forms->each && length) {
+		uint64_t guess = (vertices - leg->vertices[0]) * leg_steps(leg) / length;
+		if (guess > 1 && guess < high && draws_within(forms, leg, guess - 1, vertices))
+			low = guess - 1;
+		if (guess >= low && guess + 1 < high && !draws_within(forms, leg, guess + 1, vertices))
+			high = guess + 1;
+	}
 	while (high - low > 1) {
 		uint64_t middle = low + (high - low) / 2;
-		struct lod_forms_state s = along(leg, middle);
-		*(lod_forms_vertices(forms, &s) <= vertices ? &low : &high) = middle;
+		*(draws_within(forms, leg, middle, vertices) ? &low : &high) = middle;
 	}
 	return low;
 }
