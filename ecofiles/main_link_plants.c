@@ -48,7 +48,7 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 	l.triangles = since(l.triangles, list_first);
 	l.curve_first = 0;
 	eco_ladder_write(w, &l);
-	for (uint32_t i = 0; i < ladder->curve_count; i++)
+	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++)
 		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
 }
 
@@ -129,7 +129,8 @@ static struct range curves_of(const struct eco_scene *s, uint32_t plant)
 		if (l->curve_count == 0)
 			continue;
 		range.first = l->curve_first < range.first ? l->curve_first : range.first;
-		range.end = l->curve_first + l->curve_count > range.end ? l->curve_first + l->curve_count : range.end;
+		uint32_t end = l->curve_first + eco_ladder_samples(l);
+		range.end = end > range.end ? end : range.end;
 	}
 	return range.first < range.end ? range : (struct range){ 0, 0 };
 }

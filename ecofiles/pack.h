@@ -12,7 +12,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 6      12  u32 section count n
+ *   8    u32 version = 7      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA, whose chunks
@@ -57,7 +57,8 @@ struct eco_anchor {
 #define ECO_LEVELS_MAX 6
 enum eco_ladder_flag {
 	ECO_LADDER_FAR = 1,          /* drawn only where the plant's cells are not (the plant's band is at or beyond the gate) */
-	ECO_LADDER_NEAR = 2          /* a cell: drawn only where the plant's band is below the gate */
+	ECO_LADDER_NEAR = 2,         /* a cell: drawn only where the plant's band is below the gate */
+	ECO_LADDER_ABOVE = 4         /* after its curve comes another of as many samples, with the same shares and reaches, measured from above */
 };
 
 /* A sequence of cut sets over the lists of one organ at one anchor, in ascending vertices:
@@ -84,6 +85,12 @@ struct eco_ladder {
 	uint32_t curve_first, curve_count;
 };
 
+/* Samples of a ladder's curves. */
+static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
+{
+	return ladder->flags & ECO_LADDER_ABOVE ? 2 * ladder->curve_count : ladder->curve_count;
+}
+
 /* One sample of a ladder's curve, measured on the whole organ (for cells: the curve of the organ, by density). Sampled
  * geometrically from one element up to everything; `share` strictly ascending in (0, 1]. */
 struct eco_curve {
@@ -91,7 +98,7 @@ struct eco_curve {
 	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. Cuts get scale / (primitives drawn /
 	                              * primitives of the stage): bounded where s_opt itself is singular, so it may be interpolated */
 	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
-	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views */
+	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above */
 };
 
 struct eco_plant {

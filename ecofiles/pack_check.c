@@ -189,13 +189,13 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 	const struct eco_ladder *ladder = &s->ladders[ladder_id];
 	float last = 0;
 
-	if (!range_fits(ladder->curve_first, ladder->curve_count, s->curve_count) || ladder->curve_count > CURVE_SAMPLES_MAX)
+	if (ladder->curve_count > CURVE_SAMPLES_MAX || !range_fits(ladder->curve_first, eco_ladder_samples(ladder), s->curve_count))
 		return BAD("ladder %u: curve [%u, +%u) of %u samples; at most %u", ladder_id, ladder->curve_first, ladder->curve_count,
 			s->curve_count, CURVE_SAMPLES_MAX);
-	for (uint32_t i = 0; i < ladder->curve_count; i++) {
-		const struct eco_curve *c = &s->curves[ladder->curve_first + i];
+	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++) {
+		const struct eco_curve *c = &s->curves[ladder->curve_first + i], *around = i < ladder->curve_count ? NULL : c - ladder->curve_count;
 
-		if (!(c->share > last && c->share <= 1))
+		if (around ? c->share != around->share || c->reach != around->reach : !(c->share > last && c->share <= 1))
 			return BAD("ladder %u: share %g of curve sample %u does not ascend in (0, 1]", ladder_id, (double)c->share, i);
 		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX) || !within(c->fn, 0, SCALE_MAX))
 			return BAD("ladder %u: curve sample %u is not finite or negative", ladder_id, i);
@@ -247,8 +247,8 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	plant = &s->plants[l->plant];
 	if (l->anchor < plant->anchor_first || l->anchor - plant->anchor_first >= plant->anchor_count)
 		return BAD("ladder %u: anchor %u is not one of plant %u", id, l->anchor, l->plant);
-	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR)) || l->reserved != 0
-	    || l->flags == (ECO_LADDER_FAR | ECO_LADDER_NEAR))
+	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_ABOVE)) || l->reserved != 0
+	    || ((l->flags & ECO_LADDER_FAR) && (l->flags & ECO_LADDER_NEAR)))
 		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags, l->reserved);
 	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant) || !ladder_list_fits(s, l->lines, ECO_LIST_LINES, l->plant)
 	    || !ladder_list_fits(s, l->simple, ECO_LIST_TRIANGLES, l->plant) || !ladder_list_fits(s, l->triangles, ECO_LIST_TRIANGLES, l->plant))

@@ -6,7 +6,7 @@
 #include "ecofiles/pack.h"
 
 #define ECO_PACK_MAGIC "ECOPACK1"
-#define ECO_PACK_VERSION 6u
+#define ECO_PACK_VERSION 7u
 #define ECO_PACK_HEADER_BYTES 32u
 #define ECO_PACK_SECTION_BYTES 40u
 #define ECO_PACK_ALIGN 64u

@@ -222,14 +222,33 @@ static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progre
 	return code;
 }
 
-static enum eco_code measure_curve(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+/* From other views: what is drawn is the same, but for its scale. */
+static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
+		struct lod_curve_sample *sample = &curve->samples[i];
+		struct lod_curve_way way = { .reach = sample->reach };
+		if (sample->free) {
+			code = lod_curve_try_way(curve, sample->share, &way, sample->step, true, 1e30, error);
+			sample->step = way.step;
+			sample->play = way.play;
+		}
+		if (!code)
+			code = advance(progress, error);
+	}
+	return code;
+}
+
+/* One after the other: from all around, which says what is drawn, too, and from above. */
+static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress, struct eco_error *error)
 {
 	bool any;
 	enum eco_code code = keep_reference(curve, &any, error);
 	if (!code && !any)
 		curve->sample_count = 0;
 	if (!code)
-		code = measure_ways(curve, progress, error);
+		code = above ? measure_scales(curve, progress, error) : measure_ways(curve, progress, error);
 	for (uint32_t i = 0; i < curve->sample_count; i++)
 		if (curve->samples[i].free)
 			lod_solved_add(&curve->solved, curve->samples[i].step > LOD_CURVE_STEP_LOW && curve->samples[i].step < LOD_CURVE_STEP_HIGH);
@@ -310,16 +329,35 @@ static enum eco_code append(struct lod_plant *plant, const struct lod_curve_orga
 	plant->curves = grown;
 	plant->solved[LOD_SOLVER_SCALE].runs += curve->solved.runs;
 	plant->solved[LOD_SOLVER_SCALE].converged += curve->solved.converged;
-	for (uint32_t i = 0; i < curve->member_count; i++) {
-		plant->ladders[curve->members[i]].curve_first = plant->curve_count;
-		plant->ladders[curve->members[i]].curve_count = curve->sample_count;
-	}
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
 		const struct lod_curve_sample *s = &curve->samples[i];
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
 			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1, .reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
 	}
 	return ECO_OK;
+}
+
+static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	uint32_t first = plant->curve_count, count = 0;
+	enum eco_code code = measure_curve(curve, false, progress, error);
+	if (!code)
+		code = append(plant, curve, error);
+	count = curve->sample_count;
+	lod_probe_look(curve->probe, LOD_PROBE_ABOVE);
+	if (!code)
+		code = measure_curve(curve, true, progress, error);
+	bool above = !code && curve->sample_count == count;
+	if (above)
+		code = append(plant, curve, error);
+	lod_probe_look(curve->probe, LOD_PROBE_AROUND);
+	for (uint32_t i = 0; i < curve->member_count; i++) {
+		struct eco_ladder *ladder = &plant->ladders[curve->members[i]];
+		ladder->curve_first = first;
+		ladder->curve_count = count;
+		ladder->flags |= above && count ? ECO_LADDER_ABOVE : 0;
+	}
+	return code;
 }
 
 static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
@@ -334,12 +372,10 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 				continue;
 			gather(&curve, probe, i, done, members);
 			if (pass == 0) {
-				progress->all += 2 * curve.sample_count;
+				progress->all += 4 * curve.sample_count;
 				continue;
 			}
-			code = measure_curve(&curve, progress, error);
-			if (!code)
-				code = append(plant, &curve, error);
+			code = measure_both(plant, &curve, progress, error);
 		}
 	}
 	return code;
@@ -358,8 +394,10 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 	plant->curves = NULL;
 	plant->curve_count = 0;
 	plant->solved[LOD_SOLVER_SCALE] = (struct lod_solved){ 0 };
-	for (uint32_t i = 0; i < plant->ladder_count; i++)
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		plant->ladders[i].curve_first = plant->ladders[i].curve_count = 0;
+		plant->ladders[i].flags &= (uint8_t)~ECO_LADDER_ABOVE;
+	}
 	struct progress progress = { options, 0, 0 };
 	bool *done = calloc(plant->ladder_count + 1, sizeof *done);
 	uint32_t *members = calloc(plant->ladder_count + 1, sizeof *members);

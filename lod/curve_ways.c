@@ -40,6 +40,7 @@ enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct ec
 	struct lod_probe *probe = curve->probe;
 	struct eco_curve samples[2] = { *sample, { .share = 1, .scale = 1, .reach = 1 } };
 	struct eco_ladder measured = *ladder;
+	measured.flags &= (uint8_t)~ECO_LADDER_ABOVE;
 	measured.curve_first = 0;
 	measured.curve_count = sample->share < 1 ? 2 : 1;
 	probe->scene.curves = samples;

@@ -155,6 +155,20 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 	};
 }
 
+struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder, double share, double above)
+{
+	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
+	if (!(above > 0) || !(ladder->flags & ECO_LADDER_ABOVE))
+		return curve;
+	struct eco_ladder from_above = *ladder;
+	from_above.curve_first += ladder->curve_count;
+	struct eco_curve to = lod_ladder_curve(scene, &from_above, share);
+	curve.scale += (float)(above * ((double)to.scale - (double)curve.scale));
+	curve.fp += (float)(above * ((double)to.fp - (double)curve.fp));
+	curve.fn += (float)(above * ((double)to.fn - (double)curve.fn));
+	return curve;
+}
+
 uint64_t lod_way_stage_end(const struct lod_way *way)
 {
 	if (way->stage_end != UINT64_MAX)
@@ -213,7 +227,7 @@ static double share_of_reach(const struct eco_scene *scene, const struct eco_lad
 	return curve[i - 1].share + t * ((double)curve[i].share - curve[i - 1].share);
 }
 
-static float scale_at(const struct lod_way *way, uint64_t vertices, double density)
+static float scale_at(const struct lod_way *way, uint64_t vertices, double density, double above)
 {
 	const struct eco_ladder *ladder = way->ladder;
 	if (ladder->organ == ECO_ORGAN_WOOD)
@@ -224,7 +238,7 @@ static float scale_at(const struct lod_way *way, uint64_t vertices, double densi
 		double half = ladder->total ? 0.5 / ladder->total : 0, least = share_of_reach(way->scene, ladder, density - half);
 		share = share > least ? share : least;
 	}
-	return (float)(lod_ladder_curve(way->scene, ladder, share).scale / density);
+	return (float)(lod_ladder_curve_seen(way->scene, ladder, share, above).scale / density);
 }
 
 static uint32_t put(struct eco_cut *cut, uint32_t list, uint64_t first, uint64_t end, float scale)
@@ -246,7 +260,7 @@ static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, flo
 		lod_forms_range_end(forms, s.stage, s.e), scale);
 }
 
-uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
+uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
@@ -254,9 +268,9 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 		return 0;
 	assert(density > 0);
 	if (way->has_forms)
-		return forms_cuts(&way->forms, vertices, scale_at(way, vertices, density), cuts);
+		return forms_cuts(&way->forms, vertices, scale_at(way, vertices, density, above), cuts);
 	if (vertices <= first_floor(scene, ladder, UINT64_MAX))
-		return put(cuts, first_list(scene, ladder), 0, vertices / first_unit(scene, ladder), scale_at(way, vertices, density));
+		return put(cuts, first_list(scene, ladder), 0, vertices / first_unit(scene, ladder), scale_at(way, vertices, density, above));
 	for (uint32_t level = 0; level < level_count(scene, ladder); level++)
 		if (level_vertices(scene, ladder, level) == vertices) {
 			uint32_t first, end;
@@ -293,7 +307,7 @@ uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder 
 {
 	struct lod_way way;
 	lod_way_begin(&way, scene, ladder);
-	return lod_way_cuts(&way, vertices, density, cuts);
+	return lod_way_cuts(&way, vertices, density, 0, cuts);
 }
 
 double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)

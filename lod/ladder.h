@@ -40,11 +40,12 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
 /* The cut set that draws exactly `vertices` (a value that floor returns): writes at most 2 cuts with list, first, end and scale set
  * and the rest zero; returns their number. Draws `vertices` to the primitive. `density` is the share of this region's elements (or
  * lines) that the picture shows in any form, coarse list included, in (0,1]: what is left stands for 1/density as much. It is
- * lod_ladder_density, but for a whole-plant list beside cells that show more than it holds: then it is theirs. */
+ * lod_ladder_density, but for a whole-plant list beside cells that show more than it holds: then it is theirs. `above`: as
+ * lod_ladder_curve_seen; of lod_ladder_cuts 0. */
 #define LOD_LADDER_CUTS_MAX 2
 uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices, double density,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
-uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
+uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
 double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_density(const struct lod_way *way, uint64_t vertices);
 
@@ -64,5 +65,7 @@ uint64_t lod_way_vertices(const struct lod_way *way, double share);
 
 /* Interpolates the curve linearly at `share` (clamped; a ladder without a curve is exact: scale 1, no error). */
 struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
+/* The same for what is seen so far from above (lod_seen_above): 0 is the curve from all around, 1 the one from above, if there is one. */
+struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder, double share, double above);
 
 #endif

@@ -15,6 +15,8 @@ static void buy(struct lod_cost *cost, const struct lod_steps *steps, double wor
 	const struct lod_amount *a = &steps->amounts[whole], *b = part > 0 ? a + 1 : a;
 	cost->fp += worth * (a->fp + part * (b->fp - a->fp));
 	cost->fn += worth * (a->fn + part * (b->fn - a->fn));
+	cost->above_fp += worth * (a->above_fp + part * (b->above_fp - a->above_fp));
+	cost->above_fn += worth * (a->above_fn + part * (b->above_fn - a->above_fn));
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
 }
 
@@ -22,6 +24,8 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double e
 {
 	sum->fp += seen * extra * cost->fp;
 	sum->fn += seen * cost->fn;
+	sum->above_fp += seen * extra * cost->above_fp;
+	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
 }
 
@@ -274,6 +278,8 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_sight *sight)
 			add_cost(&cost, &lot->cells, 1, 0, 1 / count);
 			worth += lot->cells_worth / count;
 		}
+		cost.fp += sight->above * (cost.above_fp - cost.fp);
+		cost.fn += sight->above * (cost.above_fn - cost.fn);
 	} else if (stall->summary) {
 		cost = (struct lod_cost){ 0 };
 		buy(&cost, &stall->points.steps, 1, stall->position);

@@ -22,7 +22,10 @@
 
 enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
 
-struct lod_cost { double fp, fn, vertices; };            /* wrong pixels, of those seen; of a lot: fp is not weighed by `extra` yet */
+struct lod_cost {                    /* wrong pixels, of those seen, and as they are from above; of a lot: fp is not weighed by `extra` yet */
+	double fp, fn, vertices;
+	double above_fp, above_fn;
+};
 
 struct lod_offer {                   /* a ladder for the plants of one slot */
 	uint32_t slot, ladder;

@@ -234,7 +234,8 @@ static enum eco_code check_ladder(const struct lod_plant *plant, const struct ec
 		return BAD("a ladder of lists that are not there or of another kind");
 	if (l->level_count > 0 && (wood == ECO_NONE || l->level_end[l->level_count - 1] > plant->lists[wood].elements.primitive_count))
 		return BAD("a ladder's levels end beyond their list");
-	if (l->curve_first > plant->curve_count || l->curve_count > plant->curve_count - l->curve_first)
+	if (l->curve_first > plant->curve_count || l->curve_count > plant->curve_count
+	    || eco_ladder_samples(l) > plant->curve_count - l->curve_first)
 		return BAD("curve [%u, +%u) of %u", l->curve_first, l->curve_count, plant->curve_count);
 	return ECO_OK;
 }

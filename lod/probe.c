@@ -56,8 +56,8 @@ static void bounds(struct lod_probe *probe, const struct eco_model *model)
 	probe->radius = far2 > 0 ? sqrt(far2) : 1;
 }
 
-/* Heights from -0.2 to 0.95 of the unit sphere, each view a golden angle on from the last: a rotation, so no libm. */
-static void place_eyes(struct lod_probe *probe)
+/* Each view a golden angle on from the last: a rotation, so no libm. */
+void lod_probe_look(struct lod_probe *probe, double low, double high)
 {
 	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
 	double away = DISTANCE_RADII * probe->radius, x = 1, y = 0;
@@ -65,7 +65,7 @@ static void place_eyes(struct lod_probe *probe)
 	probe->near_m = away - 4 * probe->radius;
 	for (uint32_t i = 0; i < probe->views; i++) {
 		struct lod_eye *eye = &probe->eyes[i];
-		double z = -0.2 + 1.15 * (i + 0.5) / probe->views, flat = sqrt(1 - z * z), from[3] = { flat * x, flat * y, z };
+		double z = low + (high - low) * (i + 0.5) / probe->views, flat = sqrt(1 - z * z), from[3] = { flat * x, flat * y, z };
 		memset(eye, 0, sizeof *eye);
 		for (int k = 0; k < 3; k++) {
 			eye->at[k] = probe->center[k] + away * from[k];
@@ -162,7 +162,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	for (uint32_t i = 0; i < plant->image_count; i++)
 		probe->cut[i] = eco_image_has_holes(&model->images[plant->images[i]]);
 	bounds(probe, model);
-	place_eyes(probe);
+	lod_probe_look(probe, LOD_PROBE_AROUND);
 	return ECO_OK;
 }
 

@@ -1,4 +1,4 @@
-/* A plant seen from all around: what its lists cover, measured with the rasteriser.
+/* A plant seen from all around, or from above: what its lists cover, measured with the rasteriser.
  *
  *   lod_probe_init(&probe, plant, model, &options, &error);
  *   lod_probe_clear(&probe); lod_probe_add(&probe, &cut, &error);      what to draw: ranges of the plant's lists
@@ -9,7 +9,8 @@
  *
  * The views lie on a Fibonacci spiral over the sphere, from a little below the horizon to steep from above: where plants are seen
  * from. The camera is 16 radii away, so that the perspective is weak and the measure holds for other distances (Neubert 2011, 2.4:
- * Precision and Recall hardly depend on size and direction). */
+ * Precision and Recall hardly depend on size and direction). On direction they do: a spruce of level branches loses .2 less of Q
+ * from 45 degrees above than in the mean. */
 #ifndef LOD_PROBE_H
 #define LOD_PROBE_H
 
@@ -50,6 +51,11 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 void lod_probe_free(struct lod_probe *probe);
 
 void lod_probe_clear(struct lod_probe *probe);
+/* From where views look: heights on the unit sphere, from `low` to `high`. At first LOD_PROBE_AROUND. What was kept is of the views before. */
+#define LOD_PROBE_AROUND -0.2, 0.95
+#define LOD_PROBE_ABOVE 0.6, 0.95
+void lod_probe_look(struct lod_probe *probe, double low, double high);
+
 /* Adds a cut (list, first, end, scale) of the plant's lists. */
 enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error);
 /* What has been added becomes the reference. False if it covers nothing in any view. */

@@ -55,6 +55,7 @@ struct lod_sight {
 	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
 	float share;                 /* of it that is in the picture and shows: set by lod_screen_shares; above 0 */
 	float bare;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
+	float above;                 /* how far from above it is seen: lod_seen_above */
 	float ellipse;               /* pixels of its crown, gaps and all */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */

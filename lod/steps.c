@@ -22,6 +22,7 @@ void lod_steps_hull(struct lod_steps *steps, double spread)
 	for (uint32_t i = 1; i < steps->count; i++) {
 		a[kept] = a[i];
 		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);       /* noise */
+		a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
 		for (;; kept--, a[kept] = a[kept + 1]) {
 			set_prices(&a[kept - 1], &a[kept]);
 			if (kept == 1 || spread * lod_steps_price(steps, kept) < lod_steps_price(steps, kept - 1))
@@ -67,9 +68,11 @@ struct lod_amount lod_steps_amount(const struct lod_way *way, uint64_t vertices)
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
 	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices) : lod_way_share(way, vertices);
 	if (ladder->curve_count == 0)        /* not measured */
-		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share };
-	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
-	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + (vertices == 0 ? lod_steps_absent(ladder) : 0) };
+		return (struct lod_amount){ .vertices = vertices, .fn = 1 - share, .above_fn = (float)(1 - share) };
+	struct eco_curve curve = lod_ladder_curve(scene, ladder, share), above = lod_ladder_curve_seen(scene, ladder, share, 1);
+	double absent = vertices == 0 ? lod_steps_absent(ladder) : 0;
+	return (struct lod_amount){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent, .above_fp = above.fp,
+		.above_fn = (float)(above.fn + absent) };
 }
 
 uint32_t lod_steps_sample(struct lod_amount amounts[LOD_STEPS_MAX], const struct lod_way *way, uint64_t from, uint64_t to)
@@ -94,7 +97,8 @@ void lod_steps_complete(struct lod_steps *steps, uint64_t to)
 {
 	const struct lod_amount *last = &steps->amounts[steps->count - 1];
 	if (last->vertices < to)
-		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn };
+		steps->amounts[steps->count++] = (struct lod_amount){ .vertices = to, .fp = last->fp, .fn = last->fn,
+			.above_fp = last->above_fp, .above_fn = last->above_fn };
 }
 
 double lod_steps_position(const struct lod_steps *steps, double price, double near)

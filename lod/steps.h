@@ -29,6 +29,7 @@
 struct lod_amount {
 	uint64_t vertices;           /* a value that lod_ladder_floor returns */
 	double fp, fn;               /* over covered pixels; fn never rises, nor does fn + extra * fp; of nothing, with lod_steps_absent */
+	float above_fp, above_fn;    /* the same seen from above: only what a picture is expected to be depends on them */
 	double fn_price, fp_price;   /* what the step that ends here saves of each, per vertex */
 };
 

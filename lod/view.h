@@ -40,6 +40,13 @@ bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radi
 uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale, uint32_t hash);
 double lod_band_distance_m(uint8_t band);                              /* geometric middle of the band, for scale 1 */
 
+/* How far from above something is seen that is `below` the eye (metres along the vertical) and `distance` away: 0 up to 12 degrees, 1 from 45. */
+static inline double lod_seen_above(double below, double distance)
+{
+	double above = distance > 0 ? (below / distance - 0.2) / 0.5 : 0;
+	return above < 0 ? 0 : above > 1 ? 1 : above;
+}
+
 /* The rule of a plan, for one instance: which anchors are drawn, and in which band each lies. anchors[0] is the whole plant, the
  * others its cells, anchor_first the index of anchors[0] in the scene. Writes nothing (returns 0) if the plant is out of view;
  * else first the whole plant and then, if its eco_gate_place is below `gate`, every cell in view. `hash` is the plant's lod_share_hash. `out` holds

@@ -21,7 +21,7 @@ struct random_scene {
 	struct eco_plant plants[RANDOM_MOST];
 	struct eco_anchor anchors[RANDOM_MOST];
 	struct eco_ladder ladders[RANDOM_MOST];
-	struct eco_curve curves[RANDOM_MOST];
+	struct eco_curve curves[2 * RANDOM_MOST];
 	struct eco_tile tiles[RANDOM_MOST];
 	struct eco_group groups[RANDOM_MOST];
 	struct eco_child children[RANDOM_MOST];
@@ -108,6 +108,13 @@ static inline void random_curve(struct random_scene *r, struct eco_ladder *ladde
 		float share = i == 0 ? 0.001f : i == 1 ? 0.03f : i == 2 ? 0.2f : 1;
 		reach = i == 3 ? 1 : reach + (1 - reach) * (float)random_real(r, 0, 0.8);
 		r->curves[r->scene.curve_count++] = (struct eco_curve){ share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share) };
+	}
+	ladder->flags |= ECO_LADDER_ABOVE;
+	for (uint32_t i = 0; i < ladder->curve_count; i++) {
+		struct eco_curve *above = &r->curves[r->scene.curve_count++];
+		*above = r->curves[ladder->curve_first + i];
+		above->scale = above->share < 1 ? 1.25f : 1;
+		above->fp *= 0.5f;
 	}
 }
 

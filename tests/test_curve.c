@@ -192,7 +192,14 @@ static void check_curve(const struct lod_plant *plant, const struct eco_ladder *
 {
 	const struct eco_curve *curve = plant->curves + ladder->curve_first;
 	assert_in_range(ladder->curve_count, 8, LOD_CURVE_SAMPLES_MAX);
-	assert_true(ladder->curve_first + ladder->curve_count <= plant->curve_count);
+	assert_true(ladder->flags & ECO_LADDER_ABOVE);
+	assert_true(ladder->curve_first + 2 * ladder->curve_count <= plant->curve_count);
+	const struct eco_curve *above = curve + ladder->curve_count;
+	for (uint32_t i = 0; i < ladder->curve_count; i++) {
+		assert_true(above[i].share == curve[i].share && above[i].reach == curve[i].reach);
+		assert_true(above[i].scale >= 0.25f && above[i].scale <= 64 && above[i].fp >= 0 && above[i].fn >= 0);
+		assert_true(i == 0 || error_of(&above[i]) <= error_of(&above[i - 1]) + 1e-6);
+	}
 	for (uint32_t i = 0; i < ladder->curve_count; i++) {
 		assert_true(curve[i].share > 0 && curve[i].share <= 1 && (i == 0 || curve[i].share > curve[i - 1].share));
 		assert_true(curve[i].scale >= 0.25f && curve[i].scale <= 64);
@@ -437,7 +444,7 @@ static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **
 	far->flags = ECO_LADDER_FAR;
 	measure(&crown, 128);
 	check_curve(&crown.plant, wood);
-	assert_true(far->curve_count > 0 && far->curve_first == wood->curve_count);
+	assert_true(far->curve_count > 0 && far->curve_first == 2 * wood->curve_count);
 	for (uint32_t i = 0; i < crown.plant.curve_count; i++)
 		assert_true(crown.plant.curves[i].scale == 1);
 	const struct eco_curve *last = &crown.plant.curves[crown.plant.curve_count - 1];
@@ -525,11 +532,13 @@ static void every_kind_of_ladder_is_measured(void **unused)
 			}
 			measure(&crown, 64);
 			const struct eco_curve *curve = crown.plant.curves;
-			assert_in_range(crown.plant.curve_count, 1, LOD_CURVE_SAMPLES_MAX);
-			assert_true(curve[crown.plant.curve_count - 1].share == 1 && error_of(&curve[crown.plant.curve_count - 1]) == 0);
-			for (uint32_t i = 0; i < crown.plant.curve_count; i++) {
+			uint32_t count = ladder->curve_count;
+			assert_in_range(count, 1, LOD_CURVE_SAMPLES_MAX);
+			assert_int_equal(crown.plant.curve_count, 2 * count);
+			for (uint32_t i = 0; i < 2 * count; i++) {
 				assert_true(curve[i].share > 0 && curve[i].scale >= 0.25f && curve[i].scale <= 64);
-				assert_true(i == 0 || (curve[i].share > curve[i - 1].share && error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6));
+				assert_true((i + 1) % count || (curve[i].share == 1 && error_of(&curve[i]) == 0));
+				assert_true(i % count == 0 || (curve[i].share > curve[i - 1].share && error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6));
 			}
 			crown_free(&crown);
 		}

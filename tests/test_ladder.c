@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "lod/ladder.h"
+#include "lod/view.h"
 #include "tests/scene_random.h"
 
 static struct random_scene scene;
@@ -315,7 +316,7 @@ static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX], again[LOD_LADDER_CUTS_MAX];
 		assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, all, rows[i].density, cuts), 1);
 		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
-		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, again), 1);
+		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, 0, again), 1);
 		assert_true(cuts[0].scale == again[0].scale);
 	}
 }
@@ -353,10 +354,31 @@ static void a_curve_is_interpolated_and_clamped(void **state)
 	}
 }
 
+static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 5, 0);
+	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 }, { 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 2, .flags = ECO_LADDER_ABOVE };
+	struct { double below, distance, scale, fp, fn; } rows[] = { { -5, 10, 2, 0.2, 0.4 }, { 2, 10, 2, 0.2, 0.4 }, { 4.5, 10, 2.5, 0.15, 0.3 },
+		{ 7, 10, 3, 0.1, 0.2 }, { 10, 10, 3, 0.1, 0.2 }, { 1, 0, 2, 0.2, 0.4 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_curve c = lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, lod_seen_above(rows[i].below, rows[i].distance));
+		assert_float_equal(c.scale, rows[i].scale, 1e-5);
+		assert_float_equal(c.reach, 0.5, 1e-5);
+		assert_float_equal(c.fp, rows[i].fp, 1e-5);
+		assert_float_equal(c.fn, rows[i].fn, 1e-5);
+	}
+	ladder.flags = 0;
+	assert_float_equal(lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, 1).scale, 2, 1e-5);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_step_draws_what_it_says),
+		cmocka_unit_test(from_above_scales_and_errors_turn_into_those_of_the_other_curve),
 		cmocka_unit_test(forms_give_way_from_the_front),
 		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
 		cmocka_unit_test(four_forms_follow_each_other),

@@ -84,7 +84,9 @@ BREAK(center, l->anchors[0].center[2] = NAN)
 BREAK(ladder_plant, l->ladders[2].plant = 1)
 BREAK(ladder_anchor, l->ladders[2].anchor = 2)
 BREAK(organ, l->ladders[0].organ = ECO_ORGAN_COUNT)
-BREAK(flags, l->ladders[0].flags = 4)
+BREAK(flags, l->ladders[0].flags = 8)
+BREAK(above_range, l->ladders[0].flags |= ECO_LADDER_ABOVE)
+BREAK(above_share, l->ladders[0].flags |= ECO_LADDER_ABOVE; l->ladders[0].curve_count = 1)
 BREAK(both_flags, l->ladders[0].flags = 3)
 BREAK(no_list, l->ladders[3].triangles = ECO_NONE)
 BREAK(wrong_kind, l->ladders[3].triangles = 4)
@@ -183,7 +185,8 @@ static void every_inconsistency_is_found(void **state)
 		CASE(ground_error_nan), CASE(ground_error_child), CASE(ground_bounds), CASE(ground_bounds_child), CASE(ground_grid),
 		CASE(ground_chunks), CASE(level_large), CASE(level_other),
 		CASE(plant_name), CASE(no_anchor), CASE(anchors), CASE(ladders), CASE(orphan_ladder), CASE(height), CASE(radius),
-		CASE(center), CASE(ladder_plant), CASE(ladder_anchor), CASE(organ), CASE(flags), CASE(both_flags), CASE(no_list),
+		CASE(center), CASE(ladder_plant), CASE(ladder_anchor), CASE(organ), CASE(flags), CASE(both_flags), CASE(above_range),
+		CASE(above_share), CASE(no_list),
 		CASE(wrong_kind), CASE(summary_in_ladder), CASE(pair), CASE(levels), CASE(level_end), CASE(level_order), CASE(level_rest),
 		CASE(before), CASE(importance), CASE(epsilon), CASE(curve_range), CASE(share_zero), CASE(share_order), CASE(share_one),
 		CASE(share_nan), CASE(scale), CASE(fn), CASE(bounds), CASE(bounds_nan), CASE(instance_count), CASE(subtree_count),
