@@ -112,23 +112,23 @@ static int between_marks(const struct descent *d, const struct mark *here, const
 
 /* By dividing what is between nothing and everything. What a price comes to depends on the marks around it and on the view, not on the
  * budget. Most prices are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
-static enum eco_code descend(struct descent *d, uint64_t budget, bool predicts, struct eco_error *error)
+static enum eco_code descend(struct descent *d, uint64_t budget, struct eco_error *error)
 {
 	const struct mark nothing = { .level = { 0, d->market->stalls[0].worth }, .picture = { .fp = INFINITY } };
 	const struct mark everything = { .level = { INFINITY, 0 } };
 	struct mark here = nothing, next = everything, middle;
 	find_ends(d);
-	enum eco_code code = look_at(d, d->first - 1, &nothing, &everything, predicts, &here, error);
+	enum eco_code code = look_at(d, d->first - 1, &nothing, &everything, true, &here, error);
 	here.level = nothing.level;
 	if (!code)
-		code = look_at(d, d->last + 1, &here, &everything, predicts, &next, error);
+		code = look_at(d, d->last + 1, &here, &everything, true, &next, error);
 	d->from = here;
 	d->to = next;
 	if (next.level.vertices <= (double)budget)
 		d->from = here = next;
 	while (!code && next.at - here.at > 1) {
 		bool wide = next.at - here.at > PRICES_PER_MARK;
-		code = look_at(d, between_marks(d, &here, &next), &here, &next, predicts && wide, &middle, error);
+		code = look_at(d, between_marks(d, &here, &next), &here, &next, wide, &middle, error);
 		*(middle.level.vertices <= (double)budget ? &here : &next) = middle;
 		if (wide) {
 			d->from = here;
@@ -148,14 +148,15 @@ static struct eco_prediction between(const struct eco_prediction *a, const struc
 	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
 }
 
-/* What is expected to be wrong with the budget, and the picture for that. */
+/* What is expected to be wrong with the budget, and the picture for that; unless a level before expected less. */
 static void predict(const struct descent *d, uint64_t budget)
 {
 	double room = d->next.vertices - d->here.vertices, part = room > 0 ? ((double)budget - d->here.vertices) / room : 0;
 	double wrong = d->here.wrong + (part > 1 ? 1 : part) * (d->next.wrong - d->here.wrong);
 	room = d->from.level.wrong - d->to.level.wrong;
 	part = room > 0 ? (d->from.level.wrong - wrong) / room : 1;
-	d->market->p->prediction = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part);
+	struct eco_prediction picture = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part), *least = &d->market->p->prediction;
+	*least = wrong_of(&picture) < wrong_of(least) ? picture : *least;
 }
 
 /* ---- Amounts for the structure of a price ---- */
@@ -331,16 +332,16 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 
 /* ---- All ---- */
 
-/* The first level that is looked at predicts, so that all budgets of a view are predicted alike. */
-static enum eco_code plan_level(struct lod_planning *p, bool predicts, struct eco_error *error)
+/* A level is looked at only where all of those before it is bought: so the least that any of them expects to be wrong does not rise with a budget. */
+static enum eco_code plan_level(struct lod_planning *p, struct eco_error *error)
 {
 	struct lod_market market;
 	struct descent d = { .market = &market };
 	uint64_t budget = p->input->request->vertices;
 	enum eco_code code = lod_market_make(&market, p, error);
 	if (!code)
-		code = descend(&d, budget, predicts, error);
-	if (!code && predicts)
+		code = descend(&d, budget, error);
+	if (!code)
 		predict(&d, budget);
 	if (!code)
 		code = spend_budget(&d, budget, error);
@@ -409,11 +410,12 @@ enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *err
 {
 	int level = 0, asked = 0;
 	begin_screen(p);
+	p->prediction = (struct eco_prediction){ .fn = INFINITY };
 	enum eco_code code = open_possible(p, &level, error);
-	for (bool first = true; !code; first = false) {
+	while (!code) {
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
-		code = plan_level(p, first, error);
+		code = plan_level(p, error);
 		if (code || all || p->cheapest != UINT64_MAX || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;

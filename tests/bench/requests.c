@@ -9,6 +9,7 @@
  *   rises        more vertices never predict more wrong pixels
  *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap, and no plan of a greater
  *                budget would have fitted and is better
+ *   whole        where every plant in view is drawn whole, next to nothing is expected to be wrong
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
  *   requests [--json] [--seed S] [--only NUMBER] COUNT PACK...      COUNT requests, shared among the packs
@@ -22,8 +23,8 @@
 #include "lod/planner.h"
 #include "tests/bench/random_request.h"
 
-enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, SENSELESS, FAILED, VIOLATION_COUNT };
-static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "senseless", "failed" };
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED, VIOLATION_COUNT };
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole", "senseless", "failed" };
 
 #define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
 #define TWICE_EVERY 10
@@ -35,6 +36,7 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 /* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of one hash cannot be told apart,
  * and what is left is spent on what is next, however little of it fits. */
 #define WORSE_MOST 0.01
+#define WHOLE_MOST 0.02          /* of the pixels that are covered, and one more */
 
 struct run {
 	const struct srv_scene *scene;
@@ -195,7 +197,7 @@ static void check_stream(struct run *run)
 
 /* ---- One view, many budgets ---- */
 
-struct rung { uint64_t budget, vertices; double wrong; struct lod_planner_stats stats; };
+struct rung { uint64_t budget, vertices; double right, wrong; bool summed; struct lod_planner_stats stats; };
 
 static int by_budget(const void *a, const void *b)
 {
@@ -218,7 +220,10 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	const struct eco_prediction *p = &plan.prediction;
 	double pixels = (double)request.view.width * request.view.height;
 	rung->vertices = plan.vertices;
+	rung->right = p->tp;
 	rung->wrong = p->fp + p->fn;
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		rung->summed = rung->summed || plan.cuts[i].anchor == ECO_NONE;
 	if (plan.vertices > rung->budget)
 		violated(run, OVER_VERTICES, "%llu vertices planned for %llu", (unsigned long long)plan.vertices, (unsigned long long)rung->budget);
 	if (!(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp + p->fn <= pixels * (1 + 1e-6) && p->fp <= pixels * (1 + 1e-6)))
@@ -273,6 +278,9 @@ static void check_chain(struct run *run)
 				rungs[i].wrong, (unsigned long long)rungs[i].budget);
 		check_unused(run, rungs, i);
 	}
+	const struct rung *all = &rungs[CHAIN - 1];
+	if (!all->summed && all->wrong > 1 + WHOLE_MOST * (all->right + all->wrong))
+		violated(run, WHOLE, "of %g pixels %g expected to be wrong with all there is", all->right + all->wrong, all->wrong);
 }
 
 /* ---- All ---- */
