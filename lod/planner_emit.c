@@ -35,36 +35,20 @@ static double grown(const struct lod_planning *p, const struct lod_entry *entry,
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }
 
-/* How far from above plants of each slot are seen: means over their tiles, in steps. NULL without memory. */
-static double *find_above(const struct lod_planning *p)
+/* How far from above the slot's plants are seen, in the mean. */
+static double above_of(const struct lod_slot *slot)
 {
-	const struct lod_visible *visible = &p->visible;
-	double *sum = calloc(2 * (size_t)visible->slot_count + 1, sizeof *sum), *count = sum ? sum + visible->slot_count : NULL;
-	for (uint32_t n = 0; sum && n < visible->node_count; n++) {
-		const struct lod_node *node = &visible->nodes[n];
-		double center[3], across, up;
-		if (node->state != LOD_OPEN)
-			continue;
-		lod_visible_box(visible, node, center, &across, &up);
-		for (uint32_t i = 0; i < node->tally_count; i++) {
-			const struct lod_tally *t = &node->tallies[i];
-			sum[t->slot] += t->count * lod_seen_above(visible->eye.at[2] - center[2], lod_band_distance_m(visible->slots[t->slot].band));
-			count[t->slot] += t->count;
-		}
-	}
-	for (uint32_t s = 0; sum && s < visible->slot_count; s++)
-		sum[s] = count[s] > 0 ? floor(ABOVE_STEPS * sum[s] / count[s] + 0.5) / ABOVE_STEPS : 0;
-	return sum;
+	return slot->looked > 0 ? floor(ABOVE_STEPS * slot->above / slot->looked + 0.5) / ABOVE_STEPS : 0;
 }
 
-static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, double above, uint64_t vertices, uint32_t share_first,
-	uint32_t share_end, struct eco_plan *plan)
+static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first, uint32_t share_end,
+	struct eco_plan *plan)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	if (vertices == 0 || share_first == share_end)
 		return;
-	uint32_t count = lod_way_cuts(lod_planning_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), above, cuts);
+	uint32_t count = lod_way_cuts(lod_planning_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), above_of(slot), cuts);
 	double growth = grown(p, entry, vertices);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));
@@ -195,9 +179,7 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 	plan->gates = malloc((p->scene->plant_count + 1) * sizeof *plan->gates);
 	plan->placements = malloc(p->visible.placement_count * sizeof *plan->placements);
 	uint32_t *placement_in_plan = malloc(p->visible.placement_count * sizeof *placement_in_plan);
-	double *above = find_above(p);
-	if (!plan->cuts || !plan->runs || !plan->gates || !plan->placements || !placement_in_plan || !above) {
-		free(above);
+	if (!plan->cuts || !plan->runs || !plan->gates || !plan->placements || !placement_in_plan) {
 		free(placement_in_plan);
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a plan of %u cuts", p->entry_count);
 	}
@@ -210,12 +192,11 @@ enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_dist
 			continue;
 		}
 		uint32_t from = entry->share ? entry->share : entry->first;
-		add_cuts(p, entry, above[entry->slot], entry->more, entry->first, from, plan);
+		add_cuts(p, entry, entry->more, entry->first, from, plan);
 		if (entry->between)
-			add_cuts(p, entry, above[entry->slot], entry->middle, from, entry->between, plan);
-		add_cuts(p, entry, above[entry->slot], entry->vertices, entry->between ? entry->between : from, entry->end, plan);
+			add_cuts(p, entry, entry->middle, from, entry->between, plan);
+		add_cuts(p, entry, entry->vertices, entry->between ? entry->between : from, entry->end, plan);
 	}
-	free(above);
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)
 		if (p->gates[i])

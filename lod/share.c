@@ -113,7 +113,7 @@ struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
 		.foot = (float)(y + body->up * tilt.upright * rows),
 		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
-		.above = (float)lod_seen_above(-d[2], sqrt(lod_dot(d, d))), .within = (float)within, .before = (float)before };
+		.within = (float)within, .before = (float)before };
 	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
 	sight->pixels = sight->opacity * sight->ellipse;
 	return sight;

@@ -55,10 +55,10 @@ struct lod_sight {
 	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
 	float share;                 /* of it that is in the picture and shows: set by lod_screen_shares; above 0 */
 	float bare;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
-	float above;                 /* how far from above it is seen: lod_seen_above */
 	float ellipse;               /* pixels of its crown, gaps and all */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
+	float above;                 /* the caller's: how far from above it is seen (lod_seen_above) */
 	bool beside;                 /* not before the eye, but around it: where it is in the picture is not known */
 	float within;                /* of one near by: so much counts of what its box shows; 1 where `before` is 1, 0 where none of it is before the eye */
 	float before;                /* of one near by: how much of it hides others; 0 where it is beside, 1 from twice as far before the eye on */

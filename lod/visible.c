@@ -194,7 +194,7 @@ static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, stru
 }
 
 static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, uint32_t plant,
-	struct lod_anchor_band at, uint8_t whole_band, uint32_t *in_slot, struct eco_error *error)
+	struct lod_anchor_band at, uint8_t whole_band, double above, uint32_t *in_slot, struct eco_error *error)
 {
 	uint32_t slot;
 	enum eco_code code = find_slot(visible, plant, at, &slot, error);
@@ -203,6 +203,8 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 	/* neighbours mostly fall in the same slot; a tally more now and then costs less than searching for its twin */
 	struct lod_slot *s = &visible->slots[slot];
 	*in_slot = slot;
+	s->above += above;
+	s->looked += 1;
 	uint32_t index = (uint32_t)(node - visible->nodes);
 	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot == slot
 			&& node->tallies[s->last_tally].whole_band == whole_band) {
@@ -217,8 +219,20 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 	return ECO_OK;
 }
 
+/* How far from above a plant is seen, by its middle. */
+static double seen_above(const struct lod_visible *visible, const struct lod_place *place, uint32_t plant)
+{
+	double center[3], square = 0, d[3];
+	lod_place_point(place, visible->scene->anchors[visible->scene->plants[plant].anchor_first].center, center);
+	for (int k = 0; k < 3; k++) {
+		d[k] = visible->eye.at[k] - center[k];
+		square += d[k] * d[k];
+	}
+	return lod_seen_above(d[2], sqrt(square));
+}
+
 static bool add_sight(struct lod_visible *visible, const struct lod_node *node, const struct lod_place *place, uint32_t plant, uint32_t slot,
-	uint32_t hash)
+	uint32_t hash, double above)
 {
 	const struct eco_plant *p = &visible->scene->plants[plant];
 	struct lod_body body = visible->bodies[plant];
@@ -236,6 +250,7 @@ static bool add_sight(struct lod_visible *visible, const struct lod_node *node, 
 	sight->node = (uint32_t)(node - visible->nodes);
 	sight->slot = slot;
 	sight->hash = (uint16_t)hash;
+	sight->above = (float)above;
 	return true;
 }
 
@@ -265,15 +280,16 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 		if (n == 0)
 			continue;
 		uint8_t whole = visible->scratch[0].band;
+		double above = seen_above(visible, &place, g->plant);
 		uint32_t slot;
 		node->plants += first_time;
 		for (uint32_t a = first_time ? 0 : 1; a < n; a++) {
 			if (a > 0 && whole < from)
 				break;
-			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, &slot, error);
+			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, above, &slot, error);
 			if (code)
 				return code;
-			if (a == 0 && visible->screen && !add_sight(visible, node, &place, g->plant, slot, hash))
+			if (a == 0 && visible->screen && !add_sight(visible, node, &place, g->plant, slot, hash, above))
 				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for another plant in view");
 		}
 	}

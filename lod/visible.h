@@ -42,6 +42,7 @@ struct lod_slot {
 	bool cell;                   /* anchor is not the whole plant */
 	uint64_t count;              /* at the last lod_visible_count */
 	uint64_t near;               /* of whole plants: so many of them draw their cells */
+	double above, looked;        /* of so many plants, ever: the sum of how far from above they are seen (lod_seen_above) */
 	uint32_t last_node, last_tally;      /* where this slot was counted last */
 };
 

@@ -12,7 +12,7 @@ static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tre
 #define BLOCKS_QUICK 2u          /* a scene */
 #define BLOCKS_FULL 10u
 
-static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "senseless", "failed" };
+static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole", "senseless", "failed" };
 
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
 {
@@ -90,7 +90,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = bench_request_packs(bench, error);
 	json_t *all = json_object();
 	struct bench_table *table = code ? NULL : bench_table_open(bench, "requests",
-		"scene,requests,states of streams,chains of budgets,violations,vertices,bytes,twice,same,rises,unused,senseless,failed,most left over", true);
+		"scene,requests,states of streams,chains of budgets,violations,vertices,bytes,twice,same,rises,unused,whole,senseless,failed,most left over", true);
 	for (uint32_t i = 0; i < SCENES && !code; i++) {
 		json_t *sum = json_object();
 		code = run_scene(bench, i, sum, error);
