@@ -36,7 +36,7 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 /* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of one hash cannot be told apart,
  * and what is left is spent on what is next, however little of it fits. */
 #define WORSE_MOST 0.01
-#define WHOLE_MOST 0.02          /* of the pixels that are covered, and one more */
+#define WHOLE_MOST 0.05          /* of the pixels that are covered, and one more */
 
 struct run {
 	const struct srv_scene *scene;
