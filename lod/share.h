@@ -17,6 +17,9 @@
  * views among trees such plants would show 1,340,000 pixels by their boxes, and showed 350,000.) Without that each one that comes by would
  * take a part of the budget from all others, and give it back.
  *
+ * Measured and left: such a plant as 64 bodies, each where it is. 1 % fewer pixels are wrong among trees (7 at 100,000 vertices), but
+ * shares change faster: 28 % of like plants at once at worst, in place of 17.
+ *
  * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
  * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH. So does all that a tile's summary covers, as no one
  * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views each of a
