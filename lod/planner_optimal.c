@@ -332,8 +332,9 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 
 /* ---- All ---- */
 
-/* A level is looked at only where all of those before it is bought: so the least that any of them expects to be wrong does not rise with a budget. */
-static enum eco_code plan_level(struct lod_planning *p, struct eco_error *error)
+/* A level predicts only where the budget holds everything of those before it: so the least that any of them expects to be wrong does not rise with a
+ * budget. */
+static enum eco_code plan_level(struct lod_planning *p, bool *predicts, struct eco_error *error)
 {
 	struct lod_market market;
 	struct descent d = { .market = &market };
@@ -341,8 +342,9 @@ static enum eco_code plan_level(struct lod_planning *p, struct eco_error *error)
 	enum eco_code code = lod_market_make(&market, p, error);
 	if (!code)
 		code = descend(&d, budget, error);
-	if (!code)
+	if (!code && *predicts)
 		predict(&d, budget);
+	*predicts = *predicts && d.index == PRICE_COUNT;
 	if (!code)
 		code = spend_budget(&d, budget, error);
 	lod_market_free(&market);
@@ -410,12 +412,13 @@ enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *err
 {
 	int level = 0, asked = 0;
 	begin_screen(p);
+	bool predicts = true;
 	p->prediction = (struct eco_prediction){ .fn = INFINITY };
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code) {
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
-		code = plan_level(p, error);
+		code = plan_level(p, &predicts, error);
 		if (code || all || p->cheapest != UINT64_MAX || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;
