@@ -49,7 +49,15 @@ CFLAGS_ALL := -std=c11 $(OPT) $(COMMON) $(WARN) $(CFLAGS)
 CXXFLAGS_ALL := -std=c++17 $(OPT) $(COMMON) $(CXXWARN) $(CXXFLAGS)
 
 comma := ,
-# Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/module.h): ecofiles/NAME_*.c make ecoNAME.so.
+# Rooms: a folder of sources each, an archive each; main_NAME.c is the program NAME's. tests/layers.txt says what each may include.
+ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/ground ecofiles/import/model \
+	ecofiles/format ecofiles/base
+BUILD_ROOMS := lod/build lod/build/order lod/build/measure lod/raster
+CORE_ROOMS := lod ecofiles/format ecofiles/base
+PACK_ROOM := ecofiles/ecopack
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(PACK_ROOM)
+
+# Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
 MODULES := $(MODULE_NAMES:%=$(B)/eco%.so)
 LIBS_MODULE_assimp := -lassimp
@@ -57,20 +65,26 @@ LIBS_MODULE_cairo := -lcairo -lfreetype
 LIBS_MODULE_gdal := -lgdal
 LIBS_MODULE_image := -lOpenImageIO -lOpenImageIO_Util
 LIBS_MODULE_proj := -lproj
-of_module = $(wildcard ecofiles/$(1)_*.c ecofiles/$(1)_module.cpp)
+of_module = $(wildcard $(ROOMS:%=%/$(1)_*.c))
 MODULE_SOURCES := $(foreach name,$(filter-out image,$(MODULE_NAMES)),$(call of_module,$(name)))
 
 sources = $(filter-out $(1)/main_%.c $(MODULE_SOURCES),$(wildcard $(1)/*.c))
 objects = $(patsubst %.c,$(B)/obj/%.o,$(1))
+# archives of rooms, in the order in which they need each other
+archive = $(foreach room,$(1),$(B)/obj/$(subst /,-,$(room)).a)
+# rooms that need each other in a circle
+group = -Wl,--start-group $(1) -Wl,--end-group
 
-LIB_ECO := $(B)/obj/libecofiles.a
-LIB_DRACO := $(B)/obj/libdracoshim.a
-LIB_LOD := $(B)/obj/liblod.a
-LIB_SERVER := $(B)/obj/libserver.a
-LIB_VIEW := $(B)/obj/libview.a
+LIB_DRACO := $(B)/obj/draco_shim.a
+LIB_ECO := $(call archive,$(ECO_ROOMS))
+LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
+LIB_SERVER := $(call archive,server lod/plan $(CORE_ROOMS))
+LIB_VIEW := $(call archive,client-min lod/raster $(CORE_ROOMS))
+LIB_ALL := $(call archive,client-min server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
-TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
+TEST_SOURCES := $(wildcard tests/*/test_*.c)
+TESTS := $(patsubst %.c,$(B)/tests/%,$(notdir $(TEST_SOURCES)))
 FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
 
 # What each program needs, and nothing else: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
@@ -90,63 +104,58 @@ LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs
 
 all: $(PROGRAMS) $(MODULES) | told
 
-$(LIB_ECO): $(call objects,$(call sources,ecofiles))
-$(LIB_DRACO): $(B)/obj/ecofiles/draco_shim.o
-$(LIB_LOD): $(call objects,$(call sources,lod))
-$(LIB_SERVER): $(call objects,$(call sources,server))
-$(LIB_VIEW): $(call objects,$(call sources,client-min))
+$(foreach room,$(ROOMS),$(eval $(call archive,$(room)): $(call objects,$(call sources,$(room)))))
+$(LIB_DRACO): $(B)/obj/ecofiles/format/draco_shim.o
 %.a:
 	@mkdir -p $(@D)
 	rm -f $@ && ar rcs $@ $^
 
 $(foreach name,$(filter-out image,$(MODULE_NAMES)),$(eval $(B)/eco$(name).so: $(call objects,$(call of_module,$(name)))))
-$(B)/ecoimage.so: $(B)/obj/ecofiles/image_module.o
+$(B)/ecoimage.so: $(B)/obj/ecofiles/format/image_module.o
 # a module has what it needs of ecofiles for itself; sanitizers leave their own functions open
 $(MODULES): $(B)/eco%.so: $(LIB_ECO)
-	$(CXX) $(OPT) -shared -o $@ $(filter %.o,$^) $(LIB_ECO) $(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) -lpng $(LIBS_CORE)
+	$(CXX) $(OPT) -shared -o $@ $(filter %.o,$^) $(call group,$(LIB_ECO)) $(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) \
+		-lpng $(LIBS_CORE)
 
-$(B)/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
-	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-$(B)/ecoserve: $(call objects,$(wildcard server/main_*.c)) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO)
+PACK_LIBS := $(call archive,$(PACK_ROOM)) $(LIB_BUILD) $(call archive,lod/plan) $(LIB_ECO) $(LIB_DRACO)
+$(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
+	$(CC) $(OPT) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+$(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
-$(B)/ecoview: $(B)/obj/client-min/main_ecoview.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(B)/ecoimage.so
-	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
-$(B)/ecoload: $(B)/obj/client-min/main_ecoload.o $(LIB_VIEW) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO) | $(B)/ecoimage.so
+$(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO) | $(B)/ecoimage.so
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
-TEST_LIBS := $(LIB_VIEW) $(LIB_SERVER) $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
-$(B)/tests/test_make $(B)/tests/test_link $(B)/tests/test_cache $(B)/tests/test_jobs $(B)/tests/test_sheet $(B)/tests/test_map: $(call objects,$(filter-out ecofiles/main_ecopack.c,$(wildcard ecofiles/main_*.c)))
-$(B)/tests/test_bench $(B)/tests/test_bench_scene $(B)/tests/test_best $(B)/tests/test_owners $(B)/tests/test_extreme $(B)/tests/test_extreme_stiff $(B)/tests/test_extreme_plants: $(call objects,$(wildcard tests/bench/bench*.c))
-# Floating-point traps around lod/: these functions are entered through tests/traps.c.
-TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' tests/traps.c))
-$(TESTS): $(B)/tests/%: $(B)/obj/tests/%.o $(B)/obj/tests/traps.o $(TEST_LIBS) | $(MODULES)
+# What tests and measurements are linked with: all rooms, and what their source says by its own includes.
+TEST_LIBS := $(call archive,$(PACK_ROOM)) $(LIB_ALL)
+LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c))
+$(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
+$(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/%,$(TEST_SOURCES))): $(BENCH_PARTS)
+# Floating-point traps around lod/: these functions are entered through tests/support/traps.c.
+TRAPS := tests/support/traps.c
+TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' $(TRAPS)))
+$(TESTS): $(call objects,$(TRAPS)) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) -lcmocka $(LIBS_VIEW) $(LIBS_SERVER) \
-		$(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) $(LINK_TEST) -lcmocka
 
 # Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.
-ECOBENCH := $(call objects,tests/bench/ecobench.c $(wildcard tests/bench/bench*.c))
-BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench%,$(wildcard tests/bench/*.c)))
-SINGLE := $(filter-out %/ecobench %/plans,$(BENCHES))
-$(B)/bench/ecobench: $(ECOBENCH) $(TEST_LIBS) | $(MODULES)
+BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench% tests/bench/test_%,$(wildcard tests/bench/*.c)))
+$(B)/bench/ecobench: $(BENCH_PARTS)
+$(filter-out %/plans,$(BENCHES)): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $(ECOBENCH) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
-		$(LIBS_DRACO) $(LIBS_CORE)
+	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(LINK_TEST)
 # As little as it takes: `make determinism` builds it three times.
-$(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(LIB_LOD) $(LIB_ECO) $(LIB_DRACO)
+PLANS_LIBS := $(call archive,lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+$(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(PLANS_LIBS)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-$(SINGLE): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)
-	@mkdir -p $(@D)
-	$(CC) $(OPT) -o $@ $< -Wl,--start-group $(TEST_LIBS) -Wl,--end-group $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) \
-		$(LIBS_DRACO) $(LIBS_CORE)
+	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_DRACO) $(LIBS_CORE)
 
-# lod/ without any optimisation, in programs that must give the same: tests/test_determinism.sh.
-O0 := $(patsubst %.c,$(B)/o0/%.o,$(call sources,lod))
+# lod/ without any optimisation, in programs that must give the same: tests/ecopack/test_determinism.sh.
+O0 := $(patsubst %.c,$(B)/o0/%.o,$(foreach room,lod lod/plan $(BUILD_ROOMS),$(call sources,$(room))))
 $(B)/o0/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS_ALL) -O0 -MMD -MP -c -o $@ $<
-$(B)/o0/ecopack: $(call objects,$(wildcard ecofiles/main_*.c)) $(O0) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
+$(B)/o0/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(call archive,$(PACK_ROOM)) $(O0) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
@@ -155,8 +164,7 @@ $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
 $(FUZZERS): $(B)/fuzz/%: $(B)/obj/tests/fuzz/%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
-	$(CC) $(OPT) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) -Wl,--start-group $(TEST_LIBS) -Wl,--end-group \
-		$(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+	$(CC) $(OPT) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) $(LINK_TEST)
 
 $(B)/obj/%.o: %.c
 	@mkdir -p $(@D)
@@ -218,8 +226,8 @@ determinism:
 	@$(MAKE) --no-print-directory all $(B)/bench/plans
 	@tests/determinism.sh $(B)
 
-layers: $(LIB_ECO) $(LIB_DRACO) $(LIB_LOD) $(LIB_SERVER) $(LIB_VIEW) $(MODULES)
-	@tests/layers.sh $(B)
+layers: $(TEST_LIBS) $(MODULES)
+	@tests/layers.sh tests/layers.txt $(B)
 
 headers:
 	@tests/headers.sh $(CC) $(CFLAGS_ALL)

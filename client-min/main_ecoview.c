@@ -13,7 +13,7 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "ecofiles/image.h"
+#include "ecofiles/format/image.h"
 
 /* Reference triangles that a software renderer may be given for the coloured picture of a reference. */
 #define COLORED_VERTICES_MAX ((uint64_t)3 * 60000000)

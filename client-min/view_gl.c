@@ -154,7 +154,7 @@ static void put_float(uint32_t *at, double v)
 	memcpy(at, &f, sizeof f);
 }
 
-/* The rows of object -> view, as lod/raster.c makes them: differences in double, then rounded once. */
+/* The rows of object -> view, as lod/raster/raster.c makes them: differences in double, then rounded once. */
 static void put_instance(uint32_t *words, const struct lod_eye *eye, const struct view_instance *p, const struct view_plant *plant)
 {
 	const struct lod_place *place = &p->place;

@@ -5,7 +5,7 @@
  *   view_gl_close(gl);
  *
  * One pass writes colour and owner; the mask is "owner is not 0", so it cannot depend on shading. No multisampling, depth is
- * near / distance (reversed, infinite far plane), formulas are those of lod/raster.h. One thread. */
+ * near / distance (reversed, infinite far plane), formulas are those of lod/raster/raster.h. One thread. */
 #ifndef VIEW_GL_H
 #define VIEW_GL_H
 

@@ -6,7 +6,7 @@
 
 #include "client-min/view_record.h"
 #include "client-min/view_texture.h"
-#include "ecofiles/room.h"
+#include "ecofiles/base/room.h"
 
 #define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
 

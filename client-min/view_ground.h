@@ -7,7 +7,7 @@
 #define VIEW_GROUND_H
 
 #include "client-min/view_store.h"
-#include "lod/ground.h"
+#include "lod/ground_choice.h"
 
 struct view_ground_tile {
 	const struct view_list *list;

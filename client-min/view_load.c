@@ -9,7 +9,7 @@
 #include <time.h>
 
 #include "client-min/view_select.h"
-#include "ecofiles/room.h"
+#include "ecofiles/base/room.h"
 
 const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged", "other" };
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/view.h"
+#include "ecofiles/format/view.h"
 
 bool view_option(int argc, char **argv, int *at, const char *name, const char **value)
 {

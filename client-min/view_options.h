@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 /* If argv[*at] is `name` (or name=VALUE): stores its value, advances *at past what was used and returns true. A missing value sets
  * *value to NULL. */

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 struct view_picture {                    /* owns its arrays */
 	uint32_t width, height;

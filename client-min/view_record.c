@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_select.h"
-#include "lod/plant.h"
+#include "lod/geometry.h"
 
 static uint32_t bits(float v)
 {

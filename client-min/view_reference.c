@@ -11,10 +11,10 @@
 
 #include "client-min/view_shade.h"
 #include "client-min/view_table.h"
+#include "lod/geometry.h"
 #include "lod/light.h"
-#include "lod/plant.h"
-#include "lod/raster.h"
-#include "lod/texel.h"
+#include "lod/raster/raster.h"
+#include "lod/raster/texel.h"
 
 #define THREADS_MAX 64u
 #define HAZE_M 3000.0

@@ -1,6 +1,6 @@
 #include "client-min/view_report.h"
 #include "client-min/view_shader.h"
-#include "ecofiles/room.h"
+#include "ecofiles/base/room.h"
 
 #include <errno.h>
 #include <jansson.h>

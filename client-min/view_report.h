@@ -4,8 +4,8 @@
 
 #include <stdio.h>
 
-#include "ecofiles/plan.h"
-#include "lod/raster.h"
+#include "ecofiles/format/plan.h"
+#include "lod/raster/raster.h"
 
 struct view_frame {
 	uint32_t frame;

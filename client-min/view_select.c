@@ -1,4 +1,4 @@
-/* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared arithmetic of lod/view.h,
+/* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared arithmetic of lod/eye.h,
  * and for each the cuts that name the anchor, the band and the share. Cuts are indexed by anchor and sorted by band, so that
  * an instance costs the cuts that it draws and little else. */
 #include "client-min/view_select.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "client-min/view_table.h"
-#include "ecofiles/turn.h"
+#include "ecofiles/base/turn.h"
 
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */

@@ -1,4 +1,4 @@
-/* Which instances each cut of a plan draws: the client's half of the rule in ecofiles/plan.h.
+/* Which instances each cut of a plan draws: the client's half of the rule in ecofiles/format/plan.h.
  *
  *   view_select_make(&selection, store, &eye, &error);   instances in sight, and for each the cuts that apply to it
  *   ... members of cut c: selection.members[member_first[c] .. member_first[c+1])      (to draw cut by cut, instanced)
@@ -11,7 +11,7 @@
 
 #include "client-min/view_ground.h"
 #include "client-min/view_store.h"
-#include "lod/view.h"
+#include "lod/eye.h"
 
 struct view_instance {
 	struct lod_place place;

@@ -1,7 +1,7 @@
 /* One text for all programs; what a program needs is switched on by a #define, so that a scene without lines compiles no lines.
  *
  * Geometry: positions are taken to view space (right, up, forward; metres from the eye) by one float matrix an instance, made in
- * doubles, as lod/raster.h does; y points down in the picture, so that row 0 is the top and the same corner rule applies; depth is
+ * doubles, as lod/raster/raster.h does; y points down in the picture, so that row 0 is the top and the same corner rule applies; depth is
  * near / distance. Elements are scaled about their centre by the root of their area factor: what each growth code comes to at the cut's
  * scale is a uniform, as is the side of a point of each size code.
  *
@@ -14,7 +14,7 @@
 #include <epoxy/gl.h>
 #include <stdio.h>
 
-#include "ecofiles/list.h"
+#include "ecofiles/format/list.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points", "summary", "ground", "sky" };
 

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 enum view_program { VIEW_PROGRAM_TRIANGLES, VIEW_PROGRAM_TEXTURED, VIEW_PROGRAM_LINES, VIEW_PROGRAM_POINTS, VIEW_PROGRAM_SUMMARY,
 	VIEW_PROGRAM_GROUND, VIEW_PROGRAM_SKY, VIEW_PROGRAM_COUNT };

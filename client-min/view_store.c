@@ -10,9 +10,9 @@
 #include <time.h>
 
 #include "client-min/view_table.h"
-#include "ecofiles/chunk.h"
-#include "ecofiles/image.h"
-#include "ecofiles/room.h"
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/base/room.h"
 
 #define FORMS_MAX 8u                     /* of one list: each of its chunks is compared with each */
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)

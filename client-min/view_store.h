@@ -12,8 +12,9 @@
 #ifndef VIEW_STORE_H
 #define VIEW_STORE_H
 
-#include "ecofiles/ground_tile.h"
-#include "ecofiles/wire.h"
+#include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/format/wire.h"
 
 /* Chunks end here; geometry of a chunk can be made without walking the list. All exclusive, running totals. */
 struct view_mark { uint32_t primitives, elements, corners; };

@@ -2,7 +2,7 @@
 #ifndef CLIENT_VIEW_TEXTURE_H
 #define CLIENT_VIEW_TEXTURE_H
 
-#include "ecofiles/image.h"
+#include "ecofiles/format/image.h"
 
 /* A copy of the image's pixels (RGBA, width x height, malloc'ed; NULL without memory) in which clear texels, of an alpha below 128, have the
  * colour of the opaque ones nearest to them, as they are in the mean: pull-push (Gortler et al. 1996, section 3.4.1). Alpha stays, and so does an

@@ -15,7 +15,7 @@
 #ifndef LOD_FORMS_H
 #define LOD_FORMS_H
 
-#include "ecofiles/plan.h"
+#include "ecofiles/format/plan.h"
 
 #define LOD_FORMS_MAX 4
 

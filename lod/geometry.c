@@ -1,9 +1,8 @@
-/* From the integers of a list to what is drawn. The rasteriser that measures curves and the client that draws share this, so that
- * what was measured is what is seen. */
 #include <assert.h>
 #include <math.h>
+#include <stdbool.h>
 
-#include "lod/plant.h"
+#include "lod/geometry.h"
 
 struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out; double edge; };
 

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ecofiles/mix.h"
+#include "ecofiles/base/mix.h"
 #include "lod/arena.h"
 
 struct lod_keyed { uint64_t key; uint32_t value; };

@@ -2,8 +2,8 @@
 
 #include <stdio.h>
 
-#include "ecofiles/wire.h"
-#include "lod/view.h"
+#include "ecofiles/format/wire.h"
+#include "lod/eye.h"
 #include "server/query.h"
 
 #define URL_BYTES 160

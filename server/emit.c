@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/room.h"
+#include "ecofiles/base/room.h"
 
 enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene, const struct eco_holdings *holdings, bool dry,
 	struct eco_error *error)

@@ -12,7 +12,7 @@
 #ifndef SRV_EMIT_H
 #define SRV_EMIT_H
 
-#include "ecofiles/wire.h"
+#include "ecofiles/format/wire.h"
 #include "server/stream.h"
 
 struct srv_payload { size_t at; const uint8_t *bytes; size_t size; };        /* stands behind the first `at` bytes of frames */

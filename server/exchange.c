@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/chunk.h"
-#include "ecofiles/wire.h"
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/wire.h"
 #include "server/describe.h"
 
 #define SEND_GRACE_MS 30000u

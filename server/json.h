@@ -9,7 +9,7 @@
 #ifndef SRV_JSON_H
 #define SRV_JSON_H
 
-#include "ecofiles/bytes.h"
+#include "ecofiles/base/bytes.h"
 
 struct srv_json {
 	struct eco_writer out;

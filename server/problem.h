@@ -3,7 +3,7 @@
 #ifndef SRV_PROBLEM_H
 #define SRV_PROBLEM_H
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 #include "server/json.h"
 
 enum srv_problem {

@@ -12,8 +12,8 @@
 
 #include <stdbool.h>
 
-#include "ecofiles/list.h"
-#include "ecofiles/view.h"
+#include "ecofiles/format/list.h"
+#include "ecofiles/format/view.h"
 #include "server/target.h"
 
 struct srv_query {

@@ -10,7 +10,7 @@
 
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 struct srv_reaper;
 struct srv_lease;

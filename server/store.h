@@ -1,6 +1,6 @@
 /* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any number of threads read it
  * without locks; only two per-chunk marks change, each once and atomically: "hash checked" and "response made"; and the planner's
- * tables fill themselves likewise (lod/tables.h).
+ * tables fill themselves likewise (lod/plan/plan_tables.h).
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
@@ -14,8 +14,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-#include "ecofiles/pack.h"
-#include "lod/tables.h"
+#include "ecofiles/format/pack.h"
+#include "lod/plan/plan_tables.h"
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/planner.h"
+#include "lod/plan/planner.h"
 #include "server/emit.h"
 #include "server/trace.h"
 

@@ -22,9 +22,9 @@
 
 #include <stdatomic.h>
 
-#include "ecofiles/bytes.h"
-#include "ecofiles/plan.h"
-#include "lod/planner.h"
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/plan.h"
+#include "lod/plan/planner.h"
 #include "server/store.h"
 
 #define SRV_STEPS_MAX 4u

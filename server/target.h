@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 #define SRV_TARGET_BYTES_MAX 2048u
 #define SRV_SEGMENTS_MAX 8u

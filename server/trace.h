@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 #define SRV_TRACE_BITS(X) \
 	X(PLAN, "plan", "vertex budgets tried for a byte budget, steps taken or left out, and why") \

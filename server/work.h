@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 struct srv_work;
 typedef void (*srv_work_fn)(void *job);

@@ -4,7 +4,7 @@
 #   run.sh FOLDER BUILT PROGRAM...        FOLDER: the config's output folder; BUILT: make's exit status for all that is run here
 #
 # One test each: the build, `make layers`, `make headers`, every cmocka test of a binary FOLDER/tests/test_*, every corpus replayed
-# through FOLDER/fuzz/fuzz_*, every executable tests/test_*.sh (status 0 = passed; BUILD=FOLDER in its environment). A binary
+# through FOLDER/fuzz/fuzz_*, every executable tests/*/test_*.sh (status 0 = passed; BUILD=FOLDER in its environment). A binary
 # that crashes, hangs or is missing counts as one failed, beside what it counted until then. JOBS of them run at a time.
 set -u
 if [ "${1-}" = --one ]; then
@@ -42,7 +42,7 @@ done
 
 {
 	for program in "$@"; do echo "$program"; done
-	for script in tests/test_*.sh; do [ -x "$script" ] && echo "$script"; done
+	for script in tests/*/test_*.sh; do [ -x "$script" ] && echo "$script"; done
 } | xargs -n 1 -P "${JOBS:-$(nproc 2>/dev/null || echo 1)}" sh "$0" --one
 
 cat "$results"/*.count | awk '{ passed += $1; failed += $2; skipped += $3 }

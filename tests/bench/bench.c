@@ -20,7 +20,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/guard.h"
+#include "ecofiles/base/guard.h"
 
 #define PATH 1024
 #define BAR 28

@@ -14,8 +14,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "ecofiles/model.h"
-#include "ecofiles/status.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/status.h"
 
 struct bench {
 	const char *build;           /* folder of the programs: build, or build/CONFIG */
@@ -114,9 +114,9 @@ uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_req
 
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step timed ---- */
 
-#include "ecofiles/plan.h"
-#include "lod/planner.h"
-#include "lod/raster.h"
+#include "ecofiles/format/plan.h"
+#include "lod/plan/planner.h"
+#include "lod/raster/raster.h"
 
 struct view_picture;
 struct bench_frame {                 /* zero with rule, occlusion and request set asks; the rest is the answer */

@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "lod/ladder.h"
-#include "lod/market.h"
-#include "lod/spend.h"
-#include "tests/scene_random.h"
+#include "lod/plan/allocation.h"
+#include "lod/plan/budget.h"
+#include "tests/support/scene_random.h"
 
 #define BUDGET_MOST 600u
 #define FREE_MOST 16u            /* tiles that may be opened or not */

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 struct bench_best {
 	double planner, best, empty;         /* seen wrong pixels: of the plan, of the best there is, of nothing drawn */

@@ -14,7 +14,7 @@
 
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
-#include "ecofiles/image.h"
+#include "ecofiles/format/image.h"
 #include "lod/light.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"

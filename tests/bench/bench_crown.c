@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/generate_plants.h"
+#include "ecofiles/generate/generate_plants.h"
 
 #define SHOOTS 246u
 #define TWIGS 5u

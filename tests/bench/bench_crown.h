@@ -2,7 +2,7 @@
 #ifndef TESTS_BENCH_CROWN_H
 #define TESTS_BENCH_CROWN_H
 
-#include "ecofiles/model.h"
+#include "ecofiles/format/model.h"
 
 #define BENCH_CROWN_LEAVES 6143u
 

@@ -3,14 +3,14 @@
  *   a family is a file bench_extreme_NAME.c with one `const struct extreme_family`; a case is a row {name, what must hold, function}
  *   extreme_run(family, quick, told, ctx)     runs the cases one after the other and tells each; returns how many failed
  *
- * `ecobench --extreme` runs all of them, tests/test_extreme.c those that are not marked `lengthy`. A case that cannot run has failed. */
+ * `ecobench --extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`. A case that cannot run has failed. */
 #ifndef TESTS_BENCH_EXTREME_H
 #define TESTS_BENCH_EXTREME_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/status.h"
+#include "ecofiles/base/status.h"
 
 struct extreme {                     /* a case while it runs */
 	bool quick;                  /* in the tests: fewer repetitions of the same */

@@ -5,9 +5,10 @@
 #include <string.h>
 
 #include "client-min/view_select.h"
-#include "lod/raster.h"
+#include "lod/geometry.h"
+#include "lod/raster/raster.h"
 #include "lod/vector.h"
-#include "lod/view.h"
+#include "lod/eye.h"
 #include "tests/bench/bench_extreme_scene.h"
 #include "tests/bench/bench_fetch.h"
 

@@ -7,7 +7,7 @@
 
 #include "lod/ladder.h"
 #include "tests/bench/bench_extreme_scene.h"
-#include "tests/plant_models.h"
+#include "tests/support/plant_models.h"
 
 /* ---- Plants of a soup ---- */
 

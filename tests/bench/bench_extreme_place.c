@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/plan.h"
+#include "ecofiles/format/plan.h"
 #include "tests/bench/bench_extreme_scene.h"
-#include "tests/plant_models.h"
+#include "tests/support/plant_models.h"
 
 #define PIXELS_MOST 0.001        /* share that may differ */
 #define VERTICES_MOST 0.01       /* a plant on a border between bands may change sides */

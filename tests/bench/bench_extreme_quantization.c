@@ -1,13 +1,13 @@
 /* Quantization: corners are integers. For each list it is stated from which distance on rounding them moves nothing by more than half a pixel
- * (lod/grid.h); here every corner of the source is looked up among those that are stored, and how far it moved is projected. */
+ * (lod/build/grid.h); here every corner of the source is looked up among those that are stored, and how far it moved is projected. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/grid.h"
+#include "lod/build/grid.h"
 #include "tests/bench/bench_extreme_scene.h"
-#include "tests/plant_models.h"
+#include "tests/support/plant_models.h"
 
 /* ---- Stored corners ---- */
 
@@ -196,7 +196,7 @@ static void usual(struct extreme *x)
 }
 
 /* Larger than what LOD_GRID_NEAR_M leaves to the coarsest grid, and divided into cells: all lists get more bits, so that half a pixel is reached from
- * there on. (A grid for each cell costs more bytes than the same steps for all: lod/grid.c.) */
+ * there on. (A grid for each cell costs more bytes than the same steps for all: lod/build/grid.c.) */
 static void tall(struct extreme *x)
 {
 	static const struct { const char *name; double factor; } rows[] = { { "30 m", 5 }, { "60 m", 10 }, { "120 m", 20 }, { "600 m", 100 } };

@@ -9,11 +9,11 @@
 
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
-#include "ecofiles/turn.h"
-#include "ecofiles/wire.h"
-#include "lod/summary.h"
+#include "ecofiles/base/turn.h"
+#include "ecofiles/format/wire.h"
+#include "lod/build/summary.h"
 #include "tests/bench/bench_fetch.h"
-#include "tests/plant_models.h"
+#include "tests/support/plant_models.h"
 
 #define TILES 4u
 #define STEP_M 0x1p-13           /* of instance grids */

@@ -9,9 +9,9 @@
 #define TESTS_BENCH_EXTREME_SCENE_H
 
 #include "client-min/view_picture.h"
-#include "ecofiles/bytes.h"
-#include "lod/plant.h"
-#include "lod/planner.h"
+#include "ecofiles/base/bytes.h"
+#include "lod/build/plant.h"
+#include "lod/plan/planner.h"
 #include "server/store.h"
 #include "tests/bench/bench_extreme.h"
 

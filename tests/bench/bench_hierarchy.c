@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 
 #include "client-min/view_picture.h"
-#include "ecofiles/mix.h"
-#include "ecofiles/pack.h"
+#include "ecofiles/base/mix.h"
+#include "ecofiles/format/pack.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_times.h"
 

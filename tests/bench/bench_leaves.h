@@ -6,7 +6,7 @@
 #ifndef TESTS_BENCH_LEAVES_H
 #define TESTS_BENCH_LEAVES_H
 
-#include "lod/foliage.h"
+#include "lod/build/foliage.h"
 
 struct bench_leaves {
 	struct lod_arena arena;

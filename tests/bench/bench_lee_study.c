@@ -8,12 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/list.h"
-#include "lod/cell.h"
-#include "lod/cover.h"
-#include "lod/lee.h"
-#include "lod/order.h"
-#include "lod/rank.h"
+#include "ecofiles/format/list.h"
+#include "lod/build/cell.h"
+#include "lod/build/order/cover.h"
+#include "lod/build/order/lee.h"
+#include "lod/build/order/order.h"
+#include "lod/build/order/rank.h"
 #include "lod/sort.h"
 #include "tests/bench/bench_leaves.h"
 

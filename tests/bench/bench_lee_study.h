@@ -2,8 +2,8 @@
  *
  * Lists per sector of view are made for sectors of two widths, and measured in views all over them; Lee's three beside them in the same
  * views. In those of the narrow sectors all other methods are measured, too. */
-#ifndef TESTS_LEE_STUDY_H
-#define TESTS_LEE_STUDY_H
+#ifndef TESTS_BENCH_LEE_STUDY_H
+#define TESTS_BENCH_LEE_STUDY_H
 
 #include "tests/bench/bench.h"
 

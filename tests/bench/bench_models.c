@@ -10,7 +10,8 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "lod/foliage.h"
+#include "ecofiles/import/model/model_import.h"
+#include "lod/build/foliage.h"
 #include "tests/bench/bench_state.h"
 
 #define PATH 1024

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/view.h"
+#include "ecofiles/format/view.h"
 #include "tests/bench/bench_savings.h"
 
 #define PATH 1024

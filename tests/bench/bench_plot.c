@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/chart.h"
+#include "ecofiles/ecopack/chart.h"
 #include "tests/bench/bench.h"
 
 #define WIDTH 960u

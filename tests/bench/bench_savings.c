@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/list.h"
-#include "lod/cook.h"
-#include "lod/order.h"
-#include "lod/rank.h"
+#include "ecofiles/format/list.h"
+#include "lod/build/order/cook.h"
+#include "lod/build/order/order.h"
+#include "lod/build/order/rank.h"
 #include "lod/sort.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/bench_owners.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "lod/ladder.h"
-#include "lod/probe.h"
+#include "lod/build/measure/probe.h"
 #include "tests/bench/bench.h"
 
 #define MODELS 8u

@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/view.h"
+#include "ecofiles/format/view.h"
 #include "tests/bench/bench_crown.h"
 #include "tests/bench/bench_state.h"
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/view.h"
+#include "ecofiles/format/view.h"
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
 	[BENCH_OURS] = { .name = "ours", .rule = LOD_RULE_OPTIMAL },

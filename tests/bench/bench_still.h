@@ -10,8 +10,8 @@
 #define TESTS_BENCH_STILL_H
 
 #include "client-min/view_picture.h"
-#include "ecofiles/pack.h"
-#include "ecofiles/view.h"
+#include "ecofiles/format/pack.h"
+#include "ecofiles/format/view.h"
 
 struct bench_still;
 enum eco_code bench_still_open(struct bench_still **still, const char *pack, struct eco_error *error);

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "ecofiles/mix.h"
-#include "lod/tables.h"
+#include "ecofiles/base/mix.h"
+#include "lod/plan/plan_tables.h"
 
 #define REPETITIONS_MAX 200u
 #define REPETITIONS_LEAST 3u

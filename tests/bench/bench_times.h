@@ -2,9 +2,9 @@
 #ifndef TESTS_BENCH_TIMES_H
 #define TESTS_BENCH_TIMES_H
 
-#include "ecofiles/pack.h"
-#include "ecofiles/view.h"
-#include "lod/planner.h"
+#include "ecofiles/format/pack.h"
+#include "ecofiles/format/view.h"
+#include "lod/plan/planner.h"
 
 struct bench_plan_time {
 	double ms;                   /* median of the repetitions */

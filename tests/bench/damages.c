@@ -3,7 +3,7 @@
  *   damages PACK COUNT [SEED]
  *
  * Prints how many were not; exit 1 if there was one. */
-#include "ecofiles/wire.h"
+#include "ecofiles/format/wire.h"
 #include "tests/bench/random_request.h"
 
 /* Parses without decoding: every frame's hash, fields and order. True if the whole was accepted. */

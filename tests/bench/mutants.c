@@ -24,10 +24,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/guard.h"
-#include "ecofiles/image.h"
-#include "ecofiles/mix.h"
-#include "ecofiles/model.h"
+#include "ecofiles/base/guard.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/base/mix.h"
+#include "ecofiles/import/model/model_import.h"
 
 #define MODELS_MAX 64
 #define SIZE_MOST (64u << 20)

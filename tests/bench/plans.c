@@ -2,9 +2,9 @@
  * plan. Two builds that print the same plan the same. */
 #include <stdio.h>
 
-#include "ecofiles/wire.h"
-#include "ecofiles/bytes.h"
-#include "lod/planner.h"
+#include "ecofiles/format/wire.h"
+#include "ecofiles/base/bytes.h"
+#include "lod/plan/planner.h"
 
 #define VIEWS 12u
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/mix.h"
-#include "lod/view.h"
+#include "ecofiles/base/mix.h"
+#include "lod/eye.h"
 #include "server/store.h"
 #include "server/stream.h"
 

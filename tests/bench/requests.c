@@ -20,7 +20,7 @@
 #include <xxhash.h>
 
 #include "client-min/view_select.h"
-#include "lod/planner.h"
+#include "lod/plan/planner.h"
 #include "tests/bench/random_request.h"
 
 enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED, VIOLATION_COUNT };

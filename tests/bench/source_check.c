@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/image.h"
-#include "lod/raster.h"
+#include "ecofiles/format/image.h"
+#include "lod/raster/raster.h"
 
 struct soup {
 	uint32_t count, capacity;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/chunk.h"
+#include "ecofiles/format/chunk.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

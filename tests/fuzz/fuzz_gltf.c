@@ -4,8 +4,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "ecofiles/gltf.h"
-#include "ecofiles/import_model.h"
+#include "ecofiles/import/model/gltf.h"
+#include "ecofiles/import/model/import_model.h"
 
 #define TRIANGLES_MAX 10000u
 #define VALUES_MAX 100000u           /* of accessors without bytes, which may have any number of zeros */

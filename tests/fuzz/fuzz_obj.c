@@ -7,8 +7,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "ecofiles/import_obj.h"
-#include "ecofiles/model_clean.h"
+#include "ecofiles/import/model/import_obj.h"
+#include "ecofiles/import/model/model_clean.h"
+#include "ecofiles/import/model/model_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/chunk.h"
-#include "ecofiles/pack.h"
-#include "lod/ground.h"
-#include "tests/pack_resign.h"
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/pack.h"
+#include "lod/ground_choice.h"
+#include "tests/support/pack_resign.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

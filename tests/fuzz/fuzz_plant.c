@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/chunk_payload.h"
-#include "lod/plant_bytes.h"
+#include "ecofiles/format/chunk_payload.h"
+#include "lod/build/plant_bytes.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/wire.h"
+#include "ecofiles/format/wire.h"
 #include "server/condition.h"
 #include "server/framing.h"
 #include "server/query.h"

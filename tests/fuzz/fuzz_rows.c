@@ -10,8 +10,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "ecofiles/inventory_text.h"
-#include "ecofiles/rows.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/rows.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/chunk.h"
-#include "ecofiles/wire.h"
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/wire.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

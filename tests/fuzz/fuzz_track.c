@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/track.h"
-#include "ecofiles/view.h"
+#include "ecofiles/import/track/track.h"
+#include "ecofiles/format/view.h"
 
 #define FIXES_MAX 3000u                  /* longer tracks only make it slower */
 

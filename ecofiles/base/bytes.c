@@ -1,0 +1,199 @@
+/* Every format of this project is built from these few functions. Both directions go through one place each that knows about
+ * bounds (take, grow), so that no parser ever compares an offset by hand. */
+#include "ecofiles/base/bytes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t *take(struct eco_reader *r, size_t count)
+{
+	const uint8_t *p;
+
+	if (r->failed || r->at > r->size || count > r->size - r->at) {
+		r->failed = true;
+		return NULL;
+	}
+	p = r->bytes + r->at;
+	r->at += count;
+	return p;
+}
+
+static uint64_t read_little(struct eco_reader *r, size_t count)
+{
+	const uint8_t *p = take(r, count);
+	uint64_t v = 0;
+
+	if (p == NULL)
+		return 0;
+	for (size_t i = 0; i < count; i++)
+		v |= (uint64_t)p[i] << (8 * i);
+	return v;
+}
+
+uint8_t eco_read_u8(struct eco_reader *r)
+{
+	return (uint8_t)read_little(r, 1);
+}
+
+uint16_t eco_read_u16(struct eco_reader *r)
+{
+	return (uint16_t)read_little(r, 2);
+}
+
+uint32_t eco_read_u32(struct eco_reader *r)
+{
+	return (uint32_t)read_little(r, 4);
+}
+
+uint64_t eco_read_u64(struct eco_reader *r)
+{
+	return read_little(r, 8);
+}
+
+float eco_read_f32(struct eco_reader *r)
+{
+	uint32_t bits = eco_read_u32(r);
+	float v;
+
+	memcpy(&v, &bits, sizeof v);
+	return v;
+}
+
+double eco_read_f64(struct eco_reader *r)
+{
+	uint64_t bits = eco_read_u64(r);
+	double v;
+
+	memcpy(&v, &bits, sizeof v);
+	return v;
+}
+
+uint64_t eco_read_varint(struct eco_reader *r)
+{
+	uint64_t v = 0;
+
+	for (unsigned shift = 0; shift < 70; shift += 7) {
+		const uint8_t *p = take(r, 1);
+
+		if (p == NULL)
+			return 0;
+		/* The tenth byte holds one bit; a zero last byte would be a second spelling of the same number. */
+		if ((shift == 63 && *p > 1) || (shift > 0 && *p == 0))
+			break;
+		v |= (uint64_t)(*p & 0x7f) << shift;
+		if (*p < 0x80)
+			return v;
+	}
+	r->failed = true;
+	return 0;
+}
+
+int64_t eco_read_zigzag(struct eco_reader *r)
+{
+	uint64_t v = eco_read_varint(r);
+
+	return (int64_t)(v >> 1) ^ -(int64_t)(v & 1);
+}
+
+const uint8_t *eco_read_bytes(struct eco_reader *r, size_t count)
+{
+	return take(r, count);
+}
+
+static uint8_t *grow(struct eco_writer *w, size_t count)
+{
+	if (w->failed || count > SIZE_MAX / 2 - w->size) {
+		w->failed = true;
+		return NULL;
+	}
+	if (w->bytes == NULL || w->size + count > w->capacity) {
+		size_t capacity = w->capacity < 64 ? 64 : w->capacity;
+		uint8_t *bytes;
+
+		while (capacity < w->size + count)
+			capacity *= 2;
+		bytes = realloc(w->bytes, capacity);
+		if (bytes == NULL) {
+			w->failed = true;
+			return NULL;
+		}
+		w->bytes = bytes;
+		w->capacity = capacity;
+	}
+	w->size += count;
+	return w->bytes + w->size - count;
+}
+
+static void write_little(struct eco_writer *w, uint64_t v, size_t count)
+{
+	uint8_t *p = grow(w, count);
+
+	if (p == NULL)
+		return;
+	for (size_t i = 0; i < count; i++)
+		p[i] = (uint8_t)(v >> (8 * i));
+}
+
+void eco_write_u8(struct eco_writer *w, uint8_t v)
+{
+	write_little(w, v, 1);
+}
+
+void eco_write_u16(struct eco_writer *w, uint16_t v)
+{
+	write_little(w, v, 2);
+}
+
+void eco_write_u32(struct eco_writer *w, uint32_t v)
+{
+	write_little(w, v, 4);
+}
+
+void eco_write_u64(struct eco_writer *w, uint64_t v)
+{
+	write_little(w, v, 8);
+}
+
+void eco_write_f32(struct eco_writer *w, float v)
+{
+	uint32_t bits;
+
+	memcpy(&bits, &v, sizeof bits);
+	eco_write_u32(w, bits);
+}
+
+void eco_write_f64(struct eco_writer *w, double v)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &v, sizeof bits);
+	eco_write_u64(w, bits);
+}
+
+void eco_write_varint(struct eco_writer *w, uint64_t v)
+{
+	while (v >= 0x80) {
+		eco_write_u8(w, (uint8_t)(v | 0x80));
+		v >>= 7;
+	}
+	eco_write_u8(w, (uint8_t)v);
+}
+
+void eco_write_zigzag(struct eco_writer *w, int64_t v)
+{
+	eco_write_varint(w, ((uint64_t)v << 1) ^ (v < 0 ? UINT64_MAX : 0));
+}
+
+void eco_write_bytes(struct eco_writer *w, const void *bytes, size_t count)
+{
+	uint8_t *p = grow(w, count);
+
+	if (p != NULL && count > 0)
+		memcpy(p, bytes, count);
+}
+
+void eco_writer_free(struct eco_writer *w)
+{
+	free(w->bytes);
+	memset(w, 0, sizeof *w);
+}

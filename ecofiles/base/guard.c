@@ -1,0 +1,553 @@
+/* fork, limits, a memory file or a pipe for the result, a shared page for the error, and a pipe that closes when the child dies: the
+ * parent waits for that with a deadline, so that not even a child that ignores its signals holds it up. */
+#include "ecofiles/base/guard.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard_filter.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#ifndef SANITIZED
+#define SANITIZED 0
+#endif
+
+#define GIB (1ull << 30)
+#define FILES_MAX 512u               /* a mosaic opens its parts */
+#define GRACE_S 5u                   /* between the signal that can be caught and the one that cannot */
+#define CRASH_STACK (64u << 10)
+
+/* What both see. The child may write anything here: it is read after its death and checked. */
+struct shared {
+	struct eco_error error;
+	int no_memory;               /* it crashed after an allocation had failed */
+};
+
+struct eco_guard {
+	struct shared *shared;
+	struct eco_guard_limits limits;
+	char what[304];
+	pid_t pid;
+	int slot;                    /* in `children`; -1: none was free */
+	int life;                    /* reading end of a pipe that closes when the child is dead */
+	int data;                    /* eco_guard_start: reading end of the pipe it writes to */
+	FILE *stream;
+	double waited_s;
+	bool late, ended;            /* the clock's limit is over; the stream's end was met */
+};
+
+/* ---- Who runs, for eco_guard_interrupt ---- */
+
+#define CHILDREN 64
+static _Atomic pid_t children[CHILDREN];
+static atomic_bool interrupted[CHILDREN];
+/* One at a time: a pipe's writing end that another child inherits would stay open for as long as that one lives. */
+static pthread_mutex_t forking = PTHREAD_MUTEX_INITIALIZER;
+
+static void enlist(struct eco_guard *g)
+{
+	for (g->slot = 0; g->slot < CHILDREN; g->slot++) {
+		pid_t none = 0;
+
+		if (atomic_compare_exchange_strong(&children[g->slot], &none, -1)) {
+			atomic_store(&interrupted[g->slot], false);
+			atomic_store(&children[g->slot], g->pid);
+			return;
+		}
+	}
+	g->slot = -1;
+}
+
+void eco_guard_interrupt(void)
+{
+	for (int i = 0; i < CHILDREN; i++) {
+		pid_t pid = atomic_load(&children[i]);
+
+		if (pid > 0) {
+			atomic_store(&interrupted[i], true);
+			kill(pid, SIGKILL);
+		}
+	}
+}
+
+/* ---- Limits ---- */
+
+struct eco_guard_limits eco_guard_limits_for(uint64_t bytes)
+{
+	uint64_t size = bytes < ECO_GUARD_MEMORY ? bytes : ECO_GUARD_MEMORY;
+	uint64_t cpu_s = 120 + size / (64u << 10);
+
+	return (struct eco_guard_limits){ .memory_bytes = 6 * GIB + 256 * size, .cpu_s = (uint32_t)cpu_s, .clock_s = (uint32_t)(2 * cpu_s) };
+}
+
+static double wish(const char *variable, double least, double most)
+{
+	const char *text = getenv(variable);
+	char *end = NULL;
+	double value = text != NULL ? strtod(text, &end) : 0;
+
+	return text != NULL && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most : value : 0;
+}
+
+static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
+{
+	struct eco_guard_limits l = asked != NULL ? *asked : (struct eco_guard_limits){ 0 };
+	uint64_t machine = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
+	double memory_gb = wish(ECO_GUARD_MEMORY_VARIABLE, 0.1, 1e6), cpu_s = wish(ECO_GUARD_SECONDS_VARIABLE, 1, 1e9);
+
+	l.memory_bytes = l.memory_bytes != 0 ? l.memory_bytes : ECO_GUARD_MEMORY;
+	if (l.memory_bytes > machine && machine >= GIB)
+		l.memory_bytes = machine;
+	l.cpu_s = l.cpu_s != 0 ? l.cpu_s : ECO_GUARD_CPU_S;
+	l.clock_s = l.clock_s != 0 ? l.clock_s : ECO_GUARD_CLOCK_S;
+	if (memory_gb > 0)
+		l.memory_bytes = (uint64_t)(memory_gb * 1e9);
+	if (cpu_s > 0) {
+		l.cpu_s = (uint32_t)cpu_s;
+		l.clock_s = 2 * l.cpu_s;
+	}
+	return l;
+}
+
+static void limit(int resource, rlim_t most, rlim_t grace)
+{
+	struct rlimit now;
+
+	if (getrlimit(resource, &now) != 0)
+		return;
+	if (now.rlim_max == RLIM_INFINITY || now.rlim_max > most + grace)
+		now.rlim_max = most + grace;
+	now.rlim_cur = now.rlim_max < most ? now.rlim_max : most;
+	setrlimit(resource, &now);
+}
+
+/* The child begins with the parent's address space, however large: the limit is on what it adds. */
+static uint64_t address_space_bytes(void)
+{
+	FILE *file = fopen("/proc/self/statm", "re");
+	unsigned long pages = 0;
+
+	if (file == NULL)
+		return 0;
+	if (fscanf(file, "%lu", &pages) != 1)
+		pages = 0;
+	fclose(file);
+	return (uint64_t)pages * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+/* ---- The child ---- */
+
+static struct shared *crash_note;
+
+/* A pointer that is null because an allocation failed, an exception for want of memory that nobody caught: errno still says so. */
+static void crashed(int number)
+{
+	if (errno == ENOMEM)
+		crash_note->no_memory = 1;
+	signal(number, SIG_DFL);
+	raise(number);
+}
+
+static void watch_crashes(struct shared *shared)
+{
+	static const int numbers[] = { SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL };
+	static uint8_t stack[CRASH_STACK];
+	struct sigaction action = { .sa_handler = crashed, .sa_flags = SA_ONSTACK | SA_NODEFER };
+
+	crash_note = shared;
+	sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+		sigaction(numbers[i], &action, NULL);
+	errno = 0;
+}
+
+static void default_signals(void)
+{
+	static const int numbers[] = { SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGXFSZ, SIGALRM };
+	sigset_t none;
+
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+		signal(numbers[i], SIG_DFL);
+	sigemptyset(&none);
+	sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+/* Out of the way of standard input, output and error, which the parent may have closed. */
+static int lift(int descriptor)
+{
+	return descriptor > STDERR_FILENO ? descriptor : fcntl(descriptor, F_DUPFD, STDERR_FILENO + 1);
+}
+
+/* Of the parent's descriptors only these two: not the pack that is being written, not what a library keeps open. */
+static void close_others(int a, int b)
+{
+	int low = a < b ? a : b, high = a < b ? b : a;
+
+	if (low > 3)
+		close_range(3, (unsigned)low - 1, 0);
+	if (high > low + 1)
+		close_range((unsigned)low + 1, (unsigned)high - 1, 0);
+	close_range((unsigned)high + 1, ~0u, 0);
+}
+
+/* Standard input is nobody's; what libraries print would only confuse, except where a sanitizer has something to say. */
+static void silence(void)
+{
+	int null = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+	if (null < 0)
+		return;
+	dup2(null, STDIN_FILENO);
+	dup2(null, STDOUT_FILENO);
+	if (!SANITIZED)
+		dup2(null, STDERR_FILENO);
+	if (null > STDERR_FILENO)
+		close(null);
+}
+
+/* If the machine runs out of memory, this is the process to end. */
+static void volunteer(void)
+{
+	int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+
+	if (file < 0)
+		return;
+	if (write(file, "1000", 4) < 0)
+		errno = 0;               /* then it is ended as any other */
+	close(file);
+}
+
+/* Where the filter is not to be had, this is what keeps GDAL and PROJ from asking a server that a file names, and from running a
+ * program that it holds. */
+static void stay_offline(void)
+{
+	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" }, { "PROJ_NETWORK", "OFF" },
+		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
+		"OAPIF CSW Elastic Carto AmigoCloud PostgreSQL PostGISRaster MySQL MSSQLSpatial ODBC OCI MongoDBv3 HANA" } };
+
+	for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
+		setenv(settings[i][0], settings[i][1], 1);
+}
+
+static void confine(const struct eco_guard *g, rlim_t file_bytes)
+{
+	volunteer();
+	stay_offline();
+	limit(RLIMIT_CORE, 0, 0);
+	limit(RLIMIT_CPU, g->limits.cpu_s, GRACE_S);
+	limit(RLIMIT_NOFILE, FILES_MAX, 0);
+	if (!SANITIZED) {
+		limit(RLIMIT_FSIZE, file_bytes, 0);
+		limit(RLIMIT_AS, address_space_bytes() + g->limits.memory_bytes, 0);
+		watch_crashes(g->shared);
+	}
+	eco_guard_filter();
+}
+
+static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, int life, pid_t parent)
+{
+	struct eco_error error = { .code = ECO_OK };
+	enum eco_code code;
+	FILE *out;
+
+	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	if (getppid() != parent)
+		_exit(1);                    /* it died before that */
+	default_signals();
+	to = lift(to);
+	life = lift(life);
+	close_others(to, life);
+	silence();
+	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);
+	out = fdopen(to, "wb");
+	code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what) : work(ctx, out, &error);
+	if (out != NULL && fflush(out) != 0 && code == ECO_OK)
+		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what, strerror(errno));
+	error.code = code;
+	g->shared->error = error;
+	_exit(0);
+}
+
+/* ---- The parent ---- */
+
+static double now_s(void)
+{
+	struct timespec t;
+
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Until there is something to read or the other end is closed; past the clock's limit the child is ended. */
+static void await(struct eco_guard *g, int descriptor)
+{
+	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };
+	double start = now_s(), waited = g->waited_s;
+	int ready;
+
+	do {
+		double left = g->limits.clock_s - g->waited_s;
+
+		ready = poll(&poll_for, 1, left <= 0 ? 0 : left > 1000 ? 1000000 : (int)(left * 1000) + 1);
+		g->waited_s = waited + now_s() - start;
+	} while (ready < 0 ? errno == EINTR : ready == 0 && g->waited_s < g->limits.clock_s);
+	if (ready == 0) {
+		g->late = true;
+		kill(g->pid, SIGKILL);
+	}
+}
+
+static enum eco_code no_memory(const struct eco_guard *g, struct eco_error *error)
+{
+	return eco_fail(error, ECO_TOO_LARGE, "%s: reading it takes more than the %.3g GB of memory it may have; if the file is to be trusted, "
+		"%s=%.0f allows more", g->what, (double)g->limits.memory_bytes / 1e9, ECO_GUARD_MEMORY_VARIABLE,
+		2 * (double)g->limits.memory_bytes / 1e9 + 1);
+}
+
+static enum eco_code no_time(const struct eco_guard *g, struct eco_error *error)
+{
+	return eco_fail(error, ECO_TOO_LARGE, "%s: not read within %u s%s; if the file is to be trusted, %s=%u allows more", g->what,
+		g->late ? g->limits.clock_s : g->limits.cpu_s, g->late ? "" : " of processor time", ECO_GUARD_SECONDS_VARIABLE, 4 * g->limits.cpu_s);
+}
+
+static enum eco_code returned(const struct eco_guard *g, struct eco_error *error)
+{
+	const struct eco_error *said = &g->shared->error;
+
+	if ((unsigned)said->code >= ECO_CODE_COUNT)
+		return eco_fail(error, ECO_DAMAGED, "%s: the import came to no end", g->what);
+	if (said->code == ECO_NO_MEMORY || (said->code != ECO_OK && strstr(said->text, "bad_alloc") != NULL))
+		return no_memory(g, error);
+	return said->code == ECO_OK ? ECO_OK : eco_fail(error, said->code, "%s", said->text);
+}
+
+static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s, struct eco_error *error)
+{
+	struct rlimit files;
+
+	if (number == SIGINT || number == SIGTERM || number == SIGHUP || number == SIGQUIT)
+		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted", g->what);
+	if (number == SIGXCPU || (number == SIGKILL && cpu_s >= g->limits.cpu_s))
+		return no_time(g, error);
+	if (number == SIGXFSZ && getrlimit(RLIMIT_FSIZE, &files) == 0 && files.rlim_cur < g->limits.memory_bytes)
+		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a file may have here (ulimit -f): allow more", g->what,
+			(unsigned long long)files.rlim_cur);
+	if (number == SIGXFSZ)
+		return eco_fail(error, ECO_TOO_LARGE, "%s: it unpacks to more than %.3g GB; if the file is to be trusted, %s=%.0f allows more", g->what,
+			(double)g->limits.memory_bytes / 1e9, ECO_GUARD_MEMORY_VARIABLE, 2 * (double)g->limits.memory_bytes / 1e9 + 1);
+	if (number == SIGKILL)
+		return eco_fail(error, ECO_IO, "%s: the process that read it was killed from outside, perhaps because the machine ran out of memory",
+			g->what);
+	if (g->shared->no_memory)
+		return no_memory(g, error);
+	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with signal %d (%s): it is damaged, or meets a bug in the library that reads it",
+		g->what, number, strsignal(number));
+}
+
+static enum eco_code verdict(struct eco_guard *g, int status, const struct rusage *used, struct eco_error *error)
+{
+	double cpu_s = (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) + 1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
+
+	g->shared->error.text[sizeof g->shared->error.text - 1] = 0;
+	if (g->late)
+		return no_time(g, error);
+	if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+		return returned(g, error);
+	if (WIFSIGNALED(status))
+		return killed(g, WTERMSIG(status), cpu_s, error);
+	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d", g->what, WEXITSTATUS(status));
+}
+
+/* Waits for the child's end and gives the verdict. The slot is freed before the id can be another process's. */
+static enum eco_code reap(struct eco_guard *g, struct eco_error *error)
+{
+	bool stopped = false;
+	struct rusage used = { 0 };
+	siginfo_t info;
+	int status = 0;
+
+	await(g, g->life);
+	kill(g->pid, SIGKILL);           /* does nothing to one that is ending by itself */
+	while (waitid(P_PID, (id_t)g->pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR)
+		;
+	if (g->slot >= 0) {
+		stopped = atomic_load(&interrupted[g->slot]);
+		atomic_store(&children[g->slot], 0);
+	}
+	while (wait4(g->pid, &status, 0, &used) < 0)
+		if (errno != EINTR)
+			return eco_fail(error, ECO_IO, "%s: %s", g->what, strerror(errno));
+	if (stopped && WIFSIGNALED(status))
+		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted", g->what);
+	return verdict(g, status, &used, error);
+}
+
+static void shut(int *descriptor)
+{
+	if (*descriptor >= 0)
+		close(*descriptor);
+	*descriptor = -1;
+}
+
+static void free_guard(struct eco_guard *g)
+{
+	if (g == NULL)
+		return;
+	shut(&g->life);
+	shut(&g->data);
+	if (g->shared != MAP_FAILED)
+		munmap(g->shared, sizeof *g->shared);
+	free(g);
+}
+
+static struct eco_guard *new_guard(const char *what, const struct eco_guard_limits *limits, struct eco_error *error)
+{
+	struct eco_guard *g = malloc(sizeof *g);
+
+	if (g != NULL) {
+		*g = (struct eco_guard){ .limits = effective(limits), .slot = -1, .life = -1, .data = -1,
+			.shared = mmap(NULL, sizeof *g->shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0) };
+		snprintf(g->what, sizeof g->what, "%.300s", what);
+	}
+	if (g == NULL || g->shared == MAP_FAILED) {
+		eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory to read it into", what);
+		free_guard(g);
+		return NULL;
+	}
+	g->shared->error.code = ECO_CODE_COUNT;      /* until the child says otherwise */
+	return g;
+}
+
+/* Forks with both ends in hand; `to` is the descriptor that the child writes to. */
+static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, struct eco_error *error)
+{
+	int life[2] = { -1, -1 };
+	pid_t parent = getpid();
+
+	if (pipe2(life, O_CLOEXEC) != 0)
+		return eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
+	fflush(NULL);
+	g->life = life[0];
+	g->pid = fork();
+	if (g->pid == 0)
+		child(g, work, ctx, to, life[1], parent);
+	close(life[1]);
+	if (g->pid < 0)
+		return eco_fail(error, ECO_IO, "%s: no process to read it: %s", g->what, strerror(errno));
+	enlist(g);
+	return ECO_OK;
+}
+
+enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, const struct eco_guard_limits *limits, FILE **result,
+	struct eco_error *error)
+{
+	struct eco_guard *g = new_guard(what, limits, error);
+	int memory = g != NULL ? memfd_create("eco-guard", MFD_CLOEXEC) : -1;
+	FILE *out = memory >= 0 ? fdopen(memory, "w+b") : NULL;
+	enum eco_code code;
+
+	*result = NULL;
+	if (g == NULL)
+		return ECO_NO_MEMORY;
+	if (out == NULL)
+		code = eco_fail(error, ECO_IO, "%s: no memory to read it into: %s", g->what, strerror(errno));
+	else {
+		pthread_mutex_lock(&forking);
+		code = launch(g, work, ctx, memory, error);
+		pthread_mutex_unlock(&forking);
+		if (code == ECO_OK)
+			code = reap(g, error);
+	}
+	if (code == ECO_OK && fseek(out, 0, SEEK_SET) == 0)
+		*result = out;
+	else if (out != NULL)
+		fclose(out);
+	else
+		shut(&memory);
+	free_guard(g);
+	return code;
+}
+
+/* ---- A stream ---- */
+
+static ssize_t read_pipe(void *cookie, char *to, size_t size)
+{
+	struct eco_guard *g = cookie;
+	ssize_t got;
+
+	do {
+		await(g, g->data);
+		got = g->late ? 0 : read(g->data, to, size);
+	} while (got < 0 && errno == EINTR);
+	g->ended = g->ended || got <= 0;
+	return got;
+}
+
+enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, void *ctx, const char *what,
+	const struct eco_guard_limits *limits, FILE **stream, struct eco_error *error)
+{
+	struct eco_guard *g = new_guard(what, limits, error);
+	int data[2] = { -1, -1 };
+	enum eco_code code;
+
+	*guard = NULL;
+	*stream = NULL;
+	if (g == NULL)
+		return ECO_NO_MEMORY;
+	g->stream = fopencookie(g, "rb", (cookie_io_functions_t){ .read = read_pipe });
+	pthread_mutex_lock(&forking);
+	if (g->stream == NULL || setvbuf(g->stream, NULL, _IOFBF, 1u << 16) != 0 || pipe2(data, O_CLOEXEC) != 0)
+		code = eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
+	else {
+		g->data = data[0];
+		code = launch(g, work, ctx, data[1], error);
+		shut(&data[1]);
+	}
+	pthread_mutex_unlock(&forking);
+	if (code == ECO_OK) {
+		*stream = g->stream;
+		*guard = g;
+		return ECO_OK;
+	}
+	if (g->stream != NULL)
+		fclose(g->stream);
+	free_guard(g);
+	return code;
+}
+
+enum eco_code eco_guard_finish(struct eco_guard *g, struct eco_error *error)
+{
+	struct eco_error ignored = { .code = ECO_OK };
+	bool ended;
+	enum eco_code code;
+
+	if (g == NULL)
+		return ECO_OK;
+	ended = g->ended;
+	fclose(g->stream);
+	shut(&g->data);
+	if (!ended)
+		kill(g->pid, SIGKILL);
+	code = reap(g, ended ? error : &ignored);
+	free_guard(g);
+	return ended || code == ECO_INTERRUPTED ? code : ECO_OK;
+}

@@ -1,0 +1,84 @@
+/* A list of what is refused, not of what is allowed: libraries and C libraries of other versions ask for things that nobody foresaw, and
+ * reading a file must not fail for that. What does harm is well known. */
+#include "ecofiles/base/guard_filter.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <seccomp.h>
+#include <stddef.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#define CALL(name) SCMP_SYS(name)
+
+static const int refused[] = {
+	/* talking to anybody */
+	CALL(socket), CALL(socketpair), CALL(connect), CALL(bind), CALL(listen), CALL(accept), CALL(accept4), CALL(sendto), CALL(sendmsg),
+	CALL(sendmmsg), CALL(mq_open), CALL(msgget), CALL(semget), CALL(shmget),
+	/* programs and processes, others' memory */
+	CALL(execve), CALL(execveat), CALL(fork), CALL(vfork), CALL(ptrace), CALL(process_vm_readv), CALL(process_vm_writev), CALL(pidfd_open),
+	CALL(pidfd_getfd), CALL(pidfd_send_signal), CALL(kcmp), CALL(rt_sigqueueinfo), CALL(rt_tgsigqueueinfo), CALL(tkill),
+	/* what names of files mean */
+	CALL(creat), CALL(mkdir), CALL(mkdirat), CALL(mknod), CALL(mknodat), CALL(rmdir), CALL(unlink), CALL(unlinkat), CALL(rename),
+	CALL(renameat), CALL(renameat2), CALL(link), CALL(linkat), CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod),
+	CALL(fchmodat), CALL(chown), CALL(lchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat), CALL(futimesat),
+	CALL(setxattr), CALL(lsetxattr), CALL(removexattr), CALL(lremovexattr), CALL(open_by_handle_at), CALL(inotify_init1),
+	CALL(fanotify_init),
+	/* the system, and ways around all this */
+	CALL(mount), CALL(umount2), CALL(pivot_root), CALL(chroot), CALL(setns), CALL(unshare), CALL(swapon), CALL(swapoff), CALL(reboot),
+	CALL(sethostname), CALL(setdomainname), CALL(settimeofday), CALL(clock_settime), CALL(adjtimex), CALL(init_module),
+	CALL(finit_module), CALL(delete_module), CALL(kexec_load), CALL(bpf), CALL(perf_event_open), CALL(userfaultfd), CALL(add_key),
+	CALL(request_key), CALL(keyctl), CALL(io_uring_setup), CALL(io_uring_enter), CALL(io_uring_register), CALL(quotactl), CALL(acct),
+	CALL(setuid), CALL(setgid), CALL(setreuid), CALL(setregid), CALL(setresuid), CALL(setresgid), CALL(setgroups), CALL(setfsuid),
+	CALL(setfsgid), CALL(setsid), CALL(setpgid), CALL(setrlimit), CALL(syslog), CALL(vhangup), CALL(iopl), CALL(ioperm),
+};
+
+/* Opening for anything but reading, in either call. */
+static int refuse_writing(scmp_filter_ctx filter)
+{
+	static const int bits[] = { O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND };
+	int failed = 0;
+
+	for (size_t i = 0; i < sizeof bits / sizeof *bits; i++) {
+		scmp_datum_t bit = (scmp_datum_t)bits[i];
+
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(open), 1, SCMP_A1(SCMP_CMP_MASKED_EQ, bit, bit));
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(openat), 1, SCMP_A2(SCMP_CMP_MASKED_EQ, bit, bit));
+	}
+	return failed;
+}
+
+/* Calls with arguments behind a pointer cannot be judged; the C library falls back on the older ones. */
+static int refuse_unseen(scmp_filter_ctx filter)
+{
+	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(openat2), 0)
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(clone3), 0);
+}
+
+/* Threads, but no processes; signals to oneself, but to nobody else; limits may be asked for, but not changed. */
+static int refuse_others(scmp_filter_ctx filter)
+{
+	scmp_datum_t self = (scmp_datum_t)getpid();
+
+	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1, SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0));
+}
+
+bool eco_guard_filter(void)
+{
+	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
+	int failed = filter == NULL;
+
+	if (failed)
+		return false;
+	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);       /* some do not exist on some machines */
+	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter);
+	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
+	failed = failed != 0 || seccomp_load(filter) != 0;
+	seccomp_release(filter);
+	return !failed;
+}

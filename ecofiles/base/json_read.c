@@ -1,0 +1,384 @@
+/* Where a value stands in the text is found again from its path of ordinal numbers: jansson keeps members in the order of the text
+ * and duplicate keys are refused, so the n-th member of an object is the n-th key written, whatever its escapes. The text has been
+ * accepted by jansson before, so the scanner below only has to skip, never to judge; it is bounded by the text's end all the same. */
+#include "ecofiles/base/json_read.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/base/phrase.h"
+
+#define DEPTH_MAX 32
+
+static const char *type_name(const json_t *value)
+{
+	switch (json_typeof(value)) {
+	case JSON_OBJECT: return "an object";
+	case JSON_ARRAY: return "an array";
+	case JSON_STRING: return "a text";
+	case JSON_INTEGER:
+	case JSON_REAL: return "a number";
+	case JSON_NULL: return "null";
+	default: return "true or false";
+	}
+}
+
+/* Behind the byte order mark that some editors write in front of UTF-8. */
+static size_t text_start(const struct eco_json_file *file)
+{
+	return file->size >= 3 && memcmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
+
+/* What is no JSON, by its first bytes; NULL: nothing that is known. */
+static const char *other_kind(const struct eco_json_file *file)
+{
+	static const struct { const char *start, *says; } kinds[] = {
+		{ "\xff\xfe", "the text is UTF-16; save it as UTF-8" },
+		{ "\xfe\xff", "the text is UTF-16; save it as UTF-8" },
+		{ "ECOPACK", "this is a pack, not a JSON file" },
+		{ "glTF", "this is a model, not a JSON file; a scene names its models (ecofiles/README.md)" },
+		{ "\x89PNG", "this is a picture, not a JSON file" },
+	};
+
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+		if (file->size >= strlen(kinds[i].start) && memcmp(file->text, kinds[i].start, strlen(kinds[i].start)) == 0)
+			return kinds[i].says;
+	return NULL;
+}
+
+/* What people mean by the commonest mistakes; `end` is behind the token that the parser does not understand. */
+static const char *hint(const struct eco_json_file *file, size_t end, const char *says)
+{
+	size_t at = end > 0 && end <= file->size ? end - 1 : 0;
+	char token = at > 0 ? file->text[at] : 0;
+
+	if (token == '/' || token == '#')
+		return " (JSON has no comments)";
+	while (at > 0 && strchr(" \t\r\n", file->text[at - 1]) != NULL)
+		at--;
+	if ((token == '}' || token == ']') && at > 0 && file->text[at - 1] == ',')
+		return " (no comma stands before a closing bracket)";
+	return strstr(says, "' expected near") != NULL && strstr(says, "end of file") == NULL && (strncmp(says, "'}'", 3) == 0
+		|| strncmp(says, "']'", 3) == 0) ? " (is a comma missing before it?)" : "";
+}
+
+json_t *eco_json_open(const struct eco_json_file *file)
+{
+	json_error_t problem;
+	size_t start = text_start(file);
+	json_t *root = json_loadb(file->text + start, file->size - start, JSON_REJECT_DUPLICATES, &problem);
+
+	if (root == NULL && other_kind(file) != NULL)
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: %s", file->name, other_kind(file));
+	else if (root == NULL)
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name, problem.line > 0 ? problem.line : 1,
+			problem.column > 0 ? problem.column : 1, problem.text,
+			hint(file, problem.position > 0 ? start + (size_t)problem.position : 0, problem.text));
+	return root;
+}
+
+struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root)
+{
+	return (struct eco_json){ .file = file, .value = root };
+}
+
+struct eco_json eco_json_member(const struct eco_json *object, const char *key)
+{
+	struct eco_json node = { .file = object->file, .parent = object, .key = key };
+	void *iterator = json_object_iter((json_t *)object->value);
+
+	for (; iterator != NULL; iterator = json_object_iter_next((json_t *)object->value, iterator), node.index++)
+		if (strcmp(json_object_iter_key(iterator), key) == 0) {
+			node.value = json_object_iter_value(iterator);
+			return node;
+		}
+	return node;
+}
+
+struct eco_json eco_json_item(const struct eco_json *array, size_t index)
+{
+	return (struct eco_json){ .file = array->file, .parent = array, .index = index,
+		.value = json_array_get(array->value, index) };
+}
+
+/* ---- Places ---- */
+
+static size_t skip_space(const char *text, size_t size, size_t at)
+{
+	while (at < size && (text[at] == ' ' || text[at] == '\t' || text[at] == '\n' || text[at] == '\r'))
+		at++;
+	return at;
+}
+
+static size_t skip_string(const char *text, size_t size, size_t at)
+{
+	for (at++; at < size && text[at] != '"'; at++)
+		if (text[at] == '\\')
+			at++;
+	return at < size ? at + 1 : size;
+}
+
+static size_t skip_value(const char *text, size_t size, size_t at)
+{
+	size_t depth = 0;
+
+	while (at < size) {
+		char c = text[at];
+
+		if (c == '"') {
+			at = skip_string(text, size, at);
+		} else if (c == '{' || c == '[') {
+			depth++;
+			at++;
+		} else if (c == '}' || c == ']') {
+			if (depth == 0)
+				return at;
+			depth--;
+			at++;
+		} else if (depth == 0 && c == ',') {
+			return at;
+		} else {
+			at++;
+			continue;
+		}
+		if (depth == 0)
+			return at;
+	}
+	return size;
+}
+
+/* From the opening bracket at `at` to the index-th entry: its key in an object, its value in an array. */
+static size_t enter(const char *text, size_t size, size_t at, size_t index, bool object)
+{
+	at = skip_space(text, size, at + 1);
+	for (size_t i = 0; i < index && at < size; i++) {
+		if (object)
+			at = skip_space(text, size, skip_string(text, size, at)) + 1;
+		at = skip_space(text, size, skip_value(text, size, skip_space(text, size, at)));
+		at = skip_space(text, size, at + 1);
+	}
+	return at;
+}
+
+static size_t find(const struct eco_json *at, bool key)
+{
+	const struct eco_json *path[DEPTH_MAX];
+	const char *text = at->file->text;
+	size_t size = at->file->size, depth = 0, offset = 0;
+
+	if (at->value == NULL && at->parent != NULL)
+		at = at->parent;
+	for (const struct eco_json *node = at; node->parent != NULL && depth < DEPTH_MAX; node = node->parent)
+		path[depth++] = node;
+	offset = skip_space(text, size, text_start(at->file));
+	while (depth-- > 0) {
+		bool object = json_is_object(path[depth]->parent->value);
+
+		offset = enter(text, size, offset, path[depth]->index, object);
+		if (object && !(key && depth == 0))
+			offset = skip_space(text, size, skip_space(text, size, skip_string(text, size, offset)) + 1);
+	}
+	return offset < size ? offset : size;
+}
+
+static void line_column(const struct eco_json_file *file, size_t offset, uint32_t *line, uint32_t *column)
+{
+	*line = *column = 1;
+	for (size_t i = text_start(file); i < offset; i++) {
+		if (file->text[i] == '\n') {
+			++*line;
+			*column = 1;
+		} else if (((unsigned char)file->text[i] & 0xc0) != 0x80) {
+			++*column;
+		}
+	}
+}
+
+void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column)
+{
+	line_column(at->file, find(at, false), line, column);
+}
+
+static enum eco_code fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format, va_list arguments)
+{
+	char text[400];
+	uint32_t line, column;
+
+	vsnprintf(text, sizeof text, format, arguments);
+	line_column(at->file, find(at, key), &line, &column);
+	return eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
+}
+
+enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
+{
+	va_list arguments;
+
+	va_start(arguments, format);
+	fail_at(at, false, code, format, arguments);
+	va_end(arguments);
+	return code;
+}
+
+bool eco_json_no_memory(const struct eco_json *at)
+{
+	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
+	return false;
+}
+
+/* ---- Values ---- */
+
+static bool bad(const struct eco_json *at, const char *wanted)
+{
+	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
+	const char *mark = at->key != NULL ? "\"" : "";
+
+	eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
+	return false;
+}
+
+static bool stranger(const struct eco_json *at, const char *format, ...)
+{
+	va_list arguments;
+
+	va_start(arguments, format);
+	fail_at(at, true, ECO_BAD_INPUT, format, arguments);
+	va_end(arguments);
+	return false;
+}
+
+bool eco_json_object(const struct eco_json *at, const char *const *fields)
+{
+	const char *key;
+	json_t *value;
+
+	if (!json_is_object(at->value))
+		return bad(at, "an object");
+	json_object_foreach((json_t *)at->value, key, value) {
+		char known[256] = "";
+		size_t i = 0;
+
+		(void)value;
+		while (fields[i] != NULL && strcmp(fields[i], key) != 0)
+			i++;
+		if (fields[i] != NULL)
+			continue;
+		for (i = 0; fields[i] != NULL; i++)
+			eco_phrase_add(known, sizeof known, fields[i]);
+		struct eco_json node = eco_json_member(at, key);
+		return stranger(&node, "unknown field \"%.60s\"; known here: %s", key, known);
+	}
+	return true;
+}
+
+static bool fits(const struct eco_json *at, size_t count, size_t count_max)
+{
+	if (count > count_max)
+		eco_json_fail(at, ECO_TOO_LARGE, "%zu entries, at most %zu are possible", count, count_max);
+	return count <= count_max;
+}
+
+bool eco_json_names(const struct eco_json *at, size_t count_max)
+{
+	return json_is_object(at->value) ? fits(at, json_object_size(at->value), count_max) : bad(at, "an object");
+}
+
+bool eco_json_array(const struct eco_json *at, size_t count_max)
+{
+	return json_is_array(at->value) ? fits(at, json_array_size(at->value), count_max) : bad(at, "an array");
+}
+
+bool eco_json_required(const struct eco_json *object, const char *key)
+{
+	if (json_object_get(object->value, key) != NULL)
+		return true;
+	eco_json_fail(object, ECO_BAD_INPUT, "\"%s\" is missing", key);
+	return false;
+}
+
+static bool number_in(const struct eco_json *at, double low, double high, double *out)
+{
+	double number;
+
+	if (!json_is_number(at->value))
+		return bad(at, "a number");
+	number = json_number_value(at->value);
+	if (!(number >= low && number <= high)) {
+		eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
+			at->key != NULL ? at->key : "the number", number, low, high);
+		return false;
+	}
+	*out = number;
+	return true;
+}
+
+bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	return at.value == NULL || number_in(&at, low, high, out);
+}
+
+bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!json_is_integer(at.value))
+		return bad(&at, "a whole number");
+	if (json_integer_value(at.value) < 0 || (uint64_t)json_integer_value(at.value) < low
+		|| (uint64_t)json_integer_value(at.value) > high) {
+		eco_json_fail(&at, ECO_BAD_INPUT, "%s is %lld, it must be between %llu and %llu", key,
+			(long long)json_integer_value(at.value), (unsigned long long)low, (unsigned long long)high);
+		return false;
+	}
+	*out = (uint64_t)json_integer_value(at.value);
+	return true;
+}
+
+bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low, double high,
+	double *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!json_is_array(at.value))
+		return bad(&at, "an array of numbers");
+	if (json_array_size(at.value) < least || json_array_size(at.value) > most) {
+		eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu", key, json_array_size(at.value),
+			least, least < most ? " or " : "", least < most ? most : 0);
+		return false;
+	}
+	for (size_t i = 0; i < json_array_size(at.value); i++) {
+		struct eco_json item = eco_json_item(&at, i);
+
+		if (!number_in(&item, low, high, &out[i]))
+			return false;
+	}
+	return true;
+}
+
+bool eco_json_is_text(const struct eco_json *at, size_t bytes_max)
+{
+	if (!json_is_string(at->value))
+		return bad(at, "a text");
+	if (json_string_length(at->value) == 0 || json_string_length(at->value) > bytes_max) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu", json_string_length(at->value), bytes_max);
+		return false;
+	}
+	return true;
+}
+
+bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_max, const char **out)
+{
+	struct eco_json at = eco_json_member(object, key);
+
+	if (at.value == NULL)
+		return true;
+	if (!eco_json_is_text(&at, bytes_max))
+		return false;
+	*out = json_string_value(at.value);
+	return true;
+}

@@ -1,0 +1,68 @@
+/* JSON from outside, read so that every complaint has a line and a column.
+ *
+ * jansson keeps no positions. A node here knows its parent, so that an error can walk from the document's root to the value in the
+ * text once more, and only then: reading costs nothing extra and no index is kept.
+ *
+ *   json_t *root = eco_json_open(&file);                                  file: name, text, size, error
+ *   struct eco_json top = eco_json_root(&file, root);
+ *   if (!eco_json_object(&top, fields) || !eco_json_number(&top, "fps", 0.001, 1000, &fps)) fail: file.error has been written
+ *   json_decref(root);
+ *
+ * Functions that return bool return false after an error; an absent optional field leaves *out alone and is true. Texts returned
+ * live as long as the root. */
+#ifndef ECO_JSON_READ_H
+#define ECO_JSON_READ_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+struct eco_json_file {
+	const char *name, *text;
+	size_t size;
+	struct eco_error *error;     /* may be NULL */
+};
+
+struct eco_json {
+	const struct eco_json_file *file;
+	const struct eco_json *parent;       /* must outlive this node */
+	const char *key;                     /* in an object, for messages; NULL in an array or at the root */
+	size_t index;                        /* among the parent's members or items, in the order of the text */
+	const json_t *value;                 /* NULL: not there */
+};
+
+/* Parses UTF-8, with or without a byte order mark; NULL after an error, which for syntax has the parser's position. Keys that come
+ * twice are an error. */
+json_t *eco_json_open(const struct eco_json_file *file);
+struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root);
+struct eco_json eco_json_member(const struct eco_json *object, const char *key);
+struct eco_json eco_json_item(const struct eco_json *array, size_t index);
+
+/* "NAME:LINE:COLUMN: text", the place where `at` begins (where its parent does if it is absent). Returns `code`. */
+enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+/* "out of memory"; false, for `return`. */
+bool eco_json_no_memory(const struct eco_json *at);
+/* Line and column (in characters, from 1) of a node. */
+void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column);
+
+/* An object with no members but `fields` (ends with NULL); the error names the stranger and lists what is known. */
+bool eco_json_object(const struct eco_json *at, const char *const *fields);
+/* An object whose keys are not fields but names, count_max at most. */
+bool eco_json_names(const struct eco_json *at, size_t count_max);
+bool eco_json_array(const struct eco_json *at, size_t count_max);
+bool eco_json_required(const struct eco_json *object, const char *key);
+/* A number in [low, high]. */
+bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out);
+bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out);
+/* `least` to `most` numbers; those not given stay as they are. */
+bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low, double high,
+	double *out);
+/* A text of 1 to bytes_max bytes. */
+bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_max, const char **out);
+bool eco_json_is_text(const struct eco_json *at, size_t bytes_max);
+
+#endif

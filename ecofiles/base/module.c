@@ -1,0 +1,86 @@
+/* dlopen, once for each module, under one lock. That lock is held while a process forks, so that no child (guard.h) begins with the loader
+ * half way through another thread's library. */
+#include "ecofiles/base/module.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
+	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF", "libassimp5" },
+	[ECO_MODULE_CAIRO] = { "ecocairo.so", "eco_cairo_module", "maps, sheets and plots", "libcairo2" },
+	[ECO_MODULE_GDAL] = { "ecogdal.so", "eco_gdal_module", "rasters and tables with geometry", "libgdal32" },
+	[ECO_MODULE_IMAGE] = { "ecoimage.so", "eco_image_module", "pictures", "libopenimageio2.4" },
+	[ECO_MODULE_PROJ] = { "ecoproj.so", "eco_proj_module", "coordinate reference systems", "libproj25" },
+};
+
+static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER;
+static const void *loaded[ECO_MODULE_COUNT];
+
+static void lock(void) { pthread_mutex_lock(&loading); }
+static void unlock(void) { pthread_mutex_unlock(&loading); }
+__attribute__((constructor)) static void hold_over_forks(void) { pthread_atfork(lock, unlock, unlock); }
+
+/* Writes FOLDER/FILE to `path` and says whether it is there. */
+static bool is_there(const char *folder, const char *file, char path[PATH_MAX])
+{
+	return snprintf(path, PATH_MAX, "%s/%s", folder, file) < PATH_MAX && access(path, F_OK) == 0;
+}
+
+/* The folder of the executable, then its parent. */
+static bool find_beside(const char *file, char path[PATH_MAX])
+{
+	char folder[PATH_MAX];
+	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
+
+	folder[length > 0 ? length : 0] = 0;
+	for (int up = 0; up < 2; up++) {
+		char *slash = strrchr(folder, '/');
+
+		if (slash == NULL)
+			return false;
+		*slash = 0;
+		if (is_there(folder, file, path))
+			return true;
+	}
+	return false;
+}
+
+static enum eco_code load(enum eco_module module, struct eco_error *error)
+{
+	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
+	bool chosen = given != NULL && *given != 0;
+	char path[PATH_MAX];
+	const uint32_t *table;
+	void *handle;
+
+	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
+		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; " ECO_MODULES_VARIABLE
+			" names the folder that holds it", file, modules[module].for_what, chosen ? "in " : "beside the program nor in the folder above",
+			chosen ? given : "");
+	handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+	if (handle == NULL)
+		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package %s installed?)", file,
+			modules[module].for_what, dlerror(), modules[module].package);
+	table = dlsym(handle, modules[module].symbol);
+	/* it stays mapped: libraries such as these do not stand being unloaded */
+	if (table == NULL || *table != ECO_MODULE_VERSION)
+		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: make builds it anew", path);
+	loaded[module] = table;
+	return ECO_OK;
+}
+
+const void *eco_module(enum eco_module module, struct eco_error *error)
+{
+	const void *table;
+
+	lock();
+	if (loaded[module] == NULL)
+		load(module, error);
+	table = loaded[module];
+	unlock();
+	return table;
+}

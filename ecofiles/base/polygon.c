@@ -1,0 +1,117 @@
+/* Ear clipping in the plane in which the polygon is largest (Newell's normal). An ear is a convex corner whose closed triangle
+ * holds no other corner, except at its own three places: a corner on the cut edge would make the next cut run outside, which is where
+ * simpler clippers go wrong. Polygons of models have four to some thirty corners, so the cubic worst case does not matter; very large
+ * ones become fans. */
+#include "ecofiles/base/polygon.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define CLIPPED_MAX 512u
+
+struct flat { const double *corners; int x, y; double sign; };
+
+/* The axis along which the normal is longest is left out; sign makes the polygon run counter-clockwise. */
+static struct flat flatten(const double *corners, uint32_t n)
+{
+	double normal[3] = { 0, 0, 0 };
+	int axis = 0;
+
+	for (uint32_t i = 0; i < n; i++) {
+		const double *a = &corners[i * 3], *b = &corners[(i + 1) % n * 3];
+
+		for (int k = 0; k < 3; k++) {
+			int u = (k + 1) % 3, v = (k + 2) % 3;
+
+			normal[k] += (a[u] - b[u]) * (a[v] + b[v]);
+		}
+	}
+	for (int k = 1; k < 3; k++)
+		if (fabs(normal[k]) > fabs(normal[axis]))
+			axis = k;
+	return (struct flat){ corners, (axis + 1) % 3, (axis + 2) % 3, normal[axis] < 0 ? -1 : 1 };
+}
+
+/* Twice the area of a triangle, positive when it runs like the polygon. */
+static double turn(const struct flat *f, uint32_t a, uint32_t b, uint32_t c)
+{
+	const double *p = &f->corners[a * 3], *q = &f->corners[b * 3], *r = &f->corners[c * 3];
+
+	return f->sign * ((q[f->x] - p[f->x]) * (r[f->y] - p[f->y]) - (q[f->y] - p[f->y]) * (r[f->x] - p[f->x]));
+}
+
+static bool same_place(const struct flat *f, uint32_t a, uint32_t b)
+{
+	return f->corners[a * 3 + (uint32_t)f->x] == f->corners[b * 3 + (uint32_t)f->x]
+		&& f->corners[a * 3 + (uint32_t)f->y] == f->corners[b * 3 + (uint32_t)f->y];
+}
+
+static bool is_ear(const struct flat *f, const uint32_t *ring, uint32_t n, uint32_t at)
+{
+	uint32_t a = ring[(at + n - 1) % n], b = ring[at], c = ring[(at + 1) % n];
+
+	if (!(turn(f, a, b, c) > 0))
+		return false;
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t p = ring[i];
+
+		if (p == a || p == b || p == c || same_place(f, p, a) || same_place(f, p, b) || same_place(f, p, c))
+			continue;
+		if (turn(f, a, b, p) >= 0 && turn(f, b, c, p) >= 0 && turn(f, c, a, p) >= 0)
+			return false;
+	}
+	return true;
+}
+
+/* The corner to cut off next: the first ear; in what has none, the one whose triangle is smallest, so that little goes wrong. */
+static uint32_t choose(const struct flat *f, const uint32_t *ring, uint32_t n, uint32_t from)
+{
+	uint32_t best = 0;
+	double least = INFINITY;
+
+	for (uint32_t i = 0; i < n; i++)
+		if (is_ear(f, ring, n, (from + i) % n))
+			return (from + i) % n;
+	for (uint32_t i = 0; i < n; i++) {
+		double size = fabs(turn(f, ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]));
+
+		if (size < least) {
+			least = size;
+			best = i;
+		}
+	}
+	return best;
+}
+
+static void emit(uint32_t **to, uint32_t a, uint32_t b, uint32_t c)
+{
+	(*to)[0] = a;
+	(*to)[1] = b;
+	(*to)[2] = c;
+	*to += 3;
+}
+
+void eco_polygon_split(const double *corners, uint32_t n, uint32_t *scratch, uint32_t *triangles)
+{
+	struct flat f;
+	uint32_t from = 1;
+
+	if (n == 3 || n > CLIPPED_MAX) {
+		for (uint32_t i = 2; i < n; i++)
+			emit(&triangles, 0, i - 1, i);
+		return;
+	}
+	f = flatten(corners, n);
+	for (uint32_t i = 0; i < n; i++)
+		scratch[i] = i;
+	while (n > 3) {
+		uint32_t at = choose(&f, scratch, n, from % n);
+
+		emit(&triangles, scratch[(at + n - 1) % n], scratch[at], scratch[(at + 1) % n]);
+		n--;
+		for (uint32_t i = at; i < n; i++)
+			scratch[i] = scratch[i + 1];
+		from = at;
+	}
+	emit(&triangles, scratch[0], scratch[1], scratch[2]);
+}

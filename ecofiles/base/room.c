@@ -1,0 +1,24 @@
+#include "ecofiles/base/room.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FIRST 64u
+#define MOST (1u << 31)
+
+bool eco_room(void *array, uint32_t *capacity, uint32_t count, size_t size)
+{
+	uint32_t wanted = *capacity ? 2 * *capacity : FIRST;
+	void *items, *bigger;
+
+	if (count < *capacity)
+		return true;
+	/* pointers of all types look alike here, but may not be read as one another */
+	memcpy(&items, array, sizeof items);
+	bigger = *capacity < MOST ? realloc(items, wanted * size) : NULL;
+	if (bigger == NULL)
+		return false;
+	memcpy(array, &bigger, sizeof bigger);
+	*capacity = wanted;
+	return true;
+}

@@ -1,0 +1,43 @@
+/* Status and error text: what was wrong, where, what to do.
+ *
+ * Every fallible function returns an eco_code and takes a struct eco_error (may be NULL). The first failure writes the text;
+ * later ones on the way out do not overwrite it. A bug is an assert (kept in release); bad input is a status. */
+#ifndef ECO_STATUS_H
+#define ECO_STATUS_H
+
+#include <stdint.h>
+
+/* Where an index may name nothing. */
+#define ECO_NONE UINT32_MAX
+
+enum eco_code {
+	ECO_OK = 0,
+	ECO_BAD_USAGE,     /* a command line that makes no sense: exit 2 */
+	ECO_BAD_INPUT,     /* a file or request that says something impossible */
+	ECO_DAMAGED,       /* a hash, count or bound does not hold */
+	ECO_TOO_LARGE,     /* beyond a stated limit */
+	ECO_UNSUPPORTED,   /* understood, but not handled: the text names it */
+	ECO_NOT_FOUND,
+	ECO_IO,            /* the operating system refused; the text carries strerror */
+	ECO_NO_MEMORY,
+	ECO_INTERRUPTED,
+	ECO_CODE_COUNT
+};
+
+struct eco_error {
+	enum eco_code code;
+	char text[512];
+};
+
+/* Records `code` and the formatted text in `error` unless it already holds a failure; returns `code` always, so that
+ * `return eco_fail(error, ECO_BAD_INPUT, "...")` reads well. `error` may be NULL. */
+enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+/* A short lower-case name of the code, such as "damaged"; never NULL. */
+const char *eco_code_name(enum eco_code code);
+
+/* Exit status of a program that ends with `code`: 0, 1 or 2 (usage). */
+int eco_exit_status(enum eco_code code);
+
+#endif

@@ -1,0 +1,465 @@
+/* Linking: packs that were built apart, by one machine or a thousand, become one that nests them, as if a scene had named their scene files.
+ *
+ *   plants      what several parts have alike is stored once                                      link_plants.c
+ *   tiles       a tree over the parts, then theirs, with other numbers
+ *   payloads    copied: nothing is decoded, but for summaries where plants or colours have got other numbers
+ *   summaries   of the tiles above the parts, from the parts' own
+ *
+ * So it takes about as long as copying. The parts' order is that of an outer scene's children: see eco_sources for the tables' order. */
+#include "ecofiles/ecopack/link.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/ecopack/link_part.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/pack_version.h"
+#include "ecofiles/format/wire_string.h"
+#include "lod/build/summary.h"
+
+#define ORIGIN_MOST 1e9          /* as of scene files */
+
+/* ---- Parts ---- */
+
+static enum eco_code bad_meta(const struct link_part *part, struct eco_error *error)
+{
+	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it again with ecopack make",
+		part->path);
+}
+
+static enum eco_code open_part(struct link *l, struct link_part *part)
+{
+	enum eco_code code = eco_pack_open(&part->pack, part->path, l->m.error);
+	if (code)
+		return code;
+	const struct eco_scene *s = &part->pack->scene;
+	part->meta = json_loadb(part->pack->meta, part->pack->meta_size, 0, NULL);
+	json_t *origin = json_object_get(part->meta, "origin");
+	for (size_t i = 0; i < 3; i++) {
+		json_t *v = json_array_get(origin, i);
+		if (!json_is_number(v) || !(fabs(json_number_value(v)) <= ORIGIN_MOST))
+			return bad_meta(part, l->m.error);
+		part->at[i] = json_number_value(v);
+	}
+	part->plant_of = calloc(s->plant_count + 1u, sizeof *part->plant_of);
+	part->color_of = calloc(s->palette_count + 1u, sizeof *part->color_of);
+	part->list_of = malloc((s->list_count + 1u) * sizeof *part->list_of);
+	if (!part->plant_of || !part->color_of || !part->list_of)
+		return eco_fail(l->m.error, ECO_NO_MEMORY, "%s: no memory", part->path);
+	memset(part->list_of, 0xFF, (s->list_count + 1u) * sizeof *part->list_of);
+	return ECO_OK;
+}
+
+static enum eco_code same_frame(struct link *l, struct link_part *part)
+{
+	const char *crs = json_string_value(json_object_get(part->meta, "crs")), *first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
+	if ((crs == NULL) != (first == NULL) || (crs && strcmp(crs, first) != 0))
+		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path,
+			crs ? crs : "plain metres",
+			l->parts[0].path, first ? first : "plain metres");
+	return ECO_OK;
+}
+
+static enum eco_code open_parts(struct link *l, const struct link_options *options)
+{
+	double origin[3];
+	uint64_t plants = 0;
+	enum eco_code code = ECO_OK;
+	l->parts = calloc(options->count, sizeof *l->parts);
+	if (!l->parts)
+		return eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for %u packs", options->count);
+	for (uint32_t i = 0; i < options->count && !code; i++) {
+		l->parts[i].path = options->parts[i];
+		l->count++;
+		code = open_part(l, &l->parts[i]);
+		if (!code)
+			code = same_frame(l, &l->parts[i]);
+		if (code)
+			break;
+		const struct eco_scene *s = &l->parts[i].pack->scene;
+		l->plant_room += s->plant_count;
+		if (__builtin_add_overflow(plants, s->tiles[s->root].instance_count, &plants))
+			code = eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than 2^64 plants", l->parts[i].path);
+	}
+	if (code)
+		return code;
+	memcpy(origin, l->parts[0].at, sizeof origin);
+	for (uint32_t i = 0; i < l->count; i++)
+		for (int axis = 0; axis < 3; axis++)
+			l->parts[i].at[axis] -= origin[axis];
+	l->known = calloc(l->plant_room + 1u, sizeof *l->known);
+	l->m.table = calloc(l->plant_room + 1u, sizeof *l->m.table);
+	l->m.plants = calloc(l->plant_room + 1u, sizeof *l->m.plants);
+	l->plants = json_array();
+	return l->known && l->m.table && l->m.plants && l->plants ? ECO_OK : eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants");
+}
+
+/* ---- Lists ---- */
+
+struct eco_list link_list(const struct link_part *part, uint32_t list)
+{
+	struct eco_list record = part->pack->scene.lists[list];
+	record.image = record.image == ECO_NONE ? ECO_NONE : part->list_of[record.image];
+	record.partner = record.partner == ECO_NONE ? ECO_NONE : part->list_of[record.partner];
+	record.plant = record.plant == ECO_NONE ? ECO_NONE : part->plant_of[record.plant];
+	record.palette_first = record.palette_count ? part->color_of[record.palette_first] : 0;
+	return record;
+}
+
+enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
+{
+	struct eco_error why = { 0 };
+	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
+	if (code == ECO_DAMAGED)
+		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
+	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
+}
+
+/* ---- Ground: one part's, as it lies ---- */
+
+static enum eco_code copy_ground(struct link *l)
+{
+	struct make *m = &l->m;
+	uint32_t which = 0;
+	enum eco_code code = ECO_OK;
+	while (which < l->count && l->parts[which].pack->scene.ground_count == 0)
+		which++;
+	if (which == l->count)
+		return ECO_OK;
+	struct link_part *part = &l->parts[which];
+	const struct eco_scene *s = &part->pack->scene;
+	if (part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0)
+		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give it first", part->path, l->parts[0].path);
+	m->ground_tiles = calloc(s->ground_count, sizeof *m->ground_tiles);
+	if (!m->ground_tiles)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the ground");
+	for (uint32_t i = 0; i < s->ground_count && !code; i++) {
+		struct eco_list record = link_list(part, s->ground[i].list);
+		code = link_copy(l, part, s->ground[i].list, &record);
+		m->ground_tiles[i] = s->ground[i];
+		m->ground_tiles[i].list = part->list_of[s->ground[i].list];
+		m->ground.step_x_m = record.grid_step[0];
+		m->ground.step_y_m = record.grid_step[1];
+	}
+	m->has_ground = true;
+	m->ground.columns = m->scene.ground_columns = s->ground_columns;
+	m->ground.rows = m->scene.ground_rows = s->ground_rows;
+	m->scene.ground = m->ground_tiles;
+	m->scene.ground_count = s->ground_count;
+	for (uint32_t i = which + 1; i < l->count; i++)
+		if (l->parts[i].pack->scene.ground_count)
+			main_note("%s: its ground is left out; that of %s is the ground of the whole", l->parts[i].path, part->path);
+	return code;
+}
+
+/* ---- Tiles ---- */
+
+static void whole_item(const struct link_part *part, struct lod_tile_item *item)
+{
+	const struct eco_tile *root = &part->pack->scene.tiles[part->pack->scene.root];
+	double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+	*item = (struct lod_tile_item){ .at = { part->at[0], part->at[1], part->at[2] }, .reach = sqrt(x * x + y * y), .below = -root->low[2],
+		.above = root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(root->instance_count) };
+}
+
+/* The tiles above the parts. */
+static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
+{
+	struct make *m = &l->m;
+	for (uint32_t i = 0; i < tiles->node_count; i++) {
+		const struct lod_tile_node *node = &tiles->nodes[i];
+		struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
+		if (!tile)
+			return ECO_NO_MEMORY;
+		*tile = (struct eco_tile){ .summary = ECO_NONE, .child_first = (uint32_t)m->children.count,
+			.child_count = node->child_count ? node->child_count : node->item_count };
+		memcpy(tile->low, node->low, sizeof tile->low);
+		memcpy(tile->high, node->high, sizeof tile->high);
+		for (uint32_t c = 0; c < tile->child_count; c++) {
+			const struct link_part *part = node->child_count ? NULL : &l->parts[tiles->order[node->item_first + c]];
+			struct eco_child *child = make_append(m, &m->children, sizeof *child);
+			if (!child)
+				return ECO_NO_MEMORY;
+			*child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root, .placed = true,
+				.at = { part->at[0], part->at[1], part->at[2] }, .scale = 1 } : (struct eco_child){ .tile = node->child[c], .scale = 1 };
+		}
+	}
+	return ECO_OK;
+}
+
+static enum eco_code add_groups(struct link *l, struct link_part *part, const struct eco_tile *tile)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	struct make *m = &l->m;
+	enum eco_code code = ECO_OK;
+	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count && !code; g++) {
+		const struct eco_group *from = &s->groups[g];
+		struct eco_list record = link_list(part, from->list);
+		struct eco_group *group = make_append(m, &m->groups, sizeof *group);
+		size_t size = (size_t)record.primitive_count * ECO_PLACE_BYTES;
+		if (!group || !make_append_bytes(m, s->places + from->place_first * ECO_PLACE_BYTES, size))
+			return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for its plants", part->path);
+		record.owner += part->tile_first;
+		*group = (struct eco_group){ record.owner, record.plant, ECO_NONE, (m->places.count - size) / ECO_PLACE_BYTES };
+		code = link_copy(l, part, from->list, &record);
+		((struct eco_group *)m->groups.items)[m->groups.count - 1].list = part->list_of[from->list];
+	}
+	return code;
+}
+
+static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t id)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	struct make *m = &l->m;
+	struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
+	if (!tile)
+		return ECO_NO_MEMORY;
+	*tile = s->tiles[id];
+	tile->summary = ECO_NONE;
+	tile->group_first = (uint32_t)m->groups.count;
+	tile->child_first = (uint32_t)m->children.count;
+	for (uint32_t c = 0; c < tile->child_count; c++) {
+		struct eco_child *child = make_append(m, &m->children, sizeof *child);
+		if (!child)
+			return ECO_NO_MEMORY;
+		*child = s->children[s->tiles[id].child_first + c];
+		child->tile += part->tile_first;
+	}
+	return add_groups(l, part, &s->tiles[id]);
+}
+
+/* The parts' tables follow those of the whole from the last part to the first, as nested files follow those that name them. */
+static enum eco_code add_tiles(struct link *l)
+{
+	struct make *m = &l->m;
+	struct lod_tile_item *items = calloc(l->count, sizeof *items);
+	struct lod_tiles tiles = { 0 };
+	if (!items)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u packs", l->count);
+	for (uint32_t i = 0; i < l->count; i++)
+		whole_item(&l->parts[i], &items[i]);
+	enum eco_code code = lod_tiles_build(&tiles, items, l->count, ECO_TILE_INSTANCES, m->error);
+	uint64_t total = tiles.node_count;
+	for (uint32_t i = l->count; i-- > 0 && !code;) {
+		l->parts[i].tile_first = (uint32_t)total;
+		total += l->parts[i].pack->scene.tile_count;
+		if (total >= ECO_NONE / 4)
+			code = eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles are too many for one pack", (unsigned long long)total);
+	}
+	if (!code)
+		code = add_outer(l, &tiles);
+	for (uint32_t i = l->count; i-- > 0 && !code;) {
+		if (!main_progress("copying plants", l->parts[i].path, 1 - (i + 1.0) / l->count))
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		for (uint32_t t = 0; t < l->parts[i].pack->scene.tile_count && !code; t++)
+			code = add_tile(l, &l->parts[i], t);
+	}
+	make_refer(m);
+	if (!code)
+		make_add_up(m, tiles.node_count);
+	lod_tiles_free(&tiles);
+	free(items);
+	return code;
+}
+
+/* ---- Summaries ---- */
+
+static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	const struct eco_list *old = &s->lists[list];
+	struct eco_elements points = { 0 };
+	struct eco_encoded encoded = { 0 };
+	uint32_t ends[64], end = 0;
+	struct eco_error why = { 0 };
+	enum eco_code code = old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
+		: eco_fail(&why, ECO_DAMAGED, "list %u: a summary of %u chunks", list, old->chunk_count);
+	if (code)
+		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
+	for (uint32_t i = 0; i < old->chunk_count && !code; i++)
+		ends[i] = end += s->chunks[old->chunk_first + i].element_count;
+	for (uint32_t i = 0; i < points.element_count && !code; i++) {
+		int32_t *extra = points.extra + (size_t)points.extra_count * i;
+		uint32_t color = (uint32_t)extra[0] + old->palette_first;
+		if (extra[0] < 0 || color >= s->palette_count || extra[1] < 0 || (uint32_t)extra[1] >= s->plant_count)
+			code = eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u names a plant or a colour that is not there", part->path, list);
+		else {
+			extra[0] = (int32_t)part->color_of[color];
+			extra[1] = (int32_t)part->plant_of[extra[1]];
+		}
+	}
+	if (!code)
+		code = eco_pack_encode(&encoded, record, &points, ends, old->chunk_count, l->m.error);
+	if (!code)
+		code = eco_pack_add_encoded(l->m.writer, record, &encoded, &part->list_of[list], l->m.error);
+	eco_encoded_free(&encoded);
+	eco_elements_free(&points);
+	return code ? code : make_keep_list(&l->m, part->list_of[list]);
+}
+
+static bool is_ours(const struct eco_list *summary)
+{
+	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes == (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
+}
+
+/* The part's summaries, with the numbers of the whole. */
+static enum eco_code part_summaries(struct link *l, struct link_part *part)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < s->list_count && !code; i++) {
+		if (!(s->lists[i].attributes & ECO_ATTR_PLANT))
+			continue;
+		if (!is_ours(&s->lists[i]))
+			return eco_fail(l->m.error, ECO_UNSUPPORTED, "%s: list %u is a summary that ecopack did not make", part->path, i);
+		struct eco_list record = s->lists[i];
+		record.owner += part->tile_first;
+		record.palette_first = 0;
+		record.palette_count = (uint32_t)l->m.palette.count;
+		code = part->renamed ? add_renamed(l, part, i, &record) : link_copy(l, part, i, &record);
+		if (!code)
+			((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
+		if (!code && i % 256 == 0 && !main_progress("copying summaries", part->path, (double)i / s->list_count))
+			code = eco_fail(l->m.error, ECO_INTERRUPTED, "interrupted");
+	}
+	return code;
+}
+
+static enum eco_code add_summaries(struct link *l)
+{
+	struct make_summing summing;
+	enum eco_code code = make_summing_begin(&summing, &l->m);
+	for (uint32_t i = 0; i < l->count && !code; i++) {
+		code = part_summaries(l, &l->parts[i]);
+		make_refer(&l->m);
+		if (!code)
+			code = make_summing_keep(&summing, l->parts[i].tile_first + l->parts[i].pack->scene.root);
+	}
+	uint32_t outer = l->parts[l->count - 1].tile_first;
+	if (!code && l->m.palette.count)
+		code = make_summing_run(&summing, 0, outer);
+	make_summing_end(&summing);
+	make_refer(&l->m);
+	return code;
+}
+
+/* ---- META ---- */
+
+/* Of a count in all parts' META, in objects one inside the other (NULL: none). */
+static json_int_t sum_of(const struct link *l, const char *outer, const char *inner, const char *name)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < l->count; i++) {
+		const json_t *object = l->parts[i].meta;
+		object = outer ? json_object_get(object, outer) : object;
+		object = inner ? json_object_get(object, inner) : object;
+		sum += (uint64_t)json_integer_value(json_object_get(object, name));
+	}
+	return (json_int_t)sum;
+}
+
+static json_t *rows_json(const struct link *l)
+{
+	json_t *skipped = json_object();
+	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
+		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_names[k]);
+		if (count)
+			json_object_set_new(skipped, eco_skip_names[k], json_integer(count));
+	}
+	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
+}
+
+static enum eco_code whole_meta(const struct link *l, char **json)
+{
+	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
+	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator", "ecopack " ECO_VERSION,
+		"order", order, "name", l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
+		"eco_files", sum_of(l, NULL, NULL, "eco_files") + 1, "instances", (json_int_t)l->m.scene.tiles[0].instance_count,
+		"tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
+		"rows", rows_json(l), "plants", l->plants);
+	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
+	json_decref(root);
+	return *json ? ECO_OK : eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for the pack's description");
+}
+
+/* ---- The whole ---- */
+
+/* A pack's name up to its first dot. */
+static void name_whole(struct link *l, const char *path)
+{
+	const char *slash = strrchr(path, '/'), *from = slash ? slash + 1 : path;
+	size_t size = eco_utf8_cut(from, strcspn(from, "."), sizeof l->m.scene.name - 1);
+	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", size ? (int)size : 63, size ? from : "linked");
+}
+
+static enum eco_code run(struct link *l, const struct link_options *options)
+{
+	struct make *m = &l->m;
+	char *meta = NULL;
+	enum eco_code code = open_parts(l, options);
+	if (!code)
+		code = eco_pack_create(&m->writer, options->pack, m->error);
+	for (uint32_t i = l->count; i-- > 0 && !code;) {
+		m->scene.needs |= l->parts[i].pack->scene.needs;
+		code = link_plants(l, &l->parts[i]);
+	}
+	m->scene.plants = m->table;
+	m->scene.plant_count = m->plant_count;
+	m->scene.needs |= ECO_NEED_PLACEMENTS;
+	if (!code)
+		code = copy_ground(l);
+	if (!code)
+		code = add_tiles(l);
+	if (!code)
+		code = add_summaries(l);
+	if (code)
+		return code;
+	name_whole(l, options->pack);
+	m->scene.near_m = make_near_m(m);
+	code = whole_meta(l, &meta);
+	if (!code && !main_progress("writing", NULL, 1))
+		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	if (!code) {
+		struct eco_pack_writer *writer = m->writer;
+		m->writer = NULL;        /* committing frees it, whatever happens */
+		code = eco_pack_commit(writer, &m->scene, meta, m->error);
+	}
+	free(meta);
+	return code;
+}
+
+static void link_free(struct link *l)
+{
+	for (uint32_t i = 0; i < l->count; i++) {
+		eco_pack_close(l->parts[i].pack);
+		json_decref(l->parts[i].meta);
+		free(l->parts[i].plant_of);
+		free(l->parts[i].color_of);
+		free(l->parts[i].list_of);
+	}
+	struct make_array *arrays[] = { &l->m.anchors, &l->m.ladders, &l->m.curves, &l->m.tiles, &l->m.groups, &l->m.children, &l->m.lists, &l->m.places,
+		&l->m.palette };
+	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+		free(arrays[i]->items);
+	eco_pack_abort(l->m.writer);
+	json_decref(l->plants);
+	free(l->m.ground_tiles);
+	free(l->m.table);
+	free(l->m.plants);
+	free(l->known);
+	free(l->parts);
+}
+
+enum eco_code link_packs(const struct link_options *options, struct eco_error *error)
+{
+	struct eco_error own = { 0 };
+	struct make_options make = { .pack = options->pack, .jobs = options->jobs };
+	struct link l = { .m = { .options = &make, .error = error ? error : &own } };
+	enum eco_code code = run(&l, options);
+	main_progress_end();
+	link_free(&l);
+	return code;
+}

@@ -1,0 +1,230 @@
+/* Plants of parts: each is told by a hash of its records and of its chunks' hashes, so that what several parts share is stored once, wherever
+ * its files lay when the parts were built. */
+#include "ecofiles/ecopack/link_part.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/pack_record.h"
+#include "ecofiles/format/wire_string.h"
+
+#define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
+
+struct range { uint32_t first, end; };
+
+static bool of_plant(const struct eco_list *list, uint32_t plant)
+{
+	return list->owner == plant && list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT);
+}
+
+/* Colours lie plant by plant. */
+static struct range colors_of(const struct eco_scene *s, uint32_t plant)
+{
+	struct range range = { s->palette_count, s->palette_count };
+	for (uint32_t i = 0; i < s->list_count; i++) {
+		const struct eco_list *list = &s->lists[i];
+		bool plants = list->owner != ECO_NONE && of_plant(list, list->owner) && list->palette_count > 0;
+		if (plants && list->owner == plant && list->palette_first < range.first)
+			range.first = list->palette_first;
+		else if (plants && list->owner > plant && list->palette_first < range.end)
+			range.end = list->palette_first;
+	}
+	return range.first < range.end ? range : (struct range){ range.end, range.end };
+}
+
+static uint32_t since(uint32_t index, uint32_t first) { return index == ECO_NONE ? ECO_NONE : index - first; }
+
+static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32_t plant, const struct eco_ladder *ladder, uint32_t list_first)
+{
+	struct eco_ladder l = *ladder;
+	l.plant = 0;
+	l.anchor -= s->plants[plant].anchor_first;
+	l.points = since(l.points, list_first);
+	l.lines = since(l.lines, list_first);
+	l.simple = since(l.simple, list_first);
+	l.triangles = since(l.triangles, list_first);
+	l.curve_first = 0;
+	eco_ladder_write(w, &l);
+	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++)
+		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
+}
+
+static void write_list(struct eco_writer *w, const struct eco_scene *s, const struct eco_list *list, uint32_t list_first, uint32_t color_first)
+{
+	struct eco_list l = *list;
+	l.owner = 0;
+	l.palette_first -= l.palette_count ? color_first : 0;
+	l.image = since(l.image, list_first);
+	l.partner = since(l.partner, list_first);
+	l.chunk_first = 0;
+	eco_list_write(w, &l);
+	for (uint32_t i = list->chunk_first; i < list->chunk_first + list->chunk_count; i++)
+		eco_write_bytes(w, s->chunks[i].id.bytes, sizeof s->chunks[i].id.bytes);
+}
+
+/* All that a plant is, by numbers that count from its own first ones. */
+static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct range *colors, struct eco_chunk_id *id)
+{
+	struct eco_writer w = { 0 };
+	struct eco_plant p = s->plants[plant];
+	uint32_t list_first = ECO_NONE;
+	memset(p.name, 0, sizeof p.name);
+	p.anchor_first = p.ladder_first = 0;
+	eco_plant_write(&w, &p);
+	for (uint32_t i = 0; i < p.anchor_count; i++)
+		eco_anchor_write(&w, &s->anchors[s->plants[plant].anchor_first + i]);
+	for (uint32_t i = 0; i < s->list_count; i++) {
+		if (!of_plant(&s->lists[i], plant))
+			continue;
+		list_first = list_first == ECO_NONE ? i : list_first;
+		write_list(&w, s, &s->lists[i], list_first, colors->first);
+	}
+	for (uint32_t i = 0; i < p.ladder_count; i++)
+		write_ladder(&w, s, plant, &s->ladders[s->plants[plant].ladder_first + i], list_first);
+	eco_write_bytes(&w, s->palette + colors->first, 3 * (size_t)(colors->end - colors->first));
+	if (!w.failed)
+		*id = eco_chunk_hash(w.bytes, w.size);
+	bool good = !w.failed;
+	eco_writer_free(&w);
+	return good;
+}
+
+/* Those of different plants should differ. */
+static void name_plant(struct link *l, struct eco_plant *plant)
+{
+	char name[sizeof plant->name];
+	memcpy(name, plant->name, sizeof name);
+	for (uint32_t i = 0; i < l->m.plant_count; i++)
+		if (strcmp(l->m.table[i].name, name) == 0) {
+			snprintf(plant->name, sizeof plant->name, "%.*s#%u", (int)eco_utf8_cut(name, strlen(name), 52), name, l->m.plant_count);
+			return;
+		}
+}
+
+static enum eco_code copy_colors(struct link *l, struct link_part *part, const struct range *range)
+{
+	for (uint32_t i = range->first; i < range->end; i++) {
+		uint8_t (*color)[3] = make_append(&l->m, &l->m.palette, sizeof *color);
+		if (!color)
+			return ECO_NO_MEMORY;
+		memcpy(*color, part->pack->scene.palette[i], sizeof *color);
+		part->color_of[i] = (uint32_t)l->m.palette.count - 1;
+	}
+	if (l->m.palette.count > COLORS_MAX)
+		return eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than %u colours; let the parts share models", part->path, COLORS_MAX);
+	return ECO_OK;
+}
+
+static uint32_t moved(const uint32_t *of, uint32_t index) { return index == ECO_NONE ? ECO_NONE : of[index]; }
+
+/* Ladders of a plant may share curves, which lie together. */
+static struct range curves_of(const struct eco_scene *s, uint32_t plant)
+{
+	struct range range = { s->curve_count, 0 };
+	for (uint32_t i = 0; i < s->plants[plant].ladder_count; i++) {
+		const struct eco_ladder *l = &s->ladders[s->plants[plant].ladder_first + i];
+		if (l->curve_count == 0)
+			continue;
+		range.first = l->curve_first < range.first ? l->curve_first : range.first;
+		uint32_t end = l->curve_first + eco_ladder_samples(l);
+		range.end = end > range.end ? end : range.end;
+	}
+	return range.first < range.end ? range : (struct range){ 0, 0 };
+}
+
+static enum eco_code copy_tables(struct link *l, struct link_part *part, uint32_t plant)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	struct make *m = &l->m;
+	struct eco_plant *whole = &m->table[m->plant_count];
+	*whole = s->plants[plant];
+	name_plant(l, whole);
+	whole->anchor_first = (uint32_t)m->anchors.count;
+	whole->ladder_first = (uint32_t)m->ladders.count;
+	for (uint32_t i = 0; i < whole->anchor_count; i++) {
+		struct eco_anchor *anchor = make_append(m, &m->anchors, sizeof *anchor);
+		if (!anchor)
+			return ECO_NO_MEMORY;
+		*anchor = s->anchors[s->plants[plant].anchor_first + i];
+	}
+	struct range curves = curves_of(s, plant);
+	uint32_t curve_first = (uint32_t)m->curves.count;
+	for (uint32_t i = curves.first; i < curves.end; i++) {
+		struct eco_curve *curve = make_append(m, &m->curves, sizeof *curve);
+		if (!curve)
+			return ECO_NO_MEMORY;
+		*curve = s->curves[i];
+	}
+	for (uint32_t i = 0; i < whole->ladder_count; i++) {
+		const struct eco_ladder *from = &s->ladders[s->plants[plant].ladder_first + i];
+		struct eco_ladder *ladder = make_append(m, &m->ladders, sizeof *ladder);
+		if (!ladder)
+			return ECO_NO_MEMORY;
+		*ladder = *from;
+		ladder->plant = m->plant_count;
+		ladder->anchor = whole->anchor_first + from->anchor - s->plants[plant].anchor_first;
+		ladder->points = moved(part->list_of, from->points);
+		ladder->lines = moved(part->list_of, from->lines);
+		ladder->simple = moved(part->list_of, from->simple);
+		ladder->triangles = moved(part->list_of, from->triangles);
+		ladder->curve_first = curve_first + from->curve_first - curves.first;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code keep_meta(struct link *l, struct link_part *part, uint32_t plant)
+{
+	json_t *old = json_array_get(json_object_get(part->meta, "plants"), plant), *copy = json_is_object(old) ? json_deep_copy(old) : json_object();
+	if (json_is_object(old))
+		json_object_set_new(copy, "name", json_string(l->m.table[l->m.plant_count].name));
+	return json_array_append_new(l->plants, copy) ? eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants") : ECO_OK;
+}
+
+static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t plant, const struct range *colors)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	enum eco_code code = copy_colors(l, part, colors);
+	for (uint32_t i = 0; i < s->list_count && !code; i++) {
+		if (!of_plant(&s->lists[i], plant))
+			continue;
+		struct eco_list record = link_list(part, i);
+		record.owner = l->m.plant_count;
+		code = link_copy(l, part, i, &record);
+	}
+	if (!code)
+		code = copy_tables(l, part, plant);
+	if (!code)
+		code = keep_meta(l, part, plant);
+	l->m.plant_count += !code;
+	return code;
+}
+
+enum eco_code link_plants(struct link *l, struct link_part *part)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	enum eco_code code = ECO_OK;
+	for (uint32_t plant = 0; plant < s->plant_count && !code; plant++) {
+		struct range colors = colors_of(s, plant);
+		struct eco_chunk_id id;
+		if (!fingerprint(s, plant, &colors, &id))
+			return eco_fail(l->m.error, ECO_NO_MEMORY, "%s: no memory for plants", part->path);
+		uint32_t same = 0, first = (uint32_t)l->m.palette.count;
+		while (same < l->m.plant_count && memcmp(&l->known[same].id, &id, sizeof id) != 0)
+			same++;
+		part->plant_of[plant] = same;
+		if (same == l->m.plant_count) {
+			l->known[same].id = id;
+			code = copy_plant(l, part, plant, &colors);
+		} else {
+			first = l->m.plants[same].palette_first;
+			for (uint32_t i = colors.first; i < colors.end; i++)
+				part->color_of[i] = first + i - colors.first;
+		}
+		l->m.plants[same].palette_first = first;
+		part->renamed = part->renamed || same != plant || (colors.first < colors.end && first != colors.first);
+	}
+	return code;
+}

@@ -1,0 +1,299 @@
+/* Where plants stand: instances of the scene files and rows of inventories, put on the ground and scaled to their heights. */
+#include "ecofiles/ecopack/make.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/base/room.h"
+#include "ecofiles/base/turn.h"
+
+#define SCALE_LEAST (1.0 / 4096)
+#define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
+#define PLACES_MAX 500000000u
+#define NESTED_PLANTS 16u        /* a nested eco file of so many plants counts as one plant where tiles are split, ... */
+#define NESTED_MOST 32u          /* ... and at most as so many: opening a tile opens all that it places */
+
+static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
+{
+	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights must be within 1/4096 and 4000 times "
+			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
+			(double)m->plants[place->plant].built.plant.height_m);
+	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places))
+		return eco_fail(m->error, eco->place_count == PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
+			"no room for more than %u plants in one eco file; nest eco files instead", eco->place_count);
+	eco->places[eco->place_count++] = *place;
+	return ECO_OK;
+}
+
+static double on_ground(struct make *m, uint32_t source, const double at[3])
+{
+	double z = 0;
+	if (source == 0 && m->has_ground)
+		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
+	return at[2] + z;
+}
+
+/* NaN: no height is asked for. */
+static double scale_for(const struct make *m, uint32_t plant, double scale, double height_m)
+{
+	return isnan(height_m) ? scale : scale * height_m / m->plants[plant].built.plant.height_m;
+}
+
+static enum eco_code place_instances(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	for (uint32_t i = 0; i < s->instance_count; i++) {
+		const struct eco_source_instance *instance = &s->instances[i];
+		uint32_t plant = m->plant_of[source][instance->plant];
+		struct make_place place = { .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
+			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant, .turn = eco_turn_from_deg(instance->yaw_deg) };
+		enum eco_code code = add_place(m, &m->ecos[source], &place);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
+
+/* Height and crown together speak for one variant: that whose proportions come nearest to theirs. */
+static uint32_t fitting_variant(const struct make *m, uint32_t source, const struct eco_position *row)
+{
+	uint32_t best = row->plant;
+	double least = INFINITY;
+	if (isnan(row->height_m) || isnan(row->crown_radius_m))
+		return m->plant_of[source][row->plant];
+	for (uint32_t i = 0; i < row->variant_count; i++) {
+		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
+		double ratio = row->height_m * plant->reach / (row->crown_radius_m * (double)plant->built.plant.height_m);
+		double off = fmax(ratio, 1 / ratio);
+		/* of equals the one that chance took */
+		if (off < least || (off == least && row->variant_first + i == row->plant)) {
+			least = off;
+			best = row->variant_first + i;
+		}
+	}
+	return m->plant_of[source][best];
+}
+
+static double row_scale(const struct make *m, uint32_t plant, const struct eco_position *row)
+{
+	if (isnan(row->height_m) && !isnan(row->crown_radius_m))
+		return row->scale * row->crown_radius_m / m->plants[plant].reach;
+	return scale_for(m, plant, row->scale, row->height_m);
+}
+
+static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
+{
+	struct eco_position row;
+	for (uint64_t i = 0;; i++) {
+		enum eco_code code = eco_positions_next(reader, &row, m->error);
+		if (code)
+			return code;
+		if (row.plant == ECO_NONE)
+			return ECO_OK;
+		uint32_t plant = fitting_variant(m, source, &row);
+		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
+			.scale = row_scale(m, plant, &row), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+		code = add_place(m, &m->ecos[source], &place);
+		if (code)
+			return code;
+		if (i % 4096 == 0 && !main_progress("reading positions", path, 0))
+			return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	}
+}
+
+static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
+/* Lines of a table, which names the file where that is needed. */
+static enum eco_code place_rows(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	struct eco_frame frame = eco_source_frame(s);
+	for (uint32_t i = 0; i < s->positions_count; i++) {
+		struct eco_positions *reader = NULL;
+		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
+		if (code)
+			return code;
+		code = read_rows(m, source, reader, s->positions[i].path);
+		uint64_t rows = 0;
+		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
+		eco->rows += rows;
+		for (int k = 0; k < ECO_SKIP_COUNT; k++) {
+			if (skipped[k].count && !eco->skipped[k].count)
+				eco->skipped[k] = skipped[k];
+			else
+				eco->skipped[k].count += skipped[k].count;
+		}
+		if (!code)
+			eco_positions_report(reader, main_note_text, NULL);
+		eco_positions_close(reader);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static bool scatter_progress(void *ctx, double share)
+{
+	return main_progress("scattering plants", ctx, share);
+}
+
+static enum eco_code place_scatters(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct eco_frame frame = eco_source_frame(s);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < s->scatter_count && !code; i++) {
+		struct eco_scatter *scatter = NULL;
+		struct eco_scatter_place row;
+		code = eco_scatter_open(&scatter, &s->scatters[i], &frame, scatter_progress, s->scatters[i].path, m->error);
+		while (!code && eco_scatter_next(scatter, &row)) {
+			uint32_t plant = m->plant_of[source][row.plant];
+			struct make_place place = { .at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
+				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+			code = add_place(m, &m->ecos[source], &place);
+		}
+		if (!code)
+			eco_scatter_report(scatter, note, s->scatters[i].path);
+		eco_scatter_close(scatter);
+	}
+	return code;
+}
+
+uint32_t make_nested_weight(uint64_t instances)
+{
+	uint64_t weight = instances / NESTED_PLANTS;
+	return weight < 1 ? 1 : weight > NESTED_MOST ? NESTED_MOST : (uint32_t)weight;
+}
+
+static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	for (uint32_t i = 0; i < s->child_count; i++) {
+		const struct eco_source_child *child = &s->children[i];
+		const struct make_eco *inner = &m->ecos[child->source];
+		const struct lod_tile_node *root = &inner->tiles.nodes[0];
+		double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+		struct make_nested *nested = &eco->nested[i];
+		*nested = (struct make_nested){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) }, .child = i };
+		items[i] = (struct lod_tile_item){ .reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2],
+			.above = child->scale * root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(inner->instances) };
+		memcpy(items[i].at, nested->at, sizeof items[i].at);
+		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
+			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
+	}
+	return ECO_OK;
+}
+
+/* Things to be tiled: the places, then nested eco files with the bounds of theirs (which are tiled before). */
+static enum eco_code tile_places(struct make *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct make_eco *eco = &m->ecos[source];
+	uint64_t count = (uint64_t)eco->place_count + s->child_count;
+	struct lod_tile_item *items = count < ECO_NONE ? malloc((count + 1) * sizeof *items) : NULL;
+	enum eco_code code = ECO_OK;
+	eco->nested = calloc(s->child_count + 1u, sizeof *eco->nested);
+	eco->instances = eco->place_count;
+	if (!items || !eco->nested)
+		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
+	for (uint32_t i = 0; i < eco->place_count && !code; i++) {
+		const struct make_place *p = &eco->places[i];
+		const struct make_plant *plant = &m->plants[p->plant];
+		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
+			.plant = p->plant };
+		memcpy(items[i].at, p->at, sizeof items[i].at);
+	}
+	if (!code)
+		code = find_nested(m, source, items + eco->place_count);
+	if (!code)
+		code = lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances, m->error);
+	free(items);
+	return code;
+}
+
+/* Opens an inventory and takes its first plant: columns, CRS, grids of PROJ and the notation of numbers are seen by then. */
+static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
+{
+	struct eco_positions_spec plain = *spec;
+	struct eco_positions *reader = NULL;
+	struct eco_position first;
+	plain.levels = 0;                /* which take the whole file to find */
+	enum eco_code code = eco_positions_open(&reader, &plain, frame, m->error);
+	if (!code)
+		code = eco_positions_next(reader, &first, m->error);
+	eco_positions_close(reader);
+	return code;
+}
+
+enum eco_code make_places_check(struct make *m)
+{
+	for (uint32_t source = 0; source < m->sources.count; source++) {
+		const struct eco_source *s = &m->sources.items[source];
+		struct eco_frame frame = eco_source_frame(s);
+		for (uint32_t i = 0; i < s->positions_count; i++) {
+			enum eco_code code = check_rows(m, &s->positions[i], &frame);
+			if (code)
+				return code;
+		}
+		for (uint32_t i = 0; i < s->scatter_count; i++) {
+			enum eco_code code = eco_scatter_check(&s->scatters[i], &frame, m->error);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+enum eco_code make_places(struct make *m)
+{
+	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
+	if (!m->ecos)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u eco files", m->sources.count);
+	/* nested files come after those that nest them, and are needed first */
+	for (uint32_t s = m->sources.count; s-- > 0;) {
+		enum eco_code code = place_instances(m, s);
+		if (!code)
+			code = place_rows(m, s);
+		if (!code)
+			code = place_scatters(m, s);
+		if (!code)
+			code = tile_places(m, s);
+		if (code)
+			return code;
+	}
+	if (m->off_ground)
+		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of the border's nearest point",
+			m->sources.items[0].ground.heights[0], (unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
+			m->off_ground == 1 ? "s" : "");
+	if (m->ecos[0].instances == 0)
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",
+			m->sources.items[0].path);
+	return ECO_OK;
+}
+
+void make_places_drop(struct make *m)
+{
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		struct make_eco *eco = &m->ecos[s];
+		free(eco->places);
+		free(eco->nested);
+		eco->places = NULL;
+		eco->nested = NULL;
+		lod_tiles_free(&eco->tiles);
+	}
+	free(m->stands.items);
+	m->stands = (struct make_array){ 0 };
+}
+
+void make_places_free(struct make *m)
+{
+	if (m->ecos)
+		make_places_drop(m);
+	free(m->ecos);
+}

@@ -1,0 +1,523 @@
+/* Models become plants, several at a time. What several eco files name by the same files, read in the same way, is one plant. */
+#include "ecofiles/ecopack/make.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/format/image.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/times.h"
+#include "ecofiles/import/model/model_import.h"
+
+#define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
+
+/* ---- Which plants there are ---- */
+
+static bool same_rules(const struct eco_source_plant *a, const struct eco_source_plant *b)
+{
+	if (a->part_count != b->part_count)
+		return false;
+	for (uint32_t i = 0; i < a->part_count; i++) {
+		const struct eco_part_rule *p = &a->parts[i], *q = &b->parts[i];
+		if (p->kind != q->kind || p->component != q->component || p->size[0] != q->size[0] || p->size[1] != q->size[1] || p->is != q->is
+			|| (p->kind == ECO_PART_NAME && strcmp(p->name, q->name) != 0))
+			return false;
+	}
+	return true;
+}
+
+static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source, const char *path)
+{
+	const struct eco_source_plant *s = plant->source;
+	return strcmp(plant->path, path) == 0 && s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up
+		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0 && same_rules(s, source);
+}
+
+/* The files of a plant as one text: canonical paths, separated by newlines. */
+static char *paths_of(const struct eco_source_plant *source)
+{
+	char *all = NULL;
+	for (uint32_t i = 0; i < source->model_count; i++) {
+		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
+		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical : source->models[i]) < 0)
+			longer = NULL;
+		free(canonical);
+		free(all);
+		all = longer;
+		if (!all)
+			return NULL;
+	}
+	return all;
+}
+
+/* Names are for people; those of different plants should differ. */
+static void name_plant(struct make *m, struct make_plant *plant)
+{
+	const struct eco_source_plant *s = plant->source;
+	char name[64];
+	if (s->variant_count > 1)
+		snprintf(name, sizeof name, "%.58s-%u", s->name, s->variant + 1);
+	else
+		snprintf(name, sizeof name, "%s", s->name);
+	for (uint32_t i = 0; i < m->plant_count; i++) {
+		if (&m->plants[i] != plant && strcmp(m->plants[i].name, name) == 0) {
+			snprintf(plant->name, sizeof plant->name, "%.54s#%u", name, (unsigned)(plant - m->plants));
+			return;
+		}
+	}
+	memcpy(plant->name, name, sizeof name);
+}
+
+static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, uint32_t *found)
+{
+	char *path = paths_of(source);
+	if (!path)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	for (*found = 0; *found < m->plant_count; ++*found) {
+		if (same_plant(&m->plants[*found], source, path)) {
+			free(path);
+			return ECO_OK;
+		}
+	}
+	struct make_plant *plant = &m->plants[m->plant_count++];
+	*plant = (struct make_plant){ .source = source, .path = path };
+	name_plant(m, plant);
+	return ECO_OK;
+}
+
+static enum eco_code find_plants(struct make *m)
+{
+	size_t most = 0;
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		most += m->sources.items[s].plant_count;
+	m->plants = calloc(most + 1, sizeof *m->plants);
+	m->plant_of = calloc(m->sources.count, sizeof *m->plant_of);
+	if (!m->plants || !m->plant_of)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %zu plants", most);
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		const struct eco_source *source = &m->sources.items[s];
+		m->plant_of[s] = calloc(source->plant_count + 1u, sizeof **m->plant_of);
+		if (!m->plant_of[s])
+			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants", source->plant_count);
+		for (uint32_t i = 0; i < source->plant_count; i++) {
+			enum eco_code code = find_plant(m, &source->plants[i], &m->plant_of[s][i]);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+/* ---- Building, in threads ---- */
+
+struct work {
+	struct make *m;
+	pthread_mutex_t lock;
+	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and a child must not find their locks taken */
+	uint32_t next, done;
+	uint32_t idle;               /* threads without a plant: they help others */
+	double *share;               /* per plant */
+	uint32_t failed;             /* lowest plant that failed; its error is the one that is told */
+	struct eco_error error;
+	bool stop;
+};
+
+struct job { struct work *work; uint32_t plant; double from, to; };
+
+/* Parts of a plant's time, as a rule. */
+#define IMPORTED 0.08
+#define BUILT 0.35
+
+static bool tell(void *ctx, double share)
+{
+	struct job *job = ctx;
+	struct work *work = job->work;
+	char detail[128];
+	double sum = 0;
+	pthread_mutex_lock(&work->lock);
+	share = job->from + (job->to - job->from) * share;
+	if (share > work->share[job->plant])         /* stages that measure start anew after those that order */
+		work->share[job->plant] = share;
+	for (uint32_t i = 0; i < work->m->plant_count; i++)
+		sum += work->share[i];
+	snprintf(detail, sizeof detail, "%s (%u of %u)", work->m->plants[job->plant].name, work->done + 1, work->m->plant_count);
+	bool go = !work->stop;
+	pthread_mutex_unlock(&work->lock);
+	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
+}
+
+static enum eco_code keep_images(struct make_plant *plant, const struct eco_model *model, struct eco_error *error)
+{
+	plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
+	if (!plant->images)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
+	for (uint32_t i = 0; i < plant->built.image_count; i++) {
+		uint32_t id = plant->built.images[i];
+		const struct eco_image *image = &model->images[id];
+		enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
+			&plant->images[i].bytes, &plant->images[i].size, error);
+		if (code)
+			return code;
+		for (uint32_t k = 0; k < model->material_count; k++)
+			plant->cutout = plant->cutout || (model->materials[k].image == id && model->materials[k].cutout);
+	}
+	return ECO_OK;
+}
+
+/* How far the plant's body reaches from its axis and up, from what is stored of it. */
+static void measure_body(struct make_plant *plant)
+{
+	double square = 0, low = 0, high = 0, wide = 0;
+	for (uint32_t i = 0; i < plant->built.list_count; i++) {
+		const struct eco_list *list = &plant->built.lists[i].list;
+		const struct eco_elements *e = &plant->built.lists[i].elements;
+		for (uint32_t c = 0; c < e->corner_count; c++) {
+			double p[3];
+			for (int axis = 0; axis < 3; axis++)
+				p[axis] = list->grid_origin[axis] + list->grid_step[axis] * e->position[3 * (size_t)c + (size_t)axis];
+			square = fmax(square, p[0] * p[0] + p[1] * p[1]);
+			low = fmin(low, p[2]);
+			high = fmax(high, p[2]);
+		}
+		wide = fmax(wide, fmax(list->grid_step[0], list->grid_step[2]));
+	}
+	plant->reach = sqrt(square) + wide;
+	plant->low = low - wide;
+	plant->high = high + wide;
+}
+
+static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->name, text); }
+
+static void enter(void *ctx, enum lod_plant_stage stage)
+{
+	static const enum main_stage stages[] = { [LOD_STAGE_ELEMENTS] = MAIN_STAGE_ELEMENTS, [LOD_STAGE_ORDERS] = MAIN_STAGE_ORDERS,
+		[LOD_STAGE_LISTS] = MAIN_STAGE_LISTS, [LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
+	(void)ctx;
+	main_times_stage(stages[stage]);
+}
+
+/* ---- Parts of a plant's work, shared out to idle threads ---- */
+
+struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage; atomic_uint next; };
+
+static void *take_pieces(void *ctx)
+{
+	struct shared *shared = ctx;
+	for (uint32_t i; (i = atomic_fetch_add(&shared->next, 1)) < shared->count;)
+		shared->piece(shared->pieces, i);
+	return NULL;
+}
+
+static void *help(void *ctx)
+{
+	main_times_stage(((struct shared *)ctx)->stage);
+	take_pieces(ctx);
+	main_times_stage(MAIN_STAGE_NONE);
+	return NULL;
+}
+
+static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	struct work *work = ((struct job *)ctx)->work;
+	struct shared shared = { .piece = piece, .pieces = pieces, .count = count, .stage = main_times_now() };
+	pthread_t helpers[64];
+	uint32_t started = 0;
+	pthread_mutex_lock(&work->lock);
+	uint32_t taken = work->idle < count - 1 ? work->idle : count - 1;
+	work->idle -= taken;
+	pthread_mutex_unlock(&work->lock);
+	while (started < taken && started < 64 && pthread_create(&helpers[started], NULL, help, &shared) == 0)
+		started++;
+	take_pieces(&shared);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(helpers[i], NULL);
+	pthread_mutex_lock(&work->lock);
+	work->idle += taken;
+	pthread_mutex_unlock(&work->lock);
+}
+
+/* Builds and measures a plant, or takes it from the cache. */
+static enum eco_code build_or_recall(struct job *job, const struct eco_model *model, struct eco_error *error)
+{
+	struct make *m = job->work->m;
+	struct make_plant *plant = &m->plants[job->plant];
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order, .progress = tell, .stage = enter,
+		.each = each, .ctx = job };
+	struct main_cache_key key;
+	memcpy(options.importance, plant->source->importance, sizeof options.importance);
+	main_times_stage(MAIN_STAGE_CACHE);
+	bool cached = m->cache.folder[0] && make_cache_key(&key, model, &options);
+	if (cached && make_cache_get(&m->cache, &key, model, plant->name, &plant->built))
+		return ECO_OK;
+	job->from = IMPORTED;
+	job->to = BUILT;
+	enum eco_code code = lod_plant_build(&plant->built, model, &options, error);
+	job->from = BUILT;
+	job->to = 1;
+	if (!code)
+		code = lod_plant_measure(&plant->built, model, &options, error);
+	main_times_stage(MAIN_STAGE_CACHE);
+	if (!code && cached)
+		make_cache_put(&m->cache, &key, &plant->built);
+	return code;
+}
+
+static enum eco_code build_plant(struct job *job, struct eco_error *error)
+{
+	struct make_plant *plant = &job->work->m->plants[job->plant];
+	struct eco_model model = { 0 };
+	job->from = 0;
+	job->to = IMPORTED;
+	if (!tell(job, 0))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	pthread_mutex_lock(&job->work->libraries);
+	main_times_stage(MAIN_STAGE_MODELS);
+	enum eco_code code = eco_model_import(&model,
+		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models, .path_count = plant->source->model_count,
+			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m, .up = plant->source->up,
+			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
+	main_times_stage(MAIN_STAGE_NONE);
+	pthread_mutex_unlock(&job->work->libraries);
+	if (code)
+		return code;
+	plant->triangles_in = model.triangles_in;
+	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
+	memcpy(plant->foot, model.foot, sizeof plant->foot);
+	plant->scale = model.scale;
+	code = build_or_recall(job, &model, error);
+	main_times_stage(MAIN_STAGE_NONE);
+	pthread_mutex_lock(&job->work->libraries);
+	main_times_stage(MAIN_STAGE_TEXTURES);
+	if (!code)
+		code = keep_images(plant, &model, error);
+	main_times_stage(MAIN_STAGE_NONE);
+	pthread_mutex_unlock(&job->work->libraries);
+	if (!code)
+		measure_body(plant);
+	eco_model_free(&model);
+	return code;
+}
+
+static void *work_on(void *ctx)
+{
+	struct work *work = ctx;
+	for (;;) {
+		struct eco_error error = { 0 };
+		pthread_mutex_lock(&work->lock);
+		struct job job = { .work = work, .plant = work->next };
+		bool more = !work->stop && work->next < work->m->plant_count;
+		work->next += more;
+		work->idle += !more;
+		pthread_mutex_unlock(&work->lock);
+		if (!more)
+			return NULL;
+		enum eco_code code = build_plant(&job, &error);
+		pthread_mutex_lock(&work->lock);
+		work->done++;
+		work->share[job.plant] = 1;
+		if (code && !(code == ECO_INTERRUPTED && work->stop)) {      /* who was stopped by another's failure has none of its own */
+			work->stop = true;
+			if (job.plant < work->failed) {
+				work->failed = job.plant;
+				work->error = error;
+			}
+		}
+		pthread_mutex_unlock(&work->lock);
+	}
+}
+
+/* Importers fork. The C library's allocator allows for that while other threads run; that of the address sanitizer does not, and a
+ * child may wait for its lock for good: under it there is one thread. */
+static uint32_t thread_count(const struct make *m)
+{
+#ifdef __SANITIZE_ADDRESS__
+	(void)m;
+	return 1;
+#else
+	return make_threads(m);
+#endif
+}
+
+static enum eco_code build_plants(struct make *m)
+{
+	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
+	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
+		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
+	pthread_t threads[64];
+	if (!work.share)
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
+		started++;
+	work_on(&work);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(threads[i], NULL);
+	free(work.share);
+	/* an interruption that made others stop must not hide what went wrong, nor the other way round */
+	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
+}
+
+/* ---- Packing ---- */
+
+struct packing { struct make *m; uint32_t id; uint32_t *lists, *images; };
+
+static enum eco_code pack_images(struct packing *p)
+{
+	struct make_plant *plant = &p->m->plants[p->id];
+	for (uint32_t i = 0; i < plant->built.image_count; i++) {
+		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id, .plant = ECO_NONE, .image = ECO_NONE,
+			.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes, plant->images[i].size, &p->images[i],
+			p->m->error);
+		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
+		if (!stored)
+			return code ? code : ECO_NO_MEMORY;
+		*stored = *eco_pack_list(p->m->writer, p->images[i]);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code pack_list(struct packing *p, uint32_t i)
+{
+	struct make_plant *plant = &p->m->plants[p->id];
+	const struct lod_list_draft *draft = &plant->built.lists[i];
+	struct eco_list list = draft->list;
+	list.owner = p->id;
+	list.plant = ECO_NONE;
+	list.palette_first += list.palette_count ? plant->palette_first : 0;
+	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
+	if (list.partner == ECO_NONE)
+		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL, &p->lists[i]);
+	/* points end where the fans end that they stand for */
+	const struct lod_list_draft *partner = &plant->built.lists[list.partner];
+	list.partner = p->lists[list.partner];
+	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count, &partner->elements, &p->lists[i]);
+}
+
+/* Partners before those that stand for them. */
+static enum eco_code pack_lists(struct packing *p)
+{
+	const struct lod_plant *built = &p->m->plants[p->id].built;
+	for (int forms = 0; forms < 2; forms++) {
+		for (uint32_t i = 0; i < built->list_count; i++) {
+			if ((built->lists[i].list.partner != ECO_NONE) != (forms == 1))
+				continue;
+			enum eco_code code = pack_list(p, i);
+			if (code)
+				return code;
+		}
+	}
+	return ECO_OK;
+}
+
+static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
+
+static enum eco_code pack_tables(struct packing *p)
+{
+	struct make *m = p->m;
+	const struct lod_plant *built = &m->plants[p->id].built;
+	struct eco_plant *plant = &m->table[p->id];
+	*plant = built->plant;
+	plant->anchor_first = (uint32_t)m->anchors.count;
+	plant->ladder_first = (uint32_t)m->ladders.count;
+	plant->ladder_count = built->ladder_count;
+	uint32_t curve_first = (uint32_t)m->curves.count;
+	for (uint32_t i = 0; i < built->plant.anchor_count; i++) {
+		struct eco_anchor *anchor = make_append(m, &m->anchors, sizeof *anchor);
+		if (!anchor)
+			return ECO_NO_MEMORY;
+		*anchor = built->anchors[i];
+	}
+	for (uint32_t i = 0; i < built->curve_count; i++) {
+		struct eco_curve *curve = make_append(m, &m->curves, sizeof *curve);
+		if (!curve)
+			return ECO_NO_MEMORY;
+		*curve = built->curves[i];
+	}
+	for (uint32_t i = 0; i < built->ladder_count; i++) {
+		struct eco_ladder *ladder = make_append(m, &m->ladders, sizeof *ladder);
+		if (!ladder)
+			return ECO_NO_MEMORY;
+		*ladder = built->ladders[i];
+		ladder->plant = p->id;
+		ladder->anchor += plant->anchor_first;
+		ladder->points = moved(p->lists, ladder->points);
+		ladder->lines = moved(p->lists, ladder->lines);
+		ladder->simple = moved(p->lists, ladder->simple);
+		ladder->triangles = moved(p->lists, ladder->triangles);
+		ladder->curve_first += curve_first;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code pack_plant(struct make *m, uint32_t id)
+{
+	struct make_plant *plant = &m->plants[id];
+	const struct lod_plant *built = &plant->built;
+	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists), calloc(built->image_count + 1u, sizeof *p.images) };
+	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory", plant->name);
+	plant->palette_first = (uint32_t)m->palette.count;
+	for (uint32_t i = 0; i < built->palette_count && !code; i++) {
+		uint8_t (*color)[3] = make_append(m, &m->palette, sizeof *color);
+		if (!color)
+			code = ECO_NO_MEMORY;
+		else
+			memcpy(*color, built->palette[i], sizeof *color);
+	}
+	if (!code && m->palette.count > COLORS_MAX)
+		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; use fewer models, or split the scene",
+			plant->name, COLORS_MAX);
+	if (!code)
+		code = pack_images(&p);
+	if (!code)
+		code = pack_lists(&p);
+	if (!code)
+		code = pack_tables(&p);
+	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
+	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
+	m->scene.needs |= built->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
+	free(p.lists);
+	free(p.images);
+	return code;
+}
+
+enum eco_code make_plants(struct make *m)
+{
+	enum eco_code code = find_plants(m);
+	if (!code)
+		code = build_plants(m);
+	main_times_stage(MAIN_STAGE_PACKING);
+	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
+	if (!code && !m->table)
+		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	for (uint32_t i = 0; i < m->plant_count && !code; i++) {
+		if (!main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count))
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		else
+			code = pack_plant(m, i);
+	}
+	m->scene.plants = m->table;
+	m->scene.plant_count = m->plant_count;
+	return code;
+}
+
+void make_plants_free(struct make *m)
+{
+	for (uint32_t i = 0; i < m->plant_count; i++) {
+		struct make_plant *plant = &m->plants[i];
+		for (uint32_t k = 0; plant->images && k < plant->built.image_count; k++)
+			free(plant->images[k].bytes);
+		free(plant->images);
+		free(plant->path);
+		lod_plant_free(&plant->built);
+	}
+	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
+		free(m->plant_of[s]);
+	free(m->plant_of);
+	free(m->plants);
+	free(m->table);
+}

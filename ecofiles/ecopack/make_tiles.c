@@ -1,0 +1,275 @@
+/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of ids; then summaries
+ * (make_summaries.c). */
+#include "ecofiles/ecopack/make.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/ecopack/jobs.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/times.h"
+#include "ecofiles/base/turn.h"
+#include "lod/build/summary.h"
+
+/* ---- Instance lists ---- */
+
+/* Plants of one kind in one leaf, in order: eco->places[items[0 .. count)]. */
+struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
+
+/* Their list and its twin in the scene's places. */
+struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept; };
+
+/* A grid as fine as 1/8192 of the smallest plant's height; its origin is one of its points in the scene's own grid of that step, so a
+ * plant at [0, 0, 0] stands there exactly. */
+static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
+{
+	double low[3], high[3], height = INFINITY, extent = 0;
+	for (uint32_t k = 0; k < stand->count; k++) {
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
+		height = fmin(height, p->scale * m->plants[p->plant].built.plant.height_m);
+		for (int i = 0; i < 3; i++) {
+			low[i] = k ? fmin(low[i], p->at[i]) : p->at[i];
+			high[i] = k ? fmax(high[i], p->at[i]) : p->at[i];
+			extent = fmax(extent, high[i] - low[i]);
+		}
+	}
+	double step = lod_power_below(fmax(height / 8192, 1e-9));
+	while (extent / step > 1 << 27)          /* what a chunk can say */
+		step *= 2;
+	for (int i = 0; i < 3; i++) {
+		list->grid_step[i] = step;
+		list->grid_origin[i] = floor(low[i] / step) * step + 0.0;
+	}
+}
+
+static void write_place(struct eco_writer *w, const int32_t position[3], const int32_t extra[2])
+{
+	for (int i = 0; i < 3; i++)
+		eco_write_u32(w, (uint32_t)position[i]);
+	eco_write_u16(w, (uint16_t)extra[0]);
+	eco_write_u16(w, 0);
+	eco_write_u32(w, (uint32_t)extra[1]);
+}
+
+bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size)
+{
+	struct make_array *places = &m->places;
+	if (places->count + size > places->capacity) {
+		uint64_t wanted = 2 * (places->count + size);
+		void *bigger = realloc(places->items, wanted);
+		if (!bigger)
+			return false;
+		places->items = bigger;
+		places->capacity = wanted;
+	}
+	memcpy((uint8_t *)places->items + places->count, bytes, size);
+	places->count += size;
+	return true;
+}
+
+static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
+{
+	const struct make *m = ctx;
+	const struct stand *stand = (const struct stand *)m->stands.items + i;
+	struct stand_list *made = result;
+	uint32_t count = stand->count, end_count = 0, ends[512];
+	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count, .extra_count = 2,
+		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count), .extra = malloc(2 * sizeof(int32_t) * count) };
+	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
+	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
+		.owner = stand->tile, .plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE, .partner = ECO_NONE };
+	instance_grid(m, stand, &made->list);
+	for (uint32_t k = 0; k < count && !code; k++) {
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
+		e.corners[k] = 1;
+		for (size_t axis = 0; axis < 3; axis++)
+			e.position[3 * (size_t)k + axis] = (int32_t)floor((p->at[axis] - made->list.grid_origin[axis]) / made->list.grid_step[axis] + 0.5);
+		e.extra[2 * (size_t)k] = p->turn;
+		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
+		write_place(&made->twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
+	}
+	for (uint32_t end = 0; end < count && end_count < 512;)
+		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX : count;
+	if (code || made->twin.failed)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
+	else if ((made->kept = make_kept_stand(m, made->twin.bytes, made->twin.size)) == ECO_NONE)
+		code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
+	eco_elements_free(&e);
+	return code;
+}
+
+static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
+{
+	struct make *m = ctx;
+	struct stand_list *made = result;
+	struct eco_group *group = make_append(m, &m->groups, sizeof *group);
+	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
+	if (!group || made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants", (unsigned long long)place_first);
+	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
+	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (made->kept != ECO_NONE)
+		return make_kept_take(m, made->kept, &made->list, &group->list);
+	return make_add_encoded(m, &made->list, &made->encoded, &group->list);
+}
+
+static void drop_stand(void *result)
+{
+	struct stand_list *made = result;
+	eco_encoded_free(&made->encoded);
+	eco_writer_free(&made->twin);
+}
+
+/* ---- Tables ---- */
+
+static enum eco_code add_child(struct make *m, const struct eco_child *child)
+{
+	struct eco_child *added = make_append(m, &m->children, sizeof *added);
+	if (!added)
+		return ECO_NO_MEMORY;
+	*added = *child;
+	return ECO_OK;
+}
+
+static enum eco_code add_nested(struct make *m, uint32_t source, const struct make_nested *item)
+{
+	const struct eco_source_child *child = &m->sources.items[source].children[item->child];
+	m->scene.needs |= ECO_NEED_PLACEMENTS;
+	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
+		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg), .scale = (float)child->scale });
+}
+
+static enum eco_code add_stand_of(struct make *m, const struct stand *stand)
+{
+	struct stand *added = make_append(m, &m->stands, sizeof *added);
+	if (!added)
+		return ECO_NO_MEMORY;
+	*added = *stand;
+	return ECO_OK;
+}
+
+/* A leaf's items lie plant by plant, nested eco files last. */
+static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
+{
+	const struct make_eco *eco = &m->ecos[source];
+	const uint32_t *order = eco->tiles.order + node->item_first;
+	enum eco_code code = ECO_OK;
+	for (uint32_t first = 0, end; first < node->item_count && !code; first = end) {
+		end = first + 1;
+		if (order[first] >= eco->place_count) {
+			code = add_nested(m, source, &eco->nested[order[first] - eco->place_count]);
+			continue;
+		}
+		while (end < node->item_count && order[end] < eco->place_count && eco->places[order[end]].plant == eco->places[order[first]].plant)
+			end++;
+		code = add_stand_of(m, &(struct stand){ eco, order + first, id, end - first });
+	}
+	return code;
+}
+
+static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
+{
+	const struct make_eco *eco = &m->ecos[source];
+	const struct lod_tile_node *node = &eco->tiles.nodes[index];
+	uint32_t id = eco->tile_first + index;
+	struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
+	enum eco_code code = ECO_OK;
+	if (!tile)
+		return ECO_NO_MEMORY;
+	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->stands.count, .child_first = (uint32_t)m->children.count };
+	memcpy(tile->low, node->low, sizeof tile->low);
+	memcpy(tile->high, node->high, sizeof tile->high);
+	for (uint32_t i = 0; i < node->child_count && !code; i++)
+		code = add_child(m, &(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
+	if (!code && node->child_count == 0)
+		code = add_leaf(m, source, node, id);
+	tile = (struct eco_tile *)m->tiles.items + id;
+	tile->group_count = (uint32_t)m->stands.count - tile->group_first;
+	tile->child_count = (uint32_t)m->children.count - tile->child_first;
+	return code;
+}
+
+static enum eco_code add_tiles(struct make *m)
+{
+	uint64_t total = 0;
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		m->ecos[s].tile_first = (uint32_t)total;
+		total += m->ecos[s].tiles.node_count;
+	}
+	if (total >= ECO_NONE / 4)
+		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files", (unsigned long long)total);
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++) {
+			enum eco_code code = add_tile(m, s, i);
+			if (code)
+				return code;
+		}
+	}
+	return main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
+		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand, .drop = drop_stand, .ctx = m }, m->error);
+}
+
+void make_refer(struct make *m)
+{
+	struct eco_scene *s = &m->scene;
+	s->anchors = m->anchors.items;
+	s->anchor_count = (uint32_t)m->anchors.count;
+	s->ladders = m->ladders.items;
+	s->ladder_count = (uint32_t)m->ladders.count;
+	s->curves = m->curves.items;
+	s->curve_count = (uint32_t)m->curves.count;
+	s->tiles = m->tiles.items;
+	s->tile_count = (uint32_t)m->tiles.count;
+	s->groups = m->groups.items;
+	s->group_count = (uint32_t)m->groups.count;
+	s->children = m->children.items;
+	s->child_count = (uint32_t)m->children.count;
+	s->lists = m->lists.items;
+	s->list_count = (uint32_t)m->lists.count;
+	s->palette = m->palette.items;
+	s->palette_count = (uint32_t)m->palette.count;
+	s->places = m->places.items;
+	s->place_count = m->places.count / ECO_PLACE_BYTES;
+}
+
+void make_add_up(struct make *m, uint32_t tiles_end)
+{
+	const struct eco_scene *s = &m->scene;
+	struct eco_tile *tiles = m->tiles.items;
+	for (uint32_t id = tiles_end; id-- > 0;) {    /* children have greater ids */
+		struct eco_tile *t = &tiles[id];
+		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
+			const struct eco_group *group = &s->groups[g];
+			uint32_t count = s->lists[group->list].primitive_count;
+			t->instance_count += count;
+			for (uint32_t i = 0; i < count; i++) {
+				double scale = eco_place_read(s, group->place_first + i).scale / 65536.0;
+				t->area += s->plants[group->plant].area * scale * scale;
+			}
+		}
+		for (uint32_t c = t->child_first; c < t->child_first + t->child_count; c++) {
+			const struct eco_child *child = &s->children[c];
+			t->instance_count += tiles[child->tile].instance_count;
+			t->area += tiles[child->tile].area * child->scale * child->scale;
+		}
+	}
+}
+
+enum eco_code make_tiles(struct make *m)
+{
+	main_times_stage(MAIN_STAGE_TILES);
+	enum eco_code code = add_tiles(m);
+	if (code)
+		return code;
+	make_places_drop(m);             /* everything is in the scene's own tables now */
+	make_refer(m);
+	make_add_up(m, m->scene.tile_count);
+	main_times_stage(MAIN_STAGE_SUMMARIES);
+	make_kept_tiles(m);
+	code = m->palette.count ? make_summaries(m) : ECO_OK;
+	make_refer(m);
+	return code;
+}

@@ -1,0 +1,501 @@
+/* What stands where, read as `ecopack make` reads it but for models. Nested files are read once; their plants are drawn where all of them
+ * together are few enough, else their bounds stand for them. */
+#include "ecofiles/ecopack/map.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/ground/ground.h"
+#include "ecofiles/import/places/areas.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/base/phrase.h"
+
+#define EXPANDED_MAX 4000000u    /* plants of nested files that are drawn one by one */
+#define OUTLINES_MAX 4000u
+#define EDGES_MAX 2000000u
+#define POINTS_MAX 500000000u
+#define KINDS_MAX 1000000u
+
+/* Room for one more; false without memory. */
+static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t most, size_t size)
+{
+	if (count < *capacity)
+		return true;
+	uint64_t wanted = *capacity ? 2 * *capacity : 64;
+	void *bigger = wanted <= most ? realloc(*items, wanted * size) : NULL;
+	if (!bigger)
+		return false;
+	*items = bigger;
+	*capacity = wanted;
+	return true;
+}
+
+/* A line for the legend. */
+static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+	__attribute__((format(printf, 4, 5)));
+static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+{
+	struct map_left *bigger = realloc(m->left, (m->left_count + 1u) * sizeof *bigger);
+	va_list args;
+	if (!bigger)
+		return map_no_memory(m);
+	m->left = bigger;
+	struct map_left *left = &bigger[m->left_count++];
+	*left = (struct map_left){ .count = count, .kind = kind };
+	va_start(args, format);
+	vsnprintf(left->text, sizeof left->text, format, args);
+	va_end(args);
+	return ECO_OK;
+}
+
+static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
+{
+	if (!reserve((void **)&points->items, points->count, &points->capacity, POINTS_MAX, sizeof *point))
+		return map_no_memory(m);
+	points->items[points->count++] = *point;
+	return ECO_OK;
+}
+
+/* ---- Kinds ---- */
+
+struct named { const char *name; uint32_t source, plant; };
+
+static int by_name(const void *a, const void *b) { return strcmp(((const struct named *)a)->name, ((const struct named *)b)->name); }
+
+/* Variants, and plants of the same name in several files, are one kind. */
+static enum eco_code find_kinds(struct map *m)
+{
+	uint64_t count = 0;
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		count += m->sources.items[s].plant_count;
+	struct named *names = calloc(count + 1, sizeof *names);
+	m->kind_of = calloc(m->sources.count, sizeof *m->kind_of);
+	m->kinds = calloc(count + 1, sizeof *m->kinds);
+	bool good = names && m->kind_of && m->kinds && count < KINDS_MAX;
+	count = 0;
+	for (uint32_t s = 0; s < m->sources.count && good; s++) {
+		m->kind_of[s] = calloc(m->sources.items[s].plant_count + 1u, sizeof **m->kind_of);
+		good = m->kind_of[s] != NULL;
+		for (uint32_t p = 0; p < m->sources.items[s].plant_count; p++)
+			names[count++] = (struct named){ m->sources.items[s].plants[p].name, s, p };
+	}
+	if (good)
+		qsort(names, count, sizeof *names, by_name);
+	for (uint64_t i = 0; i < count && good; i++) {
+		if (i == 0 || strcmp(names[i].name, names[i - 1].name) != 0) {
+			m->kinds[m->kind_count] = (struct map_kind){ .low_m = INFINITY, .high_m = -INFINITY };
+			snprintf(m->kinds[m->kind_count++].name, sizeof m->kinds->name, "%s", names[i].name);
+		}
+		m->kind_of[names[i].source][names[i].plant] = m->kind_count - 1;
+	}
+	free(names);
+	return good ? ECO_OK : map_no_memory(m);
+}
+
+static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2], double height_m)
+{
+	struct map_point point = { (float)at[0], (float)at[1], isnan(height_m) ? 0 : (float)height_m, m->kind_of[source][plant] };
+	if (source == 0 && m->has_ground) {
+		double z;
+		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
+	}
+	return add_point(m, &m->own[source], &point);
+}
+
+static enum eco_code add_instances(struct map *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
+		const struct eco_source_instance *one = &s->instances[i];
+		double own = s->plants[one->plant].height_m, height = isnan(one->height_m) ? own : one->height_m;
+		code = add_plant(m, source, one->plant, one->at, height > 0 ? height * one->scale : NAN);
+		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	}
+	return code;
+}
+
+/* ---- Inventories ---- */
+
+static const char *file_of(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	return slash ? slash + 1 : path;
+}
+
+#define DETAILS 8u               /* species, of those that were left out */
+
+static int by_most(const void *a, const void *b)
+{
+	const struct eco_skipped *const *x = a, *const *y = b;
+	if ((*x)->count != (*y)->count)
+		return (*x)->count > (*y)->count ? -1 : 1;
+	return strcmp((*x)->first_text, (*y)->first_text);
+}
+
+/* Which species the map leaves out, the commonest first. */
+static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_positions_counts *counts)
+{
+	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
+	uint32_t found = 0;
+	enum eco_code code = order ? ECO_OK : map_no_memory(m);
+	for (uint32_t i = 0; i < spec->map_count && order; i++)
+		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
+			order[found++] = &counts->keys[i];
+	if (order)
+		qsort(order, found, sizeof *order, by_most);
+	for (uint32_t i = 0; i < found && i < DETAILS && !code; i++)
+		code = say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
+	if (found > DETAILS && !code)
+		code = say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
+	free(order);
+	return code;
+}
+
+static enum eco_code say_unknown(struct map *m, const struct eco_positions_counts *counts)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count && !code; i++)
+		code = say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
+	if (counts->unknown_species > ECO_UNKNOWN_MOST && !code)
+		code = say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
+	return code;
+}
+
+static enum eco_code say_rows(struct map *m, const struct eco_positions *reader, const struct eco_positions_spec *spec)
+{
+	struct eco_positions_counts counts;
+	char rows[32], plants[32];
+	eco_positions_counted(reader, &counts);
+	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
+		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_phrase_count(counts.plants, plants),
+		counts.plants == 1 ? "" : "s");
+	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
+		if (!counts.skipped[k].count)
+			continue;
+		code = say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s", eco_skip_names[k]);
+		if (!code && k == ECO_SKIP_LEFT_OUT)
+			code = say_left_out(m, spec, &counts);
+		else if (!code && k == ECO_SKIP_UNKNOWN_SPECIES)
+			code = say_unknown(m, &counts);
+	}
+	return code;
+}
+
+static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct eco_frame frame = eco_source_frame(s);
+	struct eco_positions *reader = NULL;
+	struct eco_position row;
+	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
+	for (uint64_t i = 0; !code; i++) {
+		if (i % 4096 == 0 && !main_progress("reading positions", spec->path, 0)) {
+			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+			break;
+		}
+		code = eco_positions_next(reader, &row, m->error);
+		if (code || row.plant == ECO_NONE)
+			break;
+		double own = s->plants[row.plant].height_m, height = isnan(row.height_m) ? own : row.height_m;
+		code = add_plant(m, source, row.plant, row.at, height > 0 ? height * row.scale : NAN);
+	}
+	if (!code) {
+		eco_positions_report(reader, main_note_text, NULL);
+		code = say_rows(m, reader, spec);
+	}
+	eco_positions_close(reader);
+	return code;
+}
+
+/* ---- Scattered plants ---- */
+
+static enum eco_code add_edges(struct map *m, struct map_edges *edges, const struct eco_areas *areas)
+{
+	uint64_t capacity = edges->capacity;
+	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
+		const struct eco_edge *e = &areas->edges[i];
+		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX, 4 * sizeof *edges->ends))
+			return map_no_memory(m);
+		memcpy(edges->ends + 4 * (size_t)edges->count++, (const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
+	}
+	edges->capacity = (uint32_t)capacity;
+	return ECO_OK;
+}
+
+static void say_scatter(void *ctx, const char *text)
+{
+	struct map *m = ctx;
+	main_note("%s", text);
+	while (*text == ' ')
+		text++;
+	say(m, MAP_LEFT_OUT, 0, "%s", text);
+}
+
+static bool scatter_progress(void *ctx, double share) { return main_progress("scattering plants", ctx, share); }
+
+static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct eco_frame frame = eco_source_frame(s);
+	struct eco_scatter *scatter = NULL;
+	struct eco_scatter_place place;
+	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
+	while (!code && eco_scatter_next(scatter, &place)) {
+		double own = s->plants[place.plant].height_m, height = isnan(place.height_m) ? own : place.height_m;
+		code = add_plant(m, source, place.plant, place.at, height > 0 ? height : NAN);
+	}
+	if (!code)
+		code = say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
+	if (!code)
+		eco_scatter_report(scatter, say_scatter, m);
+	if (!code && source == 0)                /* those of nested files would have to be turned; their plants show them */
+		code = add_edges(m, &m->areas, eco_scatter_areas(scatter));
+	if (!code && source == 0)
+		code = add_edges(m, &m->clear_of, eco_scatter_clear_of(scatter));
+	eco_scatter_close(scatter);
+	return code;
+}
+
+/* ---- Nested files ---- */
+
+struct turned { double at[2], sine, cosine, scale; };
+
+static struct turned turn_of(const struct turned *parent, const struct eco_source_child *child)
+{
+	double yaw = child->yaw_deg * (M_PI / 180), c = cos(yaw), s = sin(yaw);
+	return (struct turned){ { parent->at[0] + parent->scale * (parent->cosine * child->at[0] - parent->sine * child->at[1]),
+		parent->at[1] + parent->scale * (parent->sine * child->at[0] + parent->cosine * child->at[1]) },
+		parent->sine * c + parent->cosine * s, parent->cosine * c - parent->sine * s, parent->scale * child->scale };
+}
+
+static void put(const struct turned *t, double x, double y, double out[2])
+{
+	out[0] = t->at[0] + t->scale * (t->cosine * x - t->sine * y);
+	out[1] = t->at[1] + t->scale * (t->sine * x + t->cosine * y);
+}
+
+static const struct turned as_is = { .cosine = 1, .scale = 1 };
+
+static void corners_of(const struct turned *t, const struct map_bounds *b, double corners[8])
+{
+	for (int i = 0; i < 4; i++)
+		put(t, i == 0 || i == 3 ? b->low[0] : b->high[0], i < 2 ? b->low[1] : b->high[1], corners + 2 * i);
+}
+
+static void sum_up(struct map *m, uint32_t source)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	struct map_bounds *b = &m->bounds[source];
+	*b = MAP_NOTHING;
+	m->totals[source] = m->own[source].count;
+	for (uint64_t i = 0; i < m->own[source].count; i++)
+		map_extend(b, m->own[source].items[i].x, m->own[source].items[i].y);
+	for (uint32_t i = 0; i < s->child_count; i++) {
+		const struct map_bounds *nested = &m->bounds[s->children[i].source];
+		struct turned t = turn_of(&as_is, &s->children[i]);
+		double corners[8];
+		corners_of(&t, nested, corners);
+		for (int k = 0; k < 4 && !map_is_empty(nested); k++)
+			map_extend(b, corners[2 * k], corners[2 * k + 1]);
+		if (__builtin_add_overflow(m->totals[source], m->totals[s->children[i].source], &m->totals[source]))
+			m->totals[source] = UINT64_MAX;
+	}
+}
+
+/* How often each file is placed, all nesting told; then kinds are counted as often. */
+static enum eco_code count_kinds(struct map *m)
+{
+	uint64_t *times = calloc(m->sources.count, sizeof *times);
+	if (!times)
+		return map_no_memory(m);
+	times[0] = 1;
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		const struct eco_source *source = &m->sources.items[s];
+		for (uint32_t i = 0; i < source->child_count; i++)
+			if (__builtin_add_overflow(times[source->children[i].source], times[s], &times[source->children[i].source]))
+				times[source->children[i].source] = UINT64_MAX;
+		for (uint64_t i = 0; i < m->own[s].count; i++) {
+			struct map_kind *kind = &m->kinds[m->own[s].items[i].kind];
+			double height = (double)m->own[s].items[i].height_m;
+			kind->count += times[s];
+			kind->low_m = height > 0 ? fmin(kind->low_m, height) : kind->low_m;
+			kind->high_m = fmax(kind->high_m, height > 0 ? height : -INFINITY);
+		}
+		m->placements += s ? times[s] : 0;
+	}
+	free(times);
+	return ECO_OK;
+}
+
+static enum eco_code add_bounds(struct map *m, uint32_t source, const struct turned *t)
+{
+	uint64_t capacity = m->outline_capacity;
+	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
+		return ECO_OK;
+	if (!reserve((void **)&m->outlines, m->outline_count, &capacity, UINT32_MAX, sizeof *m->outlines))
+		return map_no_memory(m);
+	m->outline_capacity = (uint32_t)capacity;
+	struct map_outline *outline = &m->outlines[m->outline_count++];
+	corners_of(t, &m->bounds[source], outline->corners);
+	snprintf(outline->name, sizeof outline->name, "%s", m->sources.items[source].name);
+	return ECO_OK;
+}
+
+/* Draws what `source` nests; its plants too if there is room for all of them. */
+static enum eco_code expand(struct map *m, uint32_t source, const struct turned *t, bool plants, uint32_t depth)
+{
+	const struct eco_source *s = &m->sources.items[source];
+	enum eco_code code = ECO_OK;
+	for (uint64_t i = 0; i < m->own[source].count && plants && depth && !code; i++) {
+		struct map_point point = m->own[source].items[i];
+		double at[2];
+		put(t, (double)point.x, (double)point.y, at);
+		point.x = (float)at[0];
+		point.y = (float)at[1];
+		point.height_m *= (float)t->scale;
+		code = add_point(m, &m->points, &point);
+	}
+	for (uint32_t i = 0; i < s->child_count && !code; i++) {
+		struct turned nested = turn_of(t, &s->children[i]);
+		if (depth == 0)
+			code = add_bounds(m, s->children[i].source, &nested);
+		if (!code && plants)
+			code = expand(m, s->children[i].source, &nested, plants, depth + 1);
+	}
+	return code;
+}
+
+static int by_count(const void *a, const void *b)
+{
+	const struct map_kind *const *x = a, *const *y = b;
+	if ((*x)->count != (*y)->count)
+		return (*x)->count > (*y)->count ? -1 : 1;
+	return strcmp((*x)->name, (*y)->name);
+}
+
+/* The commonest kinds get colours of their own. One kind alone is not "others". */
+static enum eco_code choose_colors(struct map *m)
+{
+	struct map_kind **order = calloc(m->kind_count + 1u, sizeof *order);
+	uint32_t present = 0;
+	if (!order)
+		return map_no_memory(m);
+	for (uint32_t i = 0; i < m->kind_count; i++)
+		if (m->kinds[i].count)
+			order[present++] = &m->kinds[i];
+	qsort(order, present, sizeof *order, by_count);
+	for (uint32_t i = 0; i < present; i++)
+		order[i]->color = i < ECO_CHART_COLORS ? i : ECO_CHART_COLORS;
+	m->other_count = present > ECO_CHART_COLORS ? present - ECO_CHART_COLORS : 0;
+	free(order);
+	return ECO_OK;
+}
+
+static int by_float(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return x < y ? -1 : x > y;
+}
+
+static enum eco_code find_typical_height(struct map *m)
+{
+	uint64_t stride = m->points.count / 100000 + 1;
+	float *heights = malloc((m->points.count / stride + 1) * sizeof *heights);
+	uint32_t count = 0;
+	if (!heights)
+		return map_no_memory(m);
+	for (uint64_t i = 0; i < m->points.count; i += stride)
+		if (m->points.items[i].height_m > 0)
+			heights[count++] = m->points.items[i].height_m;
+	qsort(heights, count, sizeof *heights, by_float);
+	m->typical_m = count ? (double)heights[count / 2] : 0;
+	free(heights);
+	return ECO_OK;
+}
+
+/* ---- All ---- */
+
+static enum eco_code read_ground(struct map *m)
+{
+	struct eco_source *s = &m->sources.items[0];
+	if (!s->ground.height_count)
+		return ECO_OK;
+	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
+		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error);
+	m->has_ground = !code;
+	return code;
+}
+
+static enum eco_code read_sources(struct map *m)
+{
+	uint32_t count = m->sources.count;
+	m->own = calloc(count, sizeof *m->own);
+	m->bounds = calloc(count, sizeof *m->bounds);
+	m->totals = calloc(count, sizeof *m->totals);
+	enum eco_code code = m->own && m->bounds && m->totals ? find_kinds(m) : map_no_memory(m);
+	/* nested files come after those that nest them, and are needed first */
+	for (uint32_t s = count; s-- > 0 && !code;) {
+		code = add_instances(m, s);
+		for (uint32_t i = 0; i < m->sources.items[s].positions_count && !code; i++)
+			code = add_rows(m, s, &m->sources.items[s].positions[i]);
+		for (uint32_t i = 0; i < m->sources.items[s].scatter_count && !code; i++)
+			code = add_scattered(m, s, &m->sources.items[s].scatters[i]);
+		if (!code)
+			sum_up(m, s);
+	}
+	return code;
+}
+
+enum eco_code map_gather(struct map *m, const char *scene)
+{
+	if (!main_progress("reading the scene", NULL, 0))
+		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	enum eco_code code = eco_sources_load(&m->sources, scene, m->error);
+	if (!code)
+		code = read_ground(m);
+	if (!code)
+		code = read_sources(m);
+	if (!code)
+		code = count_kinds(m);
+	if (code)
+		return code;
+	m->total = m->totals[0];
+	m->points = m->own[0];
+	m->own[0] = (struct map_points){ 0 };
+	bool all = m->total - m->points.count <= EXPANDED_MAX;
+	m->not_expanded = all ? 0 : m->total - m->points.count;
+	code = expand(m, 0, &as_is, all, 0);
+	if (!code)
+		code = choose_colors(m);
+	return code ? code : find_typical_height(m);
+}
+
+void map_free(struct map *m)
+{
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		if (m->kind_of)
+			free(m->kind_of[s]);
+		if (m->own)
+			free(m->own[s].items);
+	}
+	free(m->kind_of);
+	free(m->own);
+	free(m->bounds);
+	free(m->totals);
+	free(m->kinds);
+	free(m->points.items);
+	free(m->left);
+	free(m->outlines);
+	free(m->areas.ends);
+	free(m->clear_of.ends);
+	eco_chart_free(m->chart);
+	eco_ground_free(&m->ground);
+	eco_sources_free(&m->sources);
+	*m = (struct map){ 0 };
+}

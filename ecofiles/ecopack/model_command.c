@@ -1,0 +1,497 @@
+/* ecopack model: what import sees in a model, for people who are to write rules about its parts, or wonder why it came out as it did.
+ * Everything is taken from the same functions that make uses; components are numbered as rules number them. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/import/model/model_import.h"
+#include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/format/pack.h"
+#include "ecofiles/scene/scene_parse.h"
+#include "lod/build/organ.h"
+
+#define FILES_MAX 64u
+#define SHOWN 20u                /* components and parts that are listed for people */
+#define NOTES_MAX 64u
+#define WELD_BITS 16u
+
+struct seen {
+	const char *paths[FILES_MAX];
+	uint32_t path_count;
+	struct eco_model_options options;
+	const char *unit, *up;       /* as given */
+	struct eco_model model;
+	struct eco_components components;
+	uint8_t *organ;              /* per triangle, ECO_ORGAN_FOUND: covers nothing */
+	double diagonal;
+	char *notes[NOTES_MAX];
+	uint32_t note_count;
+};
+
+static const char *const organ_names[] = { "wood", "foliage", "flower" };
+
+static const char *organ_name(uint8_t organ) { return organ < ECO_ORGAN_COUNT ? organ_names[organ] : "-"; }
+
+/* ---- What there is to see ---- */
+
+static void keep_note(void *ctx, const char *text)
+{
+	struct seen *s = ctx;
+	if (s->note_count < NOTES_MAX && (s->notes[s->note_count] = strdup(text)))
+		s->note_count++;
+}
+
+static enum eco_code find_components(struct seen *s, struct eco_error *error)
+{
+	uint32_t *place = malloc(((size_t)s->model.vertex_count + 1) * sizeof *place);
+	bool good = place && eco_model_places(&s->model, place) && eco_components_find(&s->components, &s->model, place, true);
+	struct eco_component all = { 0 };
+	free(place);
+	if (!good)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s", s->paths[0]);
+	for (uint32_t i = 0; i < s->components.count; i++)
+		for (int k = 0; k < 3; k++) {
+			all.low[k] = i ? fmin(all.low[k], s->components.items[i].low[k]) : s->components.items[i].low[k];
+			all.high[k] = i ? fmax(all.high[k], s->components.items[i].high[k]) : s->components.items[i].high[k];
+		}
+	s->diagonal = eco_component_diagonal(&all);
+	return ECO_OK;
+}
+
+static enum eco_code find_organs(struct seen *s, struct eco_error *error)
+{
+	struct lod_arena arena = { 0 };
+	struct lod_mesh mesh;
+	struct lod_organs organs;
+	s->organ = malloc(s->model.triangle_count + 1u);
+	if (!s->organ || setjmp(arena.failed)) {
+		lod_arena_free(&arena);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s", s->paths[0]);
+	}
+	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
+	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
+	lod_organs_find(&organs, &mesh, &s->model, &arena);
+	for (uint32_t t = 0; t < mesh.triangle_count; t++)
+		s->organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
+	lod_arena_free(&arena);
+	return ECO_OK;
+}
+
+/* Area of each organ in component `which`, or in all with ECO_NONE. */
+static void organ_areas(const struct seen *s, uint32_t which, double area[ECO_ORGAN_COUNT])
+{
+	memset(area, 0, ECO_ORGAN_COUNT * sizeof *area);
+	for (uint32_t t = 0; t < s->model.triangle_count; t++)
+		if (s->organ[t] < ECO_ORGAN_COUNT && (which == ECO_NONE || s->components.of[t] == which))
+			area[s->organ[t]] += eco_triangle_area(&s->model, t);
+}
+
+static uint8_t largest_organ(const double area[ECO_ORGAN_COUNT])
+{
+	uint8_t best = ECO_ORGAN_FOUND;
+	for (uint8_t i = 0; i < ECO_ORGAN_COUNT; i++)
+		if (area[i] > 0 && (best == ECO_ORGAN_FOUND || area[i] > area[best]))
+			best = i;
+	return best;
+}
+
+struct use { uint32_t triangles; double area, organ[ECO_ORGAN_COUNT]; };
+
+/* Per material, or per part. */
+static struct use *uses_of(const struct seen *s, const uint32_t *of, uint32_t count)
+{
+	struct use *use = calloc(count + 1u, sizeof *use);
+	for (uint32_t t = 0; use && t < s->model.triangle_count; t++) {
+		double area = eco_triangle_area(&s->model, t);
+		use[of[t]].triangles++;
+		use[of[t]].area += area;
+		if (s->organ[t] < ECO_ORGAN_COUNT)
+			use[of[t]].organ[s->organ[t]] += area;
+	}
+	return use;
+}
+
+static const char *part_of(const struct seen *s, uint32_t triangle)
+{
+	return s->model.part ? s->model.parts[s->model.part[triangle]].name : "";
+}
+
+static const char *how_text(enum eco_how how)
+{
+	switch (how) {
+	case ECO_HOW_GIVEN: return "as you say";
+	case ECO_HOW_FORMAT: return "as the file says";
+	case ECO_HOW_SHAPE: return "by its shape";
+	case ECO_HOW_CONVENTION: return "as is usual in this format";
+	case ECO_HOW_GUESSED: return "guessed from its height";
+	case ECO_HOW_HEIGHT: return "from the height you say";
+	default: return "unknown";
+	}
+}
+
+/* ---- As a plant of SCENE.json ---- */
+
+static json_t *text_json(const char *text)
+{
+	json_t *value = json_string(text);
+	return value ? value : json_string("(not UTF-8)");
+}
+
+/* The first file's name up to its dot, as a plant's name. */
+static void plant_name(const struct seen *s, char name[64])
+{
+	snprintf(name, 64, "%.63s", eco_path_last(s->paths[0]));
+	char *dot = strrchr(name, '.');
+	if (dot && dot != name)
+		*dot = 0;
+	for (char *c = name; *c; c++)
+		if ((unsigned char)*c < ' ')
+			*c = '_';
+}
+
+/* What says again what was given, and what was guessed. */
+static json_t *plant_json(const struct seen *s)
+{
+	json_t *plant = json_object();
+	const struct eco_model_source *source = &s->model.source;
+	if (s->path_count == 1) {
+		json_object_set_new(plant, "model", text_json(s->paths[0]));
+	} else {
+		json_t *files = json_array();
+		for (uint32_t i = 0; i < s->path_count; i++)
+			json_array_append_new(files, text_json(s->paths[i]));
+		json_object_set_new(plant, "model", files);
+	}
+	if (s->up || source->up_how == ECO_HOW_SHAPE || source->up_how == ECO_HOW_CONVENTION)
+		json_object_set_new(plant, "up", json_string(eco_up_name(source->up)));
+	if (s->unit)
+		json_object_set_new(plant, "unit", json_string(s->unit));
+	if (s->options.height_m > 0)
+		json_object_set_new(plant, "height_m", json_real(s->options.height_m));
+	else if (source->unit_how == ECO_HOW_GUESSED)
+		json_object_set_new(plant, "height_m", json_real(round(eco_model_height(&s->model) * 1000) / 1000));
+	return plant;
+}
+
+static void print_plant(const struct seen *s)
+{
+	char name[64];
+	plant_name(s, name);
+	json_t *plants = json_object();
+	json_object_set_new(plants, name, plant_json(s));
+	char *text = json_dumps(plants, JSON_REAL_PRECISION(6));
+	if (text)
+		printf("\"plants\": %s\n", text);
+	free(text);
+	json_decref(plants);
+}
+
+/* ---- For people ---- */
+
+static void print_counts(const struct eco_model *m)
+{
+	static const char *const why[ECO_DROP_COUNT] = { "name vertices that are not there", "are not finite", "have no area", "are duplicates",
+		"are transparent", "collapse on the grid", "are left out by rules" };
+	printf("  triangles   %u, %u kept", m->triangles_in, m->triangle_count);
+	for (int i = 0; i < ECO_DROP_COUNT; i++)
+		if (m->dropped[i])
+			printf("; %u %s", m->dropped[i], why[i]);
+	printf("\n");
+}
+
+static void print_frame(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	const struct eco_model_source *source = &m->source;
+	const double *size = source->size;
+	const char *unit = eco_unit_name(m->scale);
+	printf("  size        %.4g m wide, %.4g m deep, %.4g m high (%.5g x %.5g x %.5g units)\n", size[0] * m->scale, size[1] * m->scale,
+		eco_model_height(m), size[0], size[1], size[2]);
+	if (unit)
+		printf("  unit        %s, %s\n", unit, how_text(source->unit_how));
+	else
+		printf("  unit        %.4g m, %s\n", m->scale, how_text(source->unit_how));
+	printf("  up          %s, %s\n", eco_up_name(source->up), how_text(source->up_how));
+	printf("  foot        at %.6g, %.6g, %.6g of the file (turned to z up)", m->foot[0], m->foot[1], m->foot[2]);
+	if (source->below > 0)
+		printf("; it reaches %.3g m below the ground", source->below * m->scale);
+	printf("\n");
+}
+
+static void print_materials(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	struct use *use = uses_of(s, m->material, m->material_count);
+	printf("\n  materials   triangles      area m2  colour   texture\n");
+	for (uint32_t i = 0; use && i < m->material_count; i++) {
+		const struct eco_material *material = &m->materials[i];
+		char texture[64] = "-";
+		if (material->image != ECO_NONE)
+			snprintf(texture, sizeof texture, "%u x %u, %s", m->images[material->image].width, m->images[material->image].height,
+				material->cutout ? "cut out" : "opaque");
+		if (i < 2 * SHOWN)
+			printf("  %11u %11u %12.4g  #%02x%02x%02x  %-20s  %s\n", i + 1, use[i].triangles, use[i].area, material->rgb[0], material->rgb[1],
+				material->rgb[2], texture, material->name[0] ? material->name : "(no name)");
+	}
+	if (m->material_count > 2 * SHOWN)
+		printf("  ... and %u more\n", m->material_count - 2 * SHOWN);
+	free(use);
+}
+
+static void print_parts(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	struct use *use = m->part ? uses_of(s, m->part, m->part_count) : NULL;
+	if (m->part_count > 1 || (m->part_count == 1 && m->parts[0].name[0]))
+		printf("\n  parts       triangles      area m2  mesh, object or group\n");
+	for (uint32_t i = 0; use && i < m->part_count && i < 2 * SHOWN && (m->part_count > 1 || m->parts[0].name[0]); i++)
+		printf("  %11u %11u %12.4g  %s\n", i + 1, use[i].triangles, use[i].area, m->parts[i].name[0] ? m->parts[i].name : "(no name)");
+	if (m->part_count > 2 * SHOWN)
+		printf("  ... and %u more\n", m->part_count - 2 * SHOWN);
+	free(use);
+}
+
+static void print_components(const struct seen *s)
+{
+	double rest = 0, least = INFINITY, most = 0;
+	printf("\n  component   triangles      area m2  size     from z to z m     organ    material, part\n");
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		const struct eco_component *c = &s->components.items[i];
+		double size = s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0, area[ECO_ORGAN_COUNT];
+		if (i < SHOWN) {
+			organ_areas(s, i, area);
+			const char *part = part_of(s, c->first);
+			printf("  %11u %11u %12.4g  %.5f %8.3g %8.3g  %-8s %s%s%s\n", i + 1, c->triangle_count, c->area, size, c->low[2], c->high[2],
+				organ_name(largest_organ(area)), s->model.materials[s->model.material[c->first]].name, part[0] ? ", " : "", part);
+		} else {
+			rest += c->area;
+			least = fmin(least, size);
+			most = fmax(most, size);
+		}
+	}
+	if (s->components.count > SHOWN)
+		printf("  ... and %u more: %.4g m2, sizes %.5f to %.5f\n", s->components.count - SHOWN, rest, least, most);
+	printf("  (size: its diagonal as a share of the whole's)\n");
+}
+
+static void print_organs(const struct seen *s)
+{
+	double area[ECO_ORGAN_COUNT];
+	organ_areas(s, ECO_NONE, area);
+	printf("  organs     ");
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		printf("%s %.4g m2 %s", i ? "," : "", area[i], organ_names[i]);
+	printf("\n");
+}
+
+static void print_text(const struct seen *s)
+{
+	for (uint32_t i = 0; i < s->path_count; i++)
+		printf("%s%s", i ? " + " : "", s->paths[i]);
+	printf("\n  format      %s\n", s->model.source.format);
+	print_frame(s);
+	print_counts(&s->model);
+	print_organs(s);
+	print_materials(s);
+	print_parts(s);
+	print_components(s);
+	for (uint32_t i = 0; i < s->note_count; i++)
+		printf("%s  note: %s\n", i ? "" : "\n", s->notes[i]);
+	printf("\nIn SCENE.json:\n");
+	print_plant(s);
+	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": \"left out\"}, {\"size\": "
+		"[0, 0.01], \"is\": \"foliage\"}, "
+		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0] ? s->model.materials[0].name : "bark*");
+}
+
+/* ---- For scripts ---- */
+
+static json_t *rgb_json(const uint8_t rgb[3])
+{
+	char text[8];
+	snprintf(text, sizeof text, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
+	return json_string(text);
+}
+
+static json_t *organs_json(const double area[ECO_ORGAN_COUNT])
+{
+	json_t *organs = json_object();
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		json_object_set_new(organs, organ_names[i], json_real(area[i]));
+	return organs;
+}
+
+static json_t *materials_json(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	struct use *use = uses_of(s, m->material, m->material_count);
+	json_t *all = json_array();
+	for (uint32_t i = 0; use && i < m->material_count; i++) {
+		const struct eco_material *material = &m->materials[i];
+		json_t *one = json_object();
+		json_object_set_new(one, "name", text_json(material->name));
+		json_object_set_new(one, "color", rgb_json(material->rgb));
+		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
+		json_object_set_new(one, "area_m2", json_real(use[i].area));
+		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
+		if (material->image != ECO_NONE) {
+			json_object_set_new(one, "texture", json_pack("[I,I]", (json_int_t)m->images[material->image].width,
+				(json_int_t)m->images[material->image].height));
+			json_object_set_new(one, "cutout", json_boolean(material->cutout));
+		}
+		json_array_append_new(all, one);
+	}
+	free(use);
+	return all;
+}
+
+static json_t *parts_json(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	struct use *use = m->part ? uses_of(s, m->part, m->part_count) : NULL;
+	json_t *all = json_array();
+	for (uint32_t i = 0; use && i < m->part_count; i++) {
+		json_t *one = json_object();
+		json_object_set_new(one, "name", text_json(m->parts[i].name));
+		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
+		json_object_set_new(one, "area_m2", json_real(use[i].area));
+		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
+		json_array_append_new(all, one);
+	}
+	free(use);
+	return all;
+}
+
+static json_t *components_json(const struct seen *s)
+{
+	json_t *all = json_array();
+	for (uint32_t i = 0; i < s->components.count && i < SHOWN; i++) {
+		const struct eco_component *c = &s->components.items[i];
+		double area[ECO_ORGAN_COUNT];
+		organ_areas(s, i, area);
+		json_t *one = json_object();
+		json_object_set_new(one, "component", json_integer(i + 1));
+		json_object_set_new(one, "triangles", json_integer(c->triangle_count));
+		json_object_set_new(one, "area_m2", json_real(c->area));
+		json_object_set_new(one, "size", json_real(s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0));
+		json_object_set_new(one, "z_m", json_pack("[f,f]", c->low[2], c->high[2]));
+		json_object_set_new(one, "organ", json_string(organ_name(largest_organ(area))));
+		json_object_set_new(one, "material", text_json(s->model.materials[s->model.material[c->first]].name));
+		json_object_set_new(one, "part", text_json(part_of(s, c->first)));
+		json_array_append_new(all, one);
+	}
+	return all;
+}
+
+static void print_json(const struct seen *s)
+{
+	const struct eco_model *m = &s->model;
+	double area[ECO_ORGAN_COUNT];
+	json_t *top = json_object(), *dropped = json_object(), *notes = json_array();
+	organ_areas(s, ECO_NONE, area);
+	for (int i = 0; i < ECO_DROP_COUNT; i++)
+		json_object_set_new(dropped, eco_drop_names[i], json_integer(m->dropped[i]));
+	for (uint32_t i = 0; i < s->note_count; i++)
+		json_array_append_new(notes, text_json(s->notes[i]));
+	json_object_set_new(top, "format", text_json(m->source.format));
+	json_object_set_new(top, "size_m", json_pack("[f,f,f]", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
+		m->source.size[2] * m->scale));
+	json_object_set_new(top, "height_m", json_real(eco_model_height(m)));
+	json_object_set_new(top, "below_m", json_real(m->source.below * m->scale));
+	json_object_set_new(top, "unit_m", json_real(m->scale));
+	json_object_set_new(top, "unit", json_string(how_text(m->source.unit_how)));
+	json_object_set_new(top, "up", json_string(eco_up_name(m->source.up)));
+	json_object_set_new(top, "up_found", json_string(how_text(m->source.up_how)));
+	json_object_set_new(top, "foot", json_pack("[f,f,f]", m->foot[0], m->foot[1], m->foot[2]));
+	json_object_set_new(top, "triangles_in", json_integer(m->triangles_in));
+	json_object_set_new(top, "triangles_kept", json_integer(m->triangle_count));
+	json_object_set_new(top, "triangles_dropped", dropped);
+	json_object_set_new(top, "organs_m2", organs_json(area));
+	json_object_set_new(top, "materials", materials_json(s));
+	json_object_set_new(top, "parts", parts_json(s));
+	json_object_set_new(top, "component_count", json_integer(s->components.count));
+	json_object_set_new(top, "components", components_json(s));
+	json_object_set_new(top, "notes", notes);
+	json_object_set_new(top, "plant", plant_json(s));
+	json_dumpf(top, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+	putchar('\n');
+	json_decref(top);
+}
+
+/* ---- The command ---- */
+
+static enum eco_code read_options(struct seen *s, struct eco_error *error)
+{
+	if (s->unit && !eco_unit_metres(s->unit, &s->options.unit_m))
+		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: the units are " ECO_UNITS, s->unit);
+	if (s->up && !eco_up_of(s->up, &s->options.up))
+		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that points up", s->up);
+	s->options.paths = s->paths;
+	s->options.path_count = s->path_count;
+	s->options.warn = keep_note;
+	s->options.ctx = s;
+	return ECO_OK;
+}
+
+static enum eco_code see(struct seen *s, struct eco_error *error)
+{
+	enum eco_code code;
+	if (!main_progress("reading", eco_path_last(s->paths[0]), 0))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	code = eco_model_import(&s->model, &s->options, error);
+	if (!code && !main_progress("looking at it", eco_path_last(s->paths[0]), 0.7))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (!code)
+		code = find_components(s, error);
+	if (!code)
+		code = find_organs(s, error);
+	main_progress_end();
+	return code;
+}
+
+static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
+{
+	struct seen *s = calloc(1, sizeof *s);
+	bool json = false, as_plant = false;
+	enum eco_code code;
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory");
+	const struct main_option options[] = { { "unit", 0, MAIN_TEXT, &s->unit, 0, 0, 0, NULL }, { "up", 0, MAIN_TEXT, &s->up, 0, 0, 0, NULL },
+		{ "height", 0, MAIN_NUMBER, &s->options.height_m, 0.001, 1000, 0, NULL }, { "json", 0, MAIN_FLAG, &json, 0, 0, 0, NULL },
+		{ "as-plant", 0, MAIN_FLAG, &as_plant, 0, 0, 0, NULL }, { 0 } };
+	code = main_arguments(argc, argv, "model", options, "the model file", s->paths, FILES_MAX, &s->path_count, error);
+	if (!code)
+		code = read_options(s, error);
+	if (!code)
+		code = see(s, error);
+	if (!code && json)
+		print_json(s);
+	else if (!code && as_plant)
+		print_plant(s);
+	else if (!code)
+		print_text(s);
+	for (uint32_t i = 0; i < s->note_count; i++) {
+		if (code || (as_plant && !json))
+			main_note("%s", s->notes[i]);
+		free(s->notes[i]);
+	}
+	eco_components_free(&s->components);
+	eco_model_free(&s->model);
+	free(s->organ);
+	free(s);
+	return code;
+}
+
+const struct main_command main_command_model = { "model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
+	"says what import sees in a model (several files make one plant), as SCENE.json would name it",
+	"      --unit U        unit of the files: " ECO_UNITS "\n"
+	"      --up x|y|z      axis of the files that points up\n"
+	"      --height M      height in metres to which it is scaled\n"
+	"      --json          for scripts\n"
+	"      --as-plant      only the lines for SCENE.json\n", run_model };

@@ -1,0 +1,118 @@
+/* One line that is drawn over again, at most ten times a second; without a terminal, lines at least four seconds
+ * apart, and none that says what the one before said. */
+#include "ecofiles/ecopack/progress.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard.h"
+
+#define BAR 28
+
+static volatile sig_atomic_t interrupted;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static bool silent, shown;
+static double last_s = -1000;
+
+static void ask_to_stop(int number)
+{
+	(void)number;
+	interrupted = 1;
+	eco_guard_interrupt();               /* who waits for a child would not notice */
+}
+
+void main_catch_interrupts(void)
+{
+	struct sigaction action = { .sa_handler = ask_to_stop };
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+	action.sa_handler = SIG_IGN;
+	sigaction(SIGXFSZ, &action, NULL);
+}
+
+static double now_s(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void erase(void)
+{
+	if (shown)
+		fputs("\r\033[K", stderr);
+	shown = false;
+}
+
+static void say(const char *stage, const char *detail, double share)
+{
+	static char last[256];
+	char text[sizeof last];
+	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%", stage, detail ? ": " : "", detail ? detail : "", 100 * share);
+	if (strcmp(text, last) != 0)
+		fprintf(stderr, "ecopack: %s\n", text);
+	memcpy(last, text, sizeof last);
+}
+
+bool main_progress(const char *stage, const char *detail, double share)
+{
+	double now = now_s();
+	bool terminal = isatty(STDERR_FILENO) == 1;
+	pthread_mutex_lock(&lock);
+	if (!silent && now - last_s >= (terminal ? 0.1 : 4.0)) {
+		/* a run that ends within the first seconds says nothing on the way */
+		bool first = last_s < 0;
+		last_s = now;
+		share = share < 0 ? 0 : share > 1 ? 1 : share;
+		if (terminal) {
+			char bar[BAR + 1];
+			memset(bar, '.', BAR);
+			memset(bar, '#', (size_t)(share * BAR));
+			bar[BAR] = 0;
+			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s", bar, 100 * share, stage, detail ? ": " : "", detail ? detail : "");
+			fflush(stderr);
+			shown = true;
+		} else if (!first)
+			say(stage, detail, share);
+	}
+	pthread_mutex_unlock(&lock);
+	return !interrupted;
+}
+
+void main_progress_end(void)
+{
+	pthread_mutex_lock(&lock);
+	erase();
+	pthread_mutex_unlock(&lock);
+}
+
+void main_progress_quiet(bool quiet) { silent = quiet; }
+
+void main_note(const char *format, ...)
+{
+	va_list args;
+	char text[2048];
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	for (char *c = text; *c; c++)                /* quotes from files must not steer a terminal */
+		*c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
+	pthread_mutex_lock(&lock);
+	if (!silent) {
+		erase();
+		fprintf(stderr, "ecopack: %s\n", text);
+	}
+	pthread_mutex_unlock(&lock);
+}
+
+void main_note_text(void *unused, const char *text)
+{
+	(void)unused;
+	main_note("%s", text);
+}

@@ -1,0 +1,365 @@
+/* A plant of a pack on its own: decoding its lists, the camera that fits it, and the cuts that the planner chooses. */
+#include "ecofiles/ecopack/sheet.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/base/guard.h"
+#include "ecofiles/format/image.h"
+#include "lod/geometry.h"
+#include "lod/plan/planner.h"
+
+#define AWAY_RADII 8.0           /* the camera's distance: a weak perspective */
+#define DOWN 0.22                /* metres that it looks down a metre */
+#define MARGIN 1.06
+
+static enum eco_code no_memory(const struct sheet_plant *p, struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "%s: no memory to draw it", p->scene.plants[p->number].name);
+}
+
+/* ---- Lists ---- */
+
+static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_error *error)
+{
+	const struct eco_scene *s = &p->pack->scene;
+	const struct eco_list *list = &s->lists[id];
+	struct sheet_list *to = &p->lists[id];
+	*to = (struct sheet_list){ .list = list, .palette = s->palette + list->palette_first, .image = list->image,
+		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks) };
+	if (!to->chunks)
+		return no_memory(p, error);
+	if (list->kind == ECO_LIST_IMAGE) {
+		to->chunk_count = list->chunk_count ? 1 : 0;
+		return ECO_OK;
+	}
+	enum eco_code code = ECO_OK;
+	for (uint32_t c = 0; c < list->chunk_count && !code; c++) {
+		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + c];
+		const uint8_t *bytes;
+		size_t size;
+		code = eco_pack_payload(p->pack, list->chunk_first + c, &bytes, &size, error);
+		if (!code)
+			code = eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error);
+		to->chunk_count += !code;
+	}
+	return code;
+}
+
+static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error)
+{
+	const struct eco_scene *s = &p->pack->scene;
+	const struct eco_plant *plant = &s->plants[p->number];
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &s->ladders[i];
+		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+		for (int k = 0; k < 4 && !code; k++) {
+			if (ids[k] == ECO_NONE || p->lists[ids[k]].list)
+				continue;
+			code = decode_list(p, ids[k], error);
+			p->lists[ids[k]].organ = ladder->organ;
+			uint32_t image = s->lists[ids[k]].image;
+			if (!code && image != ECO_NONE && !p->lists[image].list)
+				code = decode_list(p, image, error);
+		}
+	}
+	return code;
+}
+
+/* ---- Textures: files of strangers, decoded in a child process, all of a plant in one ---- */
+
+static bool is_picture(const struct sheet_list *list) { return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count; }
+
+static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
+{
+	const struct sheet_plant *p = ctx;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < p->list_count && !code; i++) {
+		struct eco_image image = { 0 };
+		const uint8_t *bytes;
+		size_t size;
+		char name[120];
+		if (!is_picture(&p->lists[i]))
+			continue;
+		snprintf(name, sizeof name, "texture of %s", p->scene.plants[p->number].name);
+		code = eco_pack_payload(p->pack, p->lists[i].list->chunk_first, &bytes, &size, error);
+		if (!code)
+			code = eco_image_read_memory(&image, bytes, size, name, error);
+		const uint32_t sides[2] = { image.width, image.height };
+		size_t texels = (size_t)image.width * image.height;
+		if (!code && (fwrite(sides, sizeof sides, 1, out) != 1 || fwrite(image.rgba, 4, texels, out) != texels))
+			code = eco_fail(error, ECO_IO, "%s: its pixels cannot be handed on", name);
+		eco_image_free(&image);
+	}
+	return code;
+}
+
+static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, FILE *from, struct eco_error *error)
+{
+	uint32_t sides[2];
+	if (fread(sides, sizeof sides, 1, from) != 1 || !sides[0] || !sides[1] || (uint64_t)sides[0] * sides[1] > ECO_PIXELS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+	size_t texels = (size_t)sides[0] * sides[1];
+	to->picture = (struct eco_image){ sides[0], sides[1], malloc(4 * texels) };
+	if (!to->picture.rgba)
+		return no_memory(p, error);
+	if (fread(to->picture.rgba, 4, texels, from) != texels)
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+	for (size_t i = 0; i < texels && !to->cutout; i++)
+		to->cutout = to->picture.rgba[4 * i + 3] < 128;
+	return ECO_OK;
+}
+
+static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *error)
+{
+	uint64_t bytes = 0;
+	FILE *from = NULL;
+	for (uint32_t i = 0; i < p->list_count; i++)
+		if (is_picture(&p->lists[i]))
+			bytes += p->pack->scene.chunks[p->lists[i].list->chunk_first].size_bytes;
+	if (!bytes)
+		return ECO_OK;
+	struct eco_guard_limits limits = eco_guard_limits_for(bytes);
+	enum eco_code code = eco_guard_run(decode_in_child, p, p->scene.plants[p->number].name, &limits, &from, error);
+	for (uint32_t i = 0; i < p->list_count && !code; i++)
+		if (is_picture(&p->lists[i]))
+			code = read_picture(p, &p->lists[i], from, error);
+	if (from)
+		fclose(from);
+	return code;
+}
+
+/* ---- A scene of one plant ---- */
+
+static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
+{
+	const struct eco_scene *s = &p->pack->scene;
+	const struct eco_plant *plant = &s->plants[p->number];
+	const struct eco_anchor *whole = &s->anchors[plant->anchor_first];
+	p->scene_lists = malloc((s->list_count + 1u) * sizeof *p->scene_lists);
+	if (!p->scene_lists)
+		return no_memory(p, error);
+	memcpy(p->scene_lists, s->lists, s->list_count * sizeof *p->scene_lists);
+	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
+		.plant = p->number, .grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE, .primitive_count = 1, .element_count = 1 };
+	p->tile = (struct eco_tile){ .area = plant->area, .instance_count = 1, .summary = ECO_NONE, .group_count = 1 };
+	for (int k = 0; k < 3; k++) {
+		p->tile.low[k] = (double)whole->center[k] - whole->radius;
+		p->tile.high[k] = (double)whole->center[k] + whole->radius;
+	}
+	p->group = (struct eco_group){ .plant = p->number, .list = s->list_count };
+	memcpy(p->place + ECO_PLACE_BYTES - 4, (const uint8_t[4]){ 0, 0, 1, 0 }, 4);     /* scale 65536 / 65536, the rest 0 */
+	p->scene = *s;
+	p->scene.root = 0;
+	p->scene.ground = NULL, p->scene.ground_count = p->scene.ground_columns = p->scene.ground_rows = 0;
+	p->scene.tiles = &p->tile, p->scene.tile_count = 1;
+	p->scene.groups = &p->group, p->scene.group_count = 1;
+	p->scene.children = NULL, p->scene.child_count = 0;
+	p->scene.lists = p->scene_lists, p->scene.list_count = s->list_count + 1;
+	p->scene.places = p->place, p->scene.place_count = 1;
+	return ECO_OK;
+}
+
+static void set_view(struct sheet_plant *p, const double target[3], double half, uint32_t pixels)
+{
+	memcpy(p->view.target, target, sizeof p->view.target);
+	p->view.up[2] = 1;
+	p->view.fov_y_deg = 2 * atan(half) * (180 / M_PI);
+	p->view.width = p->view.height = pixels;
+	lod_eye_make(&p->eye, &p->view);
+	struct eco_view fine = p->view;
+	fine.width = fine.height = pixels * SHEET_SAMPLES;
+	lod_eye_make(&p->fine_eye, &fine);
+}
+
+/* Extends low and high by where the batch's corners are seen, as tangents. */
+static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, double low[2], double high[2])
+{
+	size_t corners = (size_t)b->count * eco_list_vertices(b->list->list);
+	for (size_t i = 0; i < corners; i++) {
+		const float *q = b->geometry.position + 3 * i;
+		double d[3] = { q[0] - eye->at[0], q[1] - eye->at[1], q[2] - eye->at[2] };
+		double w = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
+		double x = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) / w;
+		double y = (d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) / w;
+		low[0] = fmin(low[0], x), high[0] = fmax(high[0], x);
+		low[1] = fmin(low[1], y), high[1] = fmax(high[1], y);
+	}
+}
+
+/* The camera stands to the south, a little above; the picture is just large enough for the plant. */
+static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco_error *error)
+{
+	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
+	double target[3] = { whole->center[0], whole->center[1], whole->center[2] }, radius = whole->radius > 0 ? whole->radius : 1;
+	double away = AWAY_RADII * radius, low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	p->view = (struct eco_view){ .eye = { target[0], target[1] - away, target[2] + DOWN * away } };
+	set_view(p, target, 1.2 / AWAY_RADII, pixels);
+	struct sheet_drawing all;
+	enum eco_code code = sheet_drawing_make(&all, p, ECO_VERTICES_MAX, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < all.count; i++)
+		see_batch(&p->eye, &all.batches[i], low, high);
+	p->full = all.vertices;
+	sheet_drawing_free(&all);
+	if (!(high[0] >= low[0]))
+		return ECO_OK;
+	const struct lod_eye eye = p->eye;
+	double x = (low[0] + high[0]) / 2, y = (low[1] + high[1]) / 2, half = fmax(high[0] - low[0], high[1] - low[1]) / 2 * MARGIN;
+	for (int k = 0; k < 3; k++)
+		target[k] = eye.at[k] + (eye.forward[k] + x * eye.right[k] + y * eye.up[k]) * away;
+	set_view(p, target, fmax(half, 1e-4), pixels);
+	p->metres_a_pixel = 2 * fmax(half, 1e-4) * away / pixels;
+	return ECO_OK;
+}
+
+/* ---- What the planner draws ---- */
+
+static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cut *cut, struct sheet_batch *b, struct eco_error *error)
+{
+	const struct sheet_list *list = b->list = &p->lists[cut->list];
+	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(list->list), from = 0, end;
+	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE && list->list->attributes & ECO_ATTR_UV
+		&& p->lists[list->image].picture.rgba;
+	b->geometry.position = malloc(12 * (size_t)count * corners + 1);
+	b->geometry.uv = textured ? malloc(24 * (size_t)count + 1) : NULL;
+	b->geometry.width = list->list->kind == ECO_LIST_LINES ? malloc(4 * (size_t)count + 1) : NULL;
+	b->geometry.color = malloc(4 * (size_t)count + 1);
+	bool sized = list->list->attributes & ECO_ATTR_SIZE;
+	b->geometry.size = sized ? malloc(4 * (size_t)count + 1) : NULL;
+	b->area = list->list->unit_area * cut->scale;
+	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv) || (sized && !b->geometry.size) ||
+		(list->list->kind == ECO_LIST_LINES && !b->geometry.width))
+		return no_memory(p, error);
+	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
+		end = from + list->chunks[c].primitive_count;
+		uint32_t first = cut->first > from ? cut->first : from, last = cut->end < end ? cut->end : end;
+		if (first >= last)
+			continue;
+		struct lod_geometry at = { b->geometry.position + 3 * (size_t)corners * b->count, textured ? b->geometry.uv + 6 * (size_t)b->count : NULL,
+			b->geometry.width ? b->geometry.width + b->count : NULL, b->geometry.color + b->count,
+			b->geometry.size ? b->geometry.size + b->count : NULL };
+		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from, cut->scale, &at);
+	}
+	return ECO_OK;
+}
+
+/* Does the rule of a cut hold for the only instance there is? */
+static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen, uint32_t seen_count, uint32_t hash)
+{
+	for (uint32_t i = 0; i < seen_count; i++)
+		if (cut->anchor == seen[i].anchor)
+			return cut->band_first <= seen[i].band && seen[i].band < cut->band_end && cut->share_first <= hash && hash < cut->share_end;
+	return false;
+}
+
+static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant *p, const struct eco_plan *plan,
+	struct lod_anchor_band *seen, struct eco_error *error)
+{
+	const struct eco_plant *plant = &p->scene.plants[p->number];
+	const struct eco_placement nowhere = { .scale = 1 };
+	const struct eco_place origin = eco_place_read(&p->scene, 0);
+	uint32_t gate = 0;
+	for (uint32_t i = 0; i < plan->gate_count; i++)
+		if (plan->gates[i].plant == p->number)
+			gate = plan->gates[i].end;
+	struct lod_place place;
+	lod_place_instance(&place, plan->placement_count ? &plan->placements[0] : &nowhere, &p->scene.lists[p->group.list], &origin);
+	uint32_t hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list, 0);
+	uint32_t count = lod_instance_anchors(&p->eye, &place, p->scene.anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count,
+		gate, hash, seen);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < plan->cut_count && !code; i++) {
+		const struct eco_cut *cut = &plan->cuts[i];
+		if (cut->anchor == ECO_NONE || !draws(cut, seen, count, hash))
+			continue;
+		struct sheet_batch *b = &d->batches[d->count++];
+		code = make_batch(p, cut, b, error);
+		b->first = d->primitives;
+		d->primitives += b->count;
+		d->vertices += (uint64_t)b->count * eco_list_vertices(b->list->list);
+	}
+	return code;
+}
+
+enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant, uint64_t vertices,
+	struct eco_error *error)
+{
+	struct eco_request request = { .view = plant->view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	struct lod_planner_input input = { .scene = &plant->scene, .request = &request };
+	struct eco_plan plan;
+	*drawing = (struct sheet_drawing){ 0 };
+	enum eco_code code = lod_plan(&plan, &input, error);
+	if (code)
+		return code;
+	struct lod_anchor_band *seen = calloc(plant->scene.plants[plant->number].anchor_count + 1u, sizeof *seen);
+	drawing->batches = calloc(plan.cut_count + 1u, sizeof *drawing->batches);
+	code = seen && drawing->batches ? add_cuts(drawing, plant, &plan, seen, error) : no_memory(plant, error);
+	free(seen);
+	eco_plan_free(&plan);
+	if (code)
+		sheet_drawing_free(drawing);
+	return code;
+}
+
+void sheet_drawing_free(struct sheet_drawing *drawing)
+{
+	for (uint32_t i = 0; i < drawing->count; i++) {
+		free(drawing->batches[i].geometry.position);
+		free(drawing->batches[i].geometry.uv);
+		free(drawing->batches[i].geometry.width);
+		free(drawing->batches[i].geometry.color);
+		free(drawing->batches[i].geometry.size);
+	}
+	free(drawing->batches);
+	*drawing = (struct sheet_drawing){ 0 };
+}
+
+/* ---- The plant ---- */
+
+enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number, uint32_t pixels,
+	struct eco_error *error)
+{
+	assert(number < pack->scene.plant_count);
+	*plant = (struct sheet_plant){ .pack = pack, .number = number, .scene = pack->scene, .list_count = pack->scene.list_count,
+		.lists = calloc(pack->scene.list_count + 1u, sizeof *plant->lists), .reference = calloc(pixels, pixels) };
+	uint32_t fine = pixels * SHEET_SAMPLES;
+	enum eco_code code = plant->lists && plant->reference ? ECO_OK : no_memory(plant, error);
+	if (!code)
+		code = lod_raster_init(&plant->fine, &(struct lod_raster_options){ .width = fine, .height = fine, .owner = true }, error);
+	if (!code)
+		code = lod_raster_init(&plant->coarse, &(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
+	if (!code)
+		code = decode_lists(plant, error);
+	if (!code)
+		code = decode_pictures(plant, error);
+	if (!code)
+		code = make_scene(plant, error);
+	if (!code)
+		code = fit_view(plant, pixels, error);
+	if (code)
+		sheet_plant_close(plant);
+	return code;
+}
+
+void sheet_plant_close(struct sheet_plant *plant)
+{
+	for (uint32_t i = 0; plant->lists && i < plant->list_count; i++) {
+		for (uint32_t c = 0; c < plant->lists[i].chunk_count && plant->lists[i].chunks; c++)
+			eco_elements_free(&plant->lists[i].chunks[c]);
+		free(plant->lists[i].chunks);
+		eco_image_free(&plant->lists[i].picture);
+	}
+	free(plant->lists);
+	free(plant->scene_lists);
+	free(plant->reference);
+	lod_raster_free(&plant->fine);
+	lod_raster_free(&plant->coarse);
+	*plant = (struct sheet_plant){ 0 };
+}

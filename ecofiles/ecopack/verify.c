@@ -1,0 +1,173 @@
+/* Reads everything that a pack holds as a client would, and says what does not hold. Opening has checked the tables against each other
+ * already; here each payload is hashed and decoded, and what is stored twice is compared. */
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/format/pack.h"
+
+struct verify {
+	const struct eco_pack *pack;
+	FILE *out;
+	struct inspect_counts *counts;
+	uint32_t *group_of;          /* per list; ECO_NONE: not an instance list */
+};
+
+static void complain(struct verify *v, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void complain(struct verify *v, const char *format, ...)
+{
+	va_list args;
+	main_progress_end();
+	va_start(args, format);
+	vfprintf(v->out, format, args);
+	va_end(args);
+	fputc('\n', v->out);
+	v->counts->damaged++;
+}
+
+static bool in_range(int32_t value, uint64_t count) { return value >= 0 && (uint64_t)value < count; }
+
+/* Colours, plants and sizes that decoded elements name. */
+static const char *bad_values(const struct eco_scene *s, const struct eco_list *list, const struct eco_elements *e)
+{
+	bool color = list->attributes & ECO_ATTR_COLOR, plant = list->attributes & ECO_ATTR_PLANT, place = list->attributes & ECO_ATTR_PLACE;
+	if (e->extra_count != eco_list_extra_count(list))
+		return "has other attributes than its list says";
+	for (uint32_t i = 0; i < e->element_count && e->extra_count; i++) {
+		const int32_t *extra = e->extra + (size_t)e->extra_count * i;
+		if (color && !in_range(extra[0], list->palette_count))
+			return "names a colour outside its palette";
+		if (plant && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_PLANT)], s->plant_count))
+			return "names a plant that is not there";
+		if (list->attributes & ECO_ATTR_GROWTH && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_GROWTH)], ECO_GROWTHS))
+			return "has a growth code that does not exist";
+		if (list->attributes & ECO_ATTR_SIZE && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
+			return "has a size code that does not exist";
+		if (place && (!in_range(extra[0], 65536) || extra[1] <= 0))
+			return "holds an impossible turn or scale";
+	}
+	return NULL;
+}
+
+/* Instance lists against the places that the planner reads; `first`: primitives of the list before this chunk. */
+static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, uint32_t first, const struct eco_elements *e)
+{
+	const struct eco_scene *s = &v->pack->scene;
+	if (v->group_of[list_id] == ECO_NONE)
+		return;
+	uint64_t at = s->groups[v->group_of[list_id]].place_first + first;
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		struct eco_place a = eco_place_read(s, at + i), b = eco_place_of(e, i);
+		if (memcmp(a.position, b.position, sizeof a.position) || a.turn != b.turn || a.scale != b.scale) {
+			complain(v, "list %u, chunk %u: instance %u differs from place %" PRIu64, list_id, chunk, first + i, at + i);
+			return;
+		}
+	}
+}
+
+static void say(void *ctx, const char *text)
+{
+	complain(ctx, "%s", text);
+}
+
+static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
+{
+	const struct eco_scene *s = &v->pack->scene;
+	const struct eco_list *list = &s->lists[list_id];
+	uint32_t id = list->chunk_first + ordinal;
+	const struct eco_chunk *chunk = &s->chunks[id];
+	struct eco_error error = { 0 };
+	struct eco_elements elements = { 0 };
+	const uint8_t *bytes;
+	size_t size;
+	if (eco_pack_payload(v->pack, id, &bytes, &size, &error)) {
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, error.text);
+		return;
+	}
+	if (list->coder == ECO_CODER_BYTES) {
+		if (size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0)
+			complain(v, "list %u, chunk %u, offset %" PRIu64 ": is not a PNG file", list_id, ordinal, chunk->offset);
+		return;
+	}
+	if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error)) {
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, error.text);
+		return;
+	}
+	const char *bad = elements.element_count != chunk->element_count || elements.primitive_count != chunk->primitive_count
+		? "decodes to other counts than its record says" : bad_values(s, list, &elements);
+	if (bad)
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, bad);
+	else if (list->kind == ECO_LIST_INSTANCES)
+		compare_places(v, list_id, ordinal, first, &elements);
+	v->counts->primitives += elements.primitive_count;
+	eco_elements_free(&elements);
+}
+
+static enum eco_code verify_lists(struct verify *v, struct eco_error *error)
+{
+	const struct eco_scene *s = &v->pack->scene;
+	for (uint32_t i = 0; i < s->list_count; i++) {
+		uint32_t first = 0;
+		for (uint32_t c = 0; c < s->lists[i].chunk_count; c++) {
+			verify_chunk(v, i, c, first);
+			first += s->chunks[s->lists[i].chunk_first + c].primitive_count;
+			v->counts->chunks++;
+		}
+		v->counts->lists++;
+		if (!main_progress("verifying", NULL, (double)i / s->list_count))
+			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	return ECO_OK;
+}
+
+/* Levels must end with a chunk, so that a prefix of chunks is a level. */
+static void verify_ladder(struct verify *v, uint32_t id)
+{
+	const struct eco_scene *s = &v->pack->scene;
+	const struct eco_ladder *l = &s->ladders[id];
+	for (uint32_t k = 0; k < l->level_count; k++) {
+		const struct eco_list *list = &s->lists[l->triangles];
+		uint32_t end = 0;
+		for (uint32_t c = 0; c < list->chunk_count && end < l->level_end[k]; c++)
+			end += s->chunks[list->chunk_first + c].primitive_count;
+		if (end != l->level_end[k])
+			complain(v, "ladder %u: level %u ends inside a chunk of list %u", id, k, l->triangles);
+	}
+}
+
+enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts, struct eco_error *error)
+{
+	struct eco_pack *pack = NULL;
+	*counts = (struct inspect_counts){ 0 };
+	enum eco_code code = eco_pack_open(&pack, path, error);
+	if (code)
+		return code;
+	const struct eco_scene *s = &pack->scene;
+	struct verify v = { .pack = pack, .out = out, .counts = counts, .group_of = malloc((s->list_count + 1u) * sizeof(uint32_t)) };
+	if (!v.group_of) {
+		eco_pack_close(pack);
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory", path);
+	}
+	memset(v.group_of, 0xFF, (s->list_count + 1u) * sizeof(uint32_t));
+	for (uint32_t i = 0; i < s->group_count; i++)
+		v.group_of[s->groups[i].list] = i;
+	code = verify_lists(&v, error);
+	for (uint32_t i = 0; i < s->ladder_count && !code; i++)
+		verify_ladder(&v, i);
+	if (!code)
+		inspect_verify_ground(pack, say, &v);
+	for (uint32_t i = 0; i < s->list_count && !code; i++)
+		if (s->lists[i].kind == ECO_LIST_INSTANCES && v.group_of[i] == ECO_NONE)
+			complain(&v, "list %u: instances that no tile plants", i);
+	main_progress_end();
+	free(v.group_of);
+	eco_pack_close(pack);
+	if (!code && counts->damaged)
+		code = eco_fail(error, ECO_DAMAGED, "%s: %" PRIu64 " things are damaged; build the pack again, or fetch it anew", path,
+			counts->damaged);
+	return code;
+}

@@ -1,0 +1,257 @@
+/* Camera scripts: a few keyframes -> many views.
+ *
+ * Every number of a view (eye, target, up, field of view) is a cubic Hermite spline through the keyframes, on the actual times. Its
+ * slope at an inner keyframe is that of the chord between the two neighbours (Catmull-Rom), at the ends that of the first and last
+ * chord: velocity is continuous, and a number that does not change between three keyframes stands still. Between keyframes a and
+ * b the spline leaves their smooth blend by at most 4/27 (t_b - t_a) (|slope_a| + |slope_b|); that is all the overshoot there is.
+ *
+ * A script is checked whole when it is read, every frame of it, so that a fault in frame 900 is not found after 899 pictures. */
+#include "ecofiles/format/view.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/json_read.h"
+
+#define FRAMES_MAX 1000000u
+#define FPS_LEAST 0.001
+#define FPS_MOST 1000.0
+#define TIME_MAX_S 1e9
+#define COORDINATE_MAX 1e12
+#define FILE_MAX_BYTES (64u << 20)
+
+enum { EYE = 0, TARGET = 3, UP = 6, FOV = 9, NUMBERS = 10 };
+
+struct key { double time_s, number[NUMBERS], slope[NUMBERS]; };
+
+struct eco_camera {
+	double fps;
+	uint32_t frame_count, key_count;
+	struct key *keys;
+};
+
+/* ---- Keyframes; an error has the line and column of the value, see json_read.h ---- */
+
+static bool read_key(const struct eco_json *node, uint32_t index, struct key *key)
+{
+	static const char *const fields[] = { "time_s", "eye", "target", "up", "fov_y_deg", NULL };
+	if (!eco_json_object(node, fields))
+		return false;
+	for (int i = 0; fields[i]; i++)
+		if (strcmp(fields[i], "up") != 0 && !eco_json_required(node, fields[i]))
+			return false;
+	key->number[UP + 2] = 1;
+	if (!eco_json_number(node, "time_s", -TIME_MAX_S, TIME_MAX_S, &key->time_s) ||
+		!eco_json_numbers(node, "eye", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + EYE) ||
+		!eco_json_numbers(node, "target", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + TARGET) ||
+		!eco_json_numbers(node, "up", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + UP) ||
+		!eco_json_number(node, "fov_y_deg", 0, 180, &key->number[FOV]))
+		return false;
+	if (index && !(key->time_s > key[-1].time_s)) {
+		struct eco_json time = eco_json_member(node, "time_s");
+		eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at %g: times must ascend", key->time_s,
+			key[-1].time_s);
+		return false;
+	}
+	return true;
+}
+
+static bool read_keys(const struct eco_json *array, struct eco_camera *camera)
+{
+	/* more keyframes than frames is no script; it also keeps the sizes below in range */
+	if (!eco_json_array(array, FRAMES_MAX))
+		return false;
+	size_t count = json_array_size(array->value);
+	if (count == 0) {
+		eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or more");
+		return false;
+	}
+	camera->keys = calloc(count, sizeof *camera->keys);
+	if (!camera->keys) {
+		eco_json_fail(array, ECO_NO_MEMORY, "no memory for %zu keyframes", count);
+		return false;
+	}
+	camera->key_count = (uint32_t)count;
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_json node = eco_json_item(array, i);
+		if (!read_key(&node, i, &camera->keys[i]))
+			return false;
+	}
+	return true;
+}
+
+/* ---- Interpolation ---- */
+
+static void set_slopes(struct eco_camera *camera)
+{
+	uint32_t last = camera->key_count - 1;
+	for (uint32_t i = 0; i <= last && last; i++) {
+		const struct key *a = &camera->keys[i ? i - 1 : 0], *b = &camera->keys[i < last ? i + 1 : last];
+		for (int n = 0; n < NUMBERS; n++)
+			camera->keys[i].slope[n] = (b->number[n] - a->number[n]) / (b->time_s - a->time_s);
+	}
+}
+
+/* The last keyframe that is not after `time_s`, but never the last of all unless it is the only one. */
+static uint32_t segment(const struct eco_camera *camera, double time_s)
+{
+	uint32_t low = 0, high = camera->key_count - 1;
+	while (high - low > 1) {
+		uint32_t middle = low + (high - low) / 2;
+		if (camera->keys[middle].time_s <= time_s)
+			low = middle;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static void interpolate(const struct eco_camera *camera, double time_s, double out[NUMBERS])
+{
+	const struct key *a = &camera->keys[segment(camera, time_s)], *b = a + 1;
+	if (camera->key_count == 1 || time_s <= a->time_s) {
+		memcpy(out, a->number, sizeof a->number);
+		return;
+	}
+	if (time_s >= b->time_s) {
+		memcpy(out, b->number, sizeof b->number);
+		return;
+	}
+	double h = b->time_s - a->time_s, s = (time_s - a->time_s) / h, r = 1 - s;
+	/* as a difference from a: what does not change is exactly what was written */
+	for (int n = 0; n < NUMBERS; n++)
+		out[n] = a->number[n] + s * s * (3 - 2 * s) * (b->number[n] - a->number[n]) +
+			h * s * r * (r * a->slope[n] - s * b->slope[n]);
+}
+
+uint32_t eco_camera_frame_count(const struct eco_camera *camera)
+{
+	return camera->frame_count;
+}
+
+double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view)
+{
+	double number[NUMBERS], last = camera->keys[camera->key_count - 1].time_s;
+	double time_s = camera->keys[0].time_s + frame / camera->fps;
+	assert(frame < camera->frame_count);
+	time_s = time_s < last ? time_s : last;
+	interpolate(camera, time_s, number);
+	memcpy(view->eye, number + EYE, sizeof view->eye);
+	memcpy(view->target, number + TARGET, sizeof view->target);
+	memcpy(view->up, number + UP, sizeof view->up);
+	view->fov_y_deg = number[FOV];
+	return time_s;
+}
+
+/* ---- The whole script ---- */
+
+static bool count_frames(const struct eco_json *root, struct eco_camera *camera)
+{
+	double length_s = camera->keys[camera->key_count - 1].time_s - camera->keys[0].time_s;
+	/* 0.1 s * 30 is not quite 3: the last frame counts if it misses the end by a millionth of a frame */
+	double frames = floor(length_s * camera->fps + 1e-6) + 1;
+	if (frames > FRAMES_MAX) {
+		eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,
+			camera->fps, frames, FRAMES_MAX);
+		return false;
+	}
+	camera->frame_count = (uint32_t)frames;
+	return true;
+}
+
+static bool check_frames(const struct eco_json *keyframes, const struct eco_camera *camera)
+{
+	for (uint32_t i = 0; i < camera->frame_count; i++) {
+		struct eco_view view = { .width = 1, .height = 1 };
+		struct eco_error cause = { 0 };
+		double time_s = eco_camera_frame(camera, i, &view);
+		if (eco_view_check(&view, &cause)) {
+			struct eco_json node = eco_json_item(keyframes, segment(camera, time_s));
+			eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
+				cause.text);
+			return false;
+		}
+	}
+	return true;
+}
+
+static bool read_script(const struct eco_json *root, struct eco_camera *camera)
+{
+	static const char *const fields[] = { "fps", "keyframes", NULL };
+	if (!eco_json_object(root, fields) || !eco_json_required(root, "fps") || !eco_json_required(root, "keyframes"))
+		return false;
+	struct eco_json keyframes = eco_json_member(root, "keyframes");
+	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) || !read_keys(&keyframes, camera) ||
+		!count_frames(root, camera))
+		return false;
+	set_slopes(camera);
+	return check_frames(&keyframes, camera);
+}
+
+enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name, struct eco_error *error)
+{
+	struct eco_error cause = { 0 };
+	struct eco_json_file file = { .name = name, .text = json, .size = size, .error = &cause };
+	*camera = NULL;
+	json_t *document = eco_json_open(&file);
+	if (!document)
+		return eco_fail(error, cause.code, "%s", cause.text);
+	struct eco_json root = eco_json_root(&file, document);
+	struct eco_camera *made = calloc(1, sizeof *made);
+	if (!made)
+		eco_fail(&cause, ECO_NO_MEMORY, "%s: no memory for a camera", name);
+	else if (read_script(&root, made))
+		*camera = made;
+	json_decref(document);
+	if (*camera)
+		return ECO_OK;
+	eco_camera_free(made);
+	return eco_fail(error, cause.code, "%s", cause.text);
+}
+
+static enum eco_code read_file(FILE *file, const char *path, char **text, size_t *size, struct eco_error *error)
+{
+	size_t room = 0;
+	*size = 0;
+	do {
+		room = room ? 2 * room : 4096;
+		char *moved = room > 2 * (size_t)FILE_MAX_BYTES ? NULL : realloc(*text, room);
+		if (!moved)
+			return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a camera script", path);
+		*text = moved;
+		*size += fread(*text + *size, 1, room - *size, file);
+		if (*size > FILE_MAX_BYTES)
+			return eco_fail(error, ECO_TOO_LARGE, "%s: a camera script has at most %u bytes", path, FILE_MAX_BYTES);
+	} while (*size == room);
+	if (ferror(file))
+		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	return ECO_OK;
+}
+
+enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, struct eco_error *error)
+{
+	char *text = NULL;
+	size_t size;
+	*camera = NULL;
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	enum eco_code code = read_file(file, path, &text, &size, error);
+	fclose(file);
+	if (!code)
+		code = eco_camera_parse(camera, text, size, path, error);
+	free(text);
+	return code;
+}
+
+void eco_camera_free(struct eco_camera *camera)
+{
+	if (!camera)
+		return;
+	free(camera->keys);
+	free(camera);
+}

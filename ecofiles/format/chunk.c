@@ -1,0 +1,211 @@
+/* What surrounds the coded streams: names, orders, sizes and the payload's frame. */
+#include "ecofiles/format/chunk.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <xxhash.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/base/mix.h"
+
+#define PAYLOAD_VERSION 1u
+
+struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
+{
+	XXH128_canonical_t canonical;
+	struct eco_chunk_id id;
+
+	XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes, size_bytes));
+	memcpy(id.bytes, canonical.digest, sizeof id.bytes);
+	return id;
+}
+
+/* Fisher-Yates. Scaling 32 random bits to the range by a multiplication is biased by at most count / 2^32. */
+void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
+{
+	uint64_t state = 0x65636f73u + ((uint64_t)ordinal << 32);
+
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = i;
+	for (uint32_t i = count; i > 1; i--) {
+		uint32_t j = (uint32_t)((eco_mix_next(&state) >> 32) * i >> 32);
+		uint32_t kept = order[j];
+
+		order[j] = order[i - 1];
+		order[i - 1] = kept;
+	}
+}
+
+/* ends may be NULL, to count. */
+static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent, uint64_t largest, uint32_t *ends)
+{
+	uint32_t n = 0;
+
+	for (uint64_t sent = 0; sent < count; n++) {
+		uint64_t size = sent * growth_percent / 100;
+
+		size = size < smallest ? smallest : size;
+		size = size > largest ? largest : size;
+		/* What would be a tiny last chunk joins this one. */
+		if (count - sent <= size + size / 2)
+			size = count - sent <= largest ? count - sent : (count - sent + 1) / 2;
+		sent += size;
+		if (ends != NULL)
+			ends[n] = (uint32_t)sent;
+	}
+	return n;
+}
+
+uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max)
+{
+	uint64_t first = smallest < 1 ? 1 : smallest, growth = 25, largest = 1u << 16;
+
+	if (element_count == 0)
+		return 0;
+	assert(max >= 1 && (uint64_t)max * ECO_CHUNK_ELEMENTS_MAX >= element_count);
+	if (first > largest)
+		first = largest;
+	while (split(element_count, first, growth, largest, NULL) > max) {
+		first = 2 * first > ECO_CHUNK_ELEMENTS_MAX ? ECO_CHUNK_ELEMENTS_MAX : 2 * first;
+		largest = 2 * largest > ECO_CHUNK_ELEMENTS_MAX ? ECO_CHUNK_ELEMENTS_MAX : 2 * largest;
+		growth *= 2;
+	}
+	return split(element_count, first, growth, largest, ends);
+}
+
+uint32_t eco_corners_primitives(uint8_t corners)
+{
+	return corners < 3 ? 1 : corners - 2u;
+}
+
+bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners)
+{
+	if (list->kind == ECO_LIST_TRIANGLES)
+		return corners >= 3 && corners <= (list->coder == ECO_CODER_MESH ? 3 : list->coder == ECO_CODER_FORM ? 4 : ECO_CORNERS_MAX);
+	return corners == (list->kind == ECO_LIST_LINES ? 2 : 1);
+}
+
+enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error)
+{
+	static const struct { uint8_t coders, attributes; } allowed[] = {
+#define CODER(name) (1u << ECO_CODER_##name)
+		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
+			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
+		[ECO_LIST_LINES] = { CODER(ELEMENTS) | CODER(FORM), ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_WIDTH },
+		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(KD) | CODER(ROWS) | CODER(FORM),
+			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_PLANT | ECO_ATTR_SIZE },
+		[ECO_LIST_INSTANCES] = { CODER(ROWS), ECO_ATTR_COLOR | ECO_ATTR_PLACE },
+		[ECO_LIST_GROUND] = { CODER(ROWS), ECO_ATTR_COLOR },
+		[ECO_LIST_IMAGE] = { CODER(BYTES), 0 },
+#undef CODER
+	};
+
+	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
+		return eco_fail(error, ECO_DAMAGED, "list: kind %u is unknown", list->kind);
+	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES || !(allowed[list->kind].coders >> list->coder & 1))
+		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind, list->coder);
+	if (list->attributes & ~allowed[list->kind].attributes)
+		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind, list->attributes);
+	if (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
+		return eco_fail(error, ECO_DAMAGED, "list: instances lack yaw and scale");
+	return ECO_OK;
+}
+
+struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream)
+{
+	return (struct eco_rows_shape){
+		.order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
+		.rows = stream->elements,
+		.corners = stream->corners,
+		.extra_count = (uint8_t)eco_list_extra_count(list),
+		.uv = (list->attributes & ECO_ATTR_UV) != 0,
+		.wide = stream->wide,
+		.uv_shift = stream->uv_shift,
+		.shift = stream->shift,
+		.split = coder == ECO_CODER_ROWS,
+		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0,
+		.predictors = stream->predictors,
+	};
+}
+
+enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size, struct eco_error *error)
+{
+	struct eco_reader r = { .bytes = bytes, .size = size };
+	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
+
+	memset(payload, 0, sizeof *payload);
+	payload->coder = eco_read_u8(&r);
+	payload->stream_count = eco_read_u8(&r);
+	reserved = eco_read_u8(&r);
+	if (r.failed || version != PAYLOAD_VERSION || (reserved != 0 && payload->coder != ECO_CODER_SHAPES))
+		return eco_fail(error, ECO_DAMAGED, "chunk: version %u of a payload of %zu bytes is unknown", version, size);
+	if (payload->coder == ECO_CODER_SHAPES && payload->stream_count == 0 && size > r.at) {
+		payload->stream_count = 1;
+		payload->streams[0] = (struct eco_stream){ .zeros = reserved, .bytes = bytes + r.at, .size = size - r.at };
+		return ECO_OK;
+	}
+	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1 || payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "chunk: %u streams", payload->stream_count);
+	for (uint32_t i = 0; i < payload->stream_count; i++) {
+		struct eco_stream *s = &payload->streams[i];
+		uint8_t flags;
+
+		s->corners = eco_read_u8(&r);
+		flags = eco_read_u8(&r);
+		s->predictors = eco_read_u16(&r);
+		s->elements = eco_read_u32(&r);
+		s->size = eco_read_u32(&r);
+		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
+				|| s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
+			return eco_fail(error, ECO_DAMAGED, "chunk: record of stream %u is impossible", i);
+		s->wide = flags & 1;
+		s->shift = flags >> 1 & 7;
+		s->uv_shift = flags >> 4;
+		last_corners = s->corners;
+	}
+	for (uint32_t i = 0; i < payload->stream_count; i++)
+		payload->streams[i].bytes = eco_read_bytes(&r, payload->streams[i].size);
+	if (r.failed || r.at != r.size)
+		return eco_fail(error, ECO_DAMAGED, "chunk: the streams do not fill the payload's %zu bytes", size);
+	return ECO_OK;
+}
+
+enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	struct eco_writer w = { 0 };
+
+	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
+	eco_write_u8(&w, PAYLOAD_VERSION);
+	eco_write_u8(&w, payload->coder);
+	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? 0 : (uint8_t)payload->stream_count);
+	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? payload->streams[0].zeros : 0);
+	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
+		const struct eco_stream *s = &payload->streams[i];
+
+		eco_write_u8(&w, s->corners);
+		eco_write_u8(&w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
+		eco_write_u16(&w, s->predictors);
+		eco_write_u32(&w, s->elements);
+		eco_write_u32(&w, (uint32_t)s->size);
+	}
+	for (uint32_t i = 0; i < payload->stream_count; i++)
+		eco_write_bytes(&w, payload->streams[i].bytes, payload->streams[i].size);
+	if (w.failed || w.size > ECO_CHUNK_BYTES_MAX) {
+		eco_writer_free(&w);
+		return eco_fail(error, w.failed ? ECO_NO_MEMORY : ECO_TOO_LARGE, "chunk: no room for a payload of more than %u bytes",
+			ECO_CHUNK_BYTES_MAX);
+	}
+	*bytes = w.bytes;
+	*size = w.size;
+	return ECO_OK;
+}
+
+void eco_payload_free_streams(struct eco_payload *payload)
+{
+	for (uint32_t i = 0; i < payload->stream_count; i++)
+		free((void *)payload->streams[i].bytes);
+	memset(payload, 0, sizeof *payload);
+}

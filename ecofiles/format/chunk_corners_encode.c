@@ -1,0 +1,359 @@
+/* Which trends the elements of a chunk follow, and how each is stored. Trends are fitted as k-means fits middles: each is fitted to the
+ * elements that it predicts best, from those that the trends so far predict worst. Fits make the sum of misses small, not of their squares,
+ * as most leaves may bend alike and some be something else. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk_shapes.h"
+
+#define ROUNDS 4
+#define STEADY 1e-3              /* so much of a unit is added to where a system might not have one solution */
+#define WEIGHT_COST 9.0          /* bits, about, of one weight */
+#define LEAVES_MAX 512u
+
+/* What coordinates must not miss by more than, squared: as far as rounding to the coarse grid could move a corner. */
+static const int64_t room = 3 * (1 << ECO_EXACT_SHIFT >> 1) * (1 << ECO_EXACT_SHIFT >> 1);
+
+static int64_t distance2(const int32_t *a, const int32_t *b)
+{
+	int64_t d2 = 0;
+
+	for (int i = 0; i < 3; i++)
+		d2 += ((int64_t)a[i] - b[i]) * ((int64_t)a[i] - b[i]);
+	return d2;
+}
+
+/* ---- Planning ---- */
+
+static int64_t floor_div(int64_t v, int64_t by)
+{
+	return v >= 0 ? v / by : -((by - 1 - v) / by);
+}
+
+/* The point of the lattice that is nearest to `exact`: among those that are nearest for each number of steps along the first axis. */
+static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], const int32_t *from, const int32_t *exact, int32_t *miss, int32_t *at)
+{
+	int64_t along[3], best = room + 1, off[3];
+	int32_t tried[3], there[3];
+
+	for (int i = 0; i < 3; i++)
+		off[i] = (int64_t)exact[i] - from[i];
+	for (int a = 0; a < 3; a++)
+		along[a] = ((off[0] * f->axis[a][0] + off[1] * f->axis[a][1] + off[2] * f->axis[a][2]) >> ECO_AXIS_BITS) - guess[a];
+	for (int32_t step = -1; step <= 2; step++) {
+		int64_t first = floor_div(along[0], ECO_LATTICE_STEP) + step;
+
+		if (first > INT32_MAX / 16 || first < -INT32_MAX / 16)
+			return false;
+		tried[0] = (int32_t)first;
+		for (int a = 1; a < 3; a++)
+			tried[a] = (int32_t)floor_div(along[a] - ECO_LATTICE_STEP * (tried[0] & 1) + ECO_LATTICE_STEP, 2 * ECO_LATTICE_STEP);
+		if (!eco_corner_place(f, guess, tried, from, there) || distance2(there, exact) >= best)
+			continue;
+		best = distance2(there, exact);
+		memcpy(miss, tried, sizeof tried);
+		memcpy(at, there, sizeof there);
+	}
+	return best <= room;
+}
+
+static uint32_t cost_of(const int32_t miss[3])
+{
+	uint32_t bits = 0;
+
+	for (int i = 0; i < 3; i++)
+		bits += eco_bit_length((uint64_t)(miss[i] < 0 ? -(int64_t)miss[i] : miss[i]));
+	return bits;
+}
+
+static bool find_again(const struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k)
+{
+	l->found[k] = c->slots[eco_corners_slot(c, l->coarse + 3 * k)];
+	if (l->found[k] == UINT32_MAX)
+		return false;
+	const int32_t *at = c->seen + 3 * (size_t)l->found[k];
+	if (distance2(at, l->exact + 3 * k) > room) {
+		l->found[k] = UINT32_MAX;
+		return false;
+	}
+	memcpy(l->position + 3 * k, at, 3 * sizeof *at);
+	return true;
+}
+
+/* Bits, or UINT32_MAX where a corner could not be near enough. */
+static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, uint8_t trend)
+{
+	bool plain = trend == c->head.trends[l->corners - 3];
+	struct eco_frame frame = { .of = 0 };
+	uint32_t bits = plain;
+
+	l->trend = trend;
+	for (uint32_t k = 1; k < l->corners; k++) {
+		int32_t *miss = l->miss + 3 * k, *at = l->position + 3 * k;
+
+		if (find_again(c, l, k))
+			continue;
+		if (plain) {
+			for (int i = 0; i < 3; i++) {
+				miss[i] = (int32_t)floor_div((int64_t)l->exact[3 * k + (uint32_t)i] - at[i - 3] + (1 << ECO_EXACT_SHIFT >> 1), 1 << ECO_EXACT_SHIFT);
+				at[i] = at[i - 3] + miss[i] * (1 << ECO_EXACT_SHIFT);
+			}
+		} else {
+			int64_t guess[3];
+
+			eco_corner_frame(&frame, l->position, k);
+			eco_corner_guess(&frame, c->head.trend[l->corners - 3][trend].weight[k], guess);
+			if (!nearest_miss(&frame, guess, l->position, l->exact + 3 * k, miss, at))
+				return UINT32_MAX;
+		}
+		bits += cost_of(miss);
+	}
+	return bits;
+}
+
+void eco_corners_plan(const struct eco_shapes_codec *c, struct eco_leaf *l)
+{
+	struct eco_leaf best = *l;
+	uint32_t least = UINT32_MAX;
+
+	for (uint32_t i = 0; i < 3; i++)
+		l->position[i] = l->coarse[i] * (1 << ECO_EXACT_SHIFT);
+	for (uint32_t t = c->head.trends[l->corners - 3] + 1u; t-- > 0;) {
+		uint32_t bits = plan_with(c, l, (uint8_t)t);
+
+		if (bits < least) {
+			least = bits;
+			best = *l;
+		}
+	}
+	*l = best;
+}
+
+/* ---- Fitting ---- */
+
+struct fit {
+	uint32_t corners, count, trends;
+	const int32_t *const *at;
+	struct eco_trend trend[ECO_TRENDS_MAX];
+	uint8_t of[LEAVES_MAX];
+	double miss[LEAVES_MAX];     /* bits that its trend misses by */
+	double share;                /* elements for each of these */
+	struct eco_frame *frames;    /* of corners 2 on, of each */
+};
+
+static struct eco_frame *frame_of(const struct fit *f, uint32_t i, uint32_t k)
+{
+	return &f->frames[(size_t)i * (f->corners - 2) + k - 2];
+}
+
+static bool make_frames(struct fit *f)
+{
+	f->frames = malloc((size_t)f->count * (f->corners - 2) * sizeof *f->frames);
+	for (uint32_t i = 0; f->frames && i < f->count; i++) {
+		struct eco_frame frame = { .of = 0 };
+
+		for (uint32_t k = 2; k < f->corners; k++) {
+			eco_corner_frame(&frame, f->at[i], k);
+			*frame_of(f, i, k) = frame;
+		}
+	}
+	return f->frames != NULL;
+}
+
+/* Solves a x = b for up to ECO_BASES_MAX unknowns, a symmetric and positive: Gauss's method, where pivots are not too small. */
+static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n)
+{
+	for (uint32_t i = 0; i < n; i++) {
+		if (!(a[i][i] > 1e-9))
+			return false;
+		for (uint32_t r = i + 1; r < n; r++) {
+			double f = a[r][i] / a[i][i];
+
+			for (uint32_t k = i; k < n; k++)
+				a[r][k] -= f * a[i][k];
+			b[r] -= f * b[i];
+		}
+	}
+	for (uint32_t i = n; i-- > 0;) {
+		for (uint32_t k = i + 1; k < n; k++)
+			b[i] -= a[i][k] * b[k];
+		b[i] /= a[i][i];
+	}
+	return true;
+}
+
+/* How far the weights miss, as a vector. */
+static void miss_of(const struct eco_frame *f, const double *weight, const int32_t *at, uint32_t k, double miss[3])
+{
+	for (int i = 0; i < 3; i++) {
+		miss[i] = (double)at[3 * k + (uint32_t)i] - at[i];
+		for (uint32_t j = 0; j < f->bases; j++)
+			miss[i] -= weight[j] * f->base[j][i];
+	}
+}
+
+static int32_t usual_weight(uint32_t k, uint32_t base)
+{
+	return base + 1 < k ? 1 << ECO_WEIGHT_BITS : 0;
+}
+
+/* Base j weighs what is usual and no longer is an unknown. */
+static void pin(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n, uint32_t j, double weight)
+{
+	for (uint32_t l = 0; l < n; l++) {
+		b[l] -= a[l][j] * weight;
+		a[l][j] = a[j][l] = l == j;
+	}
+	b[j] = weight;
+}
+
+/* Weights of corner k, but for those of the bases in `pinned`. */
+static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t pinned, int32_t *weight)
+{
+	double x[ECO_BASES_MAX] = { 0 };
+	const uint32_t n = eco_corner_bases(k);
+
+	for (int round = 0; round < ROUNDS; round++) {
+		double a[ECO_BASES_MAX][ECO_BASES_MAX] = { { 0 } }, b[ECO_BASES_MAX] = { 0 }, miss[3];
+
+		for (uint32_t i = 0; i < f->count; i++) {
+			const struct eco_frame *frame = frame_of(f, i, k);
+
+			if (f->of[i] != trend)
+				continue;
+			miss_of(frame, x, f->at[i], k, miss);
+			double share = round == 0 ? 1 : 1 / (sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]) + 8);
+			for (int d = 0; d < 3; d++)
+				for (uint32_t j = 0; j < n; j++) {
+					for (uint32_t l = 0; l < n; l++)
+						a[j][l] += share * frame->base[j][d] * frame->base[l][d];
+					b[j] += share * frame->base[j][d] * ((double)f->at[i][3 * k + (uint32_t)d] - f->at[i][d]);
+				}
+		}
+		for (uint32_t j = 0; j < n; j++)
+			a[j][j] += STEADY + 1e-7 * a[j][j];
+		for (uint32_t j = 0; j < n; j++)
+			if (pinned >> j & 1)
+				pin(a, b, n, j, ldexp(usual_weight(k, j), -(int)ECO_WEIGHT_BITS));
+		if (!solve(a, b, n))
+			break;
+		memcpy(x, b, sizeof x);
+	}
+	for (uint32_t j = 0; j < n; j++)
+		weight[j] = fabs(x[j]) * (1 << ECO_WEIGHT_BITS) < ECO_WEIGHT_MAX ? (int32_t)floor(ldexp(x[j], ECO_WEIGHT_BITS) + 0.5) : 0;
+}
+
+static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i, uint32_t k)
+{
+	const struct eco_frame *frame = frame_of(f, i, k);
+	double bits = 0, miss[3], x[ECO_BASES_MAX];
+
+	for (uint32_t j = 0; j < frame->bases; j++)
+		x[j] = ldexp(weight[j], -(int)ECO_WEIGHT_BITS);
+	miss_of(frame, x, f->at[i], k, miss);
+	for (int a = 0; a < 3; a++)
+		bits += log2(1 + fabs(miss[0] * (double)frame->axis[a][0] + miss[1] * (double)frame->axis[a][1] + miss[2] * (double)frame->axis[a][2])
+			/ (double)((int64_t)1 << ECO_AXIS_BITS) / (1 << ECO_EXACT_SHIFT));
+	return bits;
+}
+
+/* What corner k of all that follow the trend takes, and its weights. */
+static double cost_with(const struct fit *f, uint8_t trend, uint32_t k, const int32_t *weight)
+{
+	double bits = 0;
+
+	for (uint32_t i = 0; i < f->count; i++)
+		if (f->of[i] == trend)
+			bits += corner_bits(f, weight, i, k);
+	bits *= f->share;
+	for (uint32_t j = 0; j < eco_corner_bases(k); j++)
+		if (weight[j] != usual_weight(k, j))
+			bits += 4 + eco_bit_length((uint64_t)abs(weight[j] - usual_weight(k, j)));
+	return bits;
+}
+
+/* Weights that do not pay become what is usual. */
+static void prune(struct fit *f, uint8_t trend, uint32_t k)
+{
+	int32_t *weight = f->trend[trend].weight[k], tried[ECO_BASES_MAX];
+	double least = cost_with(f, trend, k, weight);
+	uint32_t pinned = 0;
+
+	for (uint32_t j = eco_corner_bases(k); j-- > 0;) {
+		fit_corner(f, trend, k, pinned | 1u << j, tried);
+		double cost = cost_with(f, trend, k, tried);
+		if (cost > least)
+			continue;
+		least = cost;
+		pinned |= 1u << j;
+		memcpy(weight, tried, sizeof tried);
+	}
+}
+
+/* Fits all trends, gives each element to the best, and returns the bits of all. */
+static double refine(struct fit *f)
+{
+	double bits = 0;
+
+	for (int round = 0; round < ROUNDS; round++) {
+		for (uint8_t t = 0; t < f->trends; t++)
+			for (uint32_t k = 2; k < f->corners; k++)
+				fit_corner(f, t, k, 0, f->trend[t].weight[k]);
+		bits = 0;
+		for (uint32_t i = 0; i < f->count; i++) {
+			f->miss[i] = INFINITY;
+			for (uint8_t t = 0; t < f->trends; t++) {
+				double missed = 0;
+
+				for (uint32_t k = 2; k < f->corners; k++)
+					missed += corner_bits(f, f->trend[t].weight[k], i, k);
+				if (missed < f->miss[i]) {
+					f->miss[i] = missed;
+					f->of[i] = t;
+				}
+			}
+			bits += f->miss[i];
+		}
+	}
+	return bits;
+}
+
+bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at, uint32_t count, double share)
+{
+	struct fit *f = calloc(1, sizeof *f);
+	uint32_t weights = 0;
+
+	head->trends[corners - 3] = 0;
+	if (f)
+		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX, .at = at, .trends = 1, .share = share };
+	if (!f || !make_frames(f)) {
+		free(f);
+		return false;
+	}
+	for (uint32_t k = 2; k < corners; k++)
+		weights += eco_corner_bases(k);
+	double least = refine(f);
+
+	for (;;) {
+		head->trends[corners - 3] = (uint8_t)f->trends;
+		for (uint8_t t = 0; t < f->trends; t++)
+			for (uint32_t k = 2; k < corners; k++)
+				prune(f, t, k);
+		memcpy(head->trend[corners - 3], f->trend, sizeof f->trend);
+		if (f->trends == ECO_TRENDS_MAX)
+			break;
+		for (uint32_t i = 0; i < f->count; i++)
+			if (f->miss[i] > least / f->count)
+				f->of[i] = (uint8_t)f->trends;
+		f->trends++;
+		double bits = refine(f);
+
+		if (share * (bits + f->count) + WEIGHT_COST * weights > share * least)
+			break;
+		least = bits;
+	}
+	free(f->frames);
+	free(f);
+	return true;
+}

@@ -1,0 +1,345 @@
+/* Which of a chunk's elements are placed shapes, in which steps, and the writing of them. */
+#include "ecofiles/format/chunk.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk_shapes.h"
+
+#define USES_LEAST 4u            /* elements of one shape: for fewer its entry costs more than it saves */
+#define UNITS_SAMPLE 256u        /* elements by which steps and trends are chosen */
+
+struct encoding {
+	const struct eco_chunk_input *input;
+	const struct eco_placed_element *elements;
+	uint32_t count;
+	uint32_t *of;                /* per stored element */
+	struct eco_placing *placing;
+	struct eco_shapes_codec codec;
+};
+
+static const int32_t *exact_of(const struct encoding *e, uint32_t i)
+{
+	return e->input->elements->exact + 3 * e->elements[i].corner_at;
+}
+
+static const int32_t *corner_of(const struct encoding *e, uint32_t i)
+{
+	return e->input->elements->position + 3 * e->elements[i].corner_at;
+}
+
+static uint8_t corners_of(const struct encoding *e, uint32_t i)
+{
+	return e->input->elements->corners[e->input->first + e->elements[i].element];
+}
+
+static bool find_shapes(struct encoding *c)
+{
+	size_t *at = malloc(c->count * sizeof *at);
+	uint32_t *by_element = malloc(c->count * sizeof *by_element);
+	bool good = at && by_element;
+
+	for (uint32_t i = 0; good && i < c->count; i++)
+		at[c->elements[i].element] = c->elements[i].corner_at;
+	good = good && eco_shapes_find(&c->codec.shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
+		USES_LEAST, by_element);
+	for (uint32_t i = 0; good && i < c->count; i++)
+		c->of[i] = by_element[c->elements[i].element];
+	free(at);
+	free(by_element);
+	return good;
+}
+
+static void widen(int32_t low[], int32_t high[], uint32_t k, int32_t v, bool first)
+{
+	low[k] = first || v < low[k] ? v : low[k];
+	high[k] = first || v > high[k] ? v : high[k];
+}
+
+/* About how many bits a sample of the elements takes with the steps in `shapes`. */
+static double cost_of(const struct encoding *c, const struct eco_shapes *shapes, double soup_bits)
+{
+	uint32_t step = c->count / UNITS_SAMPLE + 1, placed = 0, left = 0;
+	int32_t low[3], high[3];
+	double width = 2.0 * (shapes->way_bits + 1) + shapes->roll_bits + 2 - 3.0 * shapes->place_shift;
+
+	for (uint32_t i = 0; i < c->count; i += step) {
+		struct eco_placing p;
+
+		if (c->of[i] == ECO_SHAPE_NONE)
+			continue;
+		if (!eco_shape_fit(shapes, &shapes->items[c->of[i]], exact_of(c, i), &p)) {
+			left++;
+			continue;
+		}
+		for (uint32_t k = 0; k < 3; k++)
+			widen(low, high, k, p.size[k], placed == 0);
+		placed++;
+	}
+	for (int k = 0; k < 3 && placed > 0; k++)
+		width += log2((double)high[k] - low[k] + 1);
+	return placed * (width + 40) + left * fmax(soup_bits, width + 50);
+}
+
+/* One kind of step coarser; false where it cannot be. */
+static bool coarsen(struct eco_shapes *s, int kind)
+{
+	if (kind == 0 ? s->way_bits == 0 : kind == 1 ? s->roll_bits == 0 : kind == 2 ? s->place_shift >= ECO_EXACT_SHIFT
+			: s->size_shift[kind - 3] >= ECO_SHAPE_SHIFT_MAX || (s->stretch == ECO_STRETCH_NONE && kind > 3)
+			|| (s->stretch != ECO_STRETCH_ALL && kind > 4))
+		return false;
+	s->way_bits -= kind == 0;
+	s->roll_bits -= kind == 1;
+	s->place_shift += kind == 2;
+	if (kind >= 3)
+		s->size_shift[kind - 3]++;
+	return true;
+}
+
+/* Coarser steps take fewer bits, and leave more elements to corners. From the finest that could be of use, one kind of step after the
+ * other is made coarser as long as that pays. */
+static void choose_steps(struct encoding *c, double soup_bits)
+{
+	struct eco_shapes best = c->codec.shapes;
+	double least = cost_of(c, &best, soup_bits);
+
+	for (bool better = true; better;) {
+		const struct eco_shapes from = best;
+
+		better = false;
+		for (int kind = 0; kind < 6; kind++) {
+			struct eco_shapes tried = from;
+			double cost = coarsen(&tried, kind) ? cost_of(c, &tried, soup_bits) : INFINITY;
+
+			if (cost < least) {
+				least = cost;
+				best = tried;
+				better = true;
+			}
+		}
+	}
+	c->codec.shapes = best;
+}
+
+/* The span of the coarse grid in which first corners are; whether they follow each other along the curve. */
+static void measure_first(struct encoding *c)
+{
+	struct eco_shapes_head *h = &c->codec.head;
+	int32_t low[3], high[3];
+	uint32_t widest = 0;
+
+	for (uint32_t i = 0; i < c->count; i++)
+		for (uint32_t k = 0; k < 3; k++)
+			widen(low, high, k, corner_of(c, i)[k], i == 0);
+	for (uint32_t k = 0; k < 3; k++) {
+		h->first[k].low = low[k];
+		widest = (uint32_t)(high[k] - low[k]) > widest ? (uint32_t)(high[k] - low[k]) : widest;
+	}
+	h->first[0].bits = (uint8_t)eco_bit_length(widest);
+}
+
+/* False: the shape is somewhere where its first corner would not be within the span of first corners. */
+static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing *p, const struct eco_shape *shape)
+{
+	int32_t offset[3 * ECO_CORNERS_MAX];
+	int64_t first[3];
+	uint32_t rest[3];
+
+	if (!eco_shape_turn(&c->shapes, shape, p, offset))
+		return false;
+	eco_shapes_first(&c->shapes, p, offset, first, rest);
+	for (uint32_t i = 0; i < 3; i++)
+		if (first[i] < c->head.first[i].low || (first[i] - c->head.first[i].low) >> c->head.first[0].bits)
+			return false;
+	return true;
+}
+
+static void place_all(struct encoding *e)
+{
+	struct eco_shapes_codec *c = &e->codec;
+
+	for (uint32_t i = 0; i < e->count; i++) {
+		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL : &c->shapes.items[e->of[i]];
+
+		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
+			e->of[i] = ECO_SHAPE_NONE;
+	}
+}
+
+static void measure_extra(struct encoding *e)
+{
+	const struct eco_elements *from = e->input->elements;
+	int32_t low[ECO_ROWS_EXTRA_MAX], high[ECO_ROWS_EXTRA_MAX];
+
+	for (uint32_t k = 0; k < from->extra_count; k++) {
+		for (uint32_t i = 0; i < e->count; i++)
+			widen(low, high, k, from->extra[(size_t)from->extra_count * (e->input->first + i) + k], i == 0);
+		e->codec.head.extra[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
+	}
+}
+
+/* Trends are found on a sample. */
+static bool find_trends(struct encoding *e)
+{
+	uint32_t step = e->count / UNITS_SAMPLE + 1;
+	const int32_t **at = malloc((e->count / step + 1) * sizeof *at);
+
+	bool good = at != NULL;
+
+	for (uint32_t corners = 3; good && corners <= ECO_CORNERS_MAX; corners++) {
+		uint32_t count = 0;
+
+		for (uint32_t i = 0; i < e->count; i += step)
+			if (e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners)
+				at[count++] = exact_of(e, i);
+		e->codec.head.trends[corners - 3] = 0;
+		good = count == 0 || eco_corners_trends(&e->codec.head, corners, at, count, step);
+	}
+	free(at);
+	return good;
+}
+
+/* ---- Writing ---- */
+
+static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
+{
+	const struct eco_elements *from = e->input->elements;
+	size_t element = e->input->first + e->elements[i].element;
+	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i], .corners = corners_of(e, i),
+		.placing = e->placing[i], .coarse = corner_of(e, i), .exact = exact_of(e, i) };
+
+	if (from->uv)
+		memcpy(l.uv, from->uv + 2 * e->elements[i].corner_at, 2 * sizeof *l.uv * l.corners);
+	for (uint32_t k = 0; k < from->extra_count; k++)
+		l.extra[k] = from->extra[from->extra_count * element + k];
+	return l;
+}
+
+static uint8_t write_all(struct encoding *e, struct eco_writer *w, bool sorted)
+{
+	struct eco_shapes_codec *c = &e->codec;
+
+	c->head.sorted = sorted;
+	c->extra_count = e->input->elements->extra_count;
+	c->uv = e->input->elements->uv != NULL;
+	eco_shapes_start(c, e->count);
+	eco_range_write(&c->range, w);
+	eco_shapes_code_head(c);
+	for (uint32_t i = 0; i < e->count; i++) {
+		struct eco_leaf l = leaf_of(e, i);
+
+		if (l.shape == c->shapes.count)
+			eco_corners_plan(c, &l);
+		eco_shapes_code_leaf(c, &l);
+	}
+	assert(!c->failed);
+	return (uint8_t)eco_range_end(&c->range);
+}
+
+static void measure_sizes(struct encoding *e)
+{
+	int32_t low[3] = { 0 }, high[3] = { 0 };
+	bool first = true;
+
+	for (uint32_t i = 0; i < e->count; i++) {
+		for (uint32_t k = 0; k < 3 && e->of[i] != ECO_SHAPE_NONE; k++)
+			widen(low, high, k, e->placing[i].size[k], first);
+		first &= e->of[i] == ECO_SHAPE_NONE;
+	}
+	for (uint32_t k = 0; k < 3; k++)
+		e->codec.head.size[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
+}
+
+/* Writes the chunk and keeps that in `stream` if it is the smallest so far. False: out of memory. */
+static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *stream)
+{
+	struct eco_writer w = { 0 };
+	uint8_t zeros = write_all(e, &w, sorted);
+	bool good = !w.failed;
+
+	if (good && (stream->bytes == NULL || w.size < stream->size)) {
+		free((void *)stream->bytes);
+		*stream = (struct eco_stream){ .zeros = zeros, .bytes = w.bytes, .size = w.size };
+		w.bytes = NULL;
+	}
+	eco_writer_free(&w);
+	return good;
+}
+
+/* With shapes of ever more elements, at last none: what a shape of few saves may be less than what its entry takes. In stored order, as steps along
+ * the curve or not. */
+static bool write_smallest(struct encoding *e, struct eco_stream *stream)
+{
+	static const uint32_t uses[] = { 1, 8, 24, UINT32_MAX };
+	bool good = true;
+
+	for (size_t i = 0; i < sizeof uses / sizeof *uses && good; i++) {
+		uint32_t before = e->codec.shapes.count;
+
+		eco_shapes_keep(&e->codec.shapes, e->of, e->count, uses[i]);
+		if (i > 0 && e->codec.shapes.count == before)
+			continue;
+		measure_sizes(e);
+		good = find_trends(e) && write_and_keep(e, true, stream);
+		if (i == 0 && good)
+			good = write_and_keep(e, false, stream);
+	}
+	return good;
+}
+
+/* Room for all corners of the chunk, and twice as many slots at least. */
+static bool make_seen(struct encoding *e)
+{
+	struct eco_shapes_codec *c = &e->codec;
+	size_t corners = 0;
+
+	for (uint32_t i = 0; i < e->count; i++)
+		corners += corners_of(e, i);
+	c->slot_mask = 1;
+	while (c->slot_mask < 2 * corners)
+		c->slot_mask = c->slot_mask << 1 | 1;
+	c->seen = malloc(3 * corners * sizeof *c->seen);
+	c->keys = malloc(3 * corners * sizeof *c->keys);
+	c->slots = malloc(((size_t)c->slot_mask + 1) * sizeof *c->slots);
+	return c->seen && c->keys && c->slots;
+}
+
+enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
+	struct eco_stream *stream, struct eco_error *error)
+{
+	struct encoding *e = calloc(1, sizeof *e);
+	bool good = e != NULL;
+
+	*stream = (struct eco_stream){ .size = 0 };
+	if (good) {
+		e->input = input;
+		e->elements = elements;
+		e->count = input->end - input->first;
+		e->of = malloc(e->count * sizeof *e->of);
+		e->placing = calloc(e->count, sizeof *e->placing);
+		good = e->of && e->placing && make_seen(e) && find_shapes(e);
+	}
+	if (good) {
+		measure_first(e);
+		if (e->codec.shapes.count > 0)
+			choose_steps(e, soup_bits);
+		place_all(e);
+		measure_extra(e);
+		good = write_smallest(e, stream);
+	}
+	if (e) {
+		eco_shapes_free(&e->codec.shapes);
+		free(e->codec.seen);
+		free(e->codec.keys);
+		free(e->codec.slots);
+		free(e->of);
+		free(e->placing);
+	}
+	free(e);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal,
+		input->end - input->first);
+}

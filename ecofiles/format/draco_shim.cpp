@@ -1,0 +1,554 @@
+// The only C++ of ecofiles that knows Draco. Draco's decoders believe what a stream says about itself: how many attributes of how
+// many components there are decides how much they allocate. So the decoders are subclassed at the two points where Draco has read
+// these declarations and not yet acted on them, and anything but the expected columns is refused there.
+#include "ecofiles/format/draco_shim.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include <draco/compression/attributes/prediction_schemes/prediction_scheme_delta_encoder.h>
+#include <draco/compression/attributes/prediction_schemes/prediction_scheme_wrap_encoding_transform.h>
+#include <draco/compression/decode.h>
+#include <draco/compression/entropy/symbol_encoding.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_kd_tree_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
+
+namespace {
+
+constexpr uint32_t kColumnsMax = 128;
+
+enum eco_code refuse(struct eco_error *error, enum eco_code code, const char *what, const char *detail)
+{
+	return eco_fail(error, code, "Draco: %s%s%s", what, *detail ? ": " : "", detail);
+}
+
+// Runs `body` so that no exception leaves it.
+template <class Body>
+enum eco_code contained(struct eco_error *error, enum eco_code otherwise, Body body)
+{
+	try {
+		return body();
+	} catch (const std::bad_alloc &) {
+		return refuse(error, ECO_NO_MEMORY, "out of memory", "");
+	} catch (const std::exception &e) {
+		return refuse(error, otherwise, "exception", e.what());
+	} catch (...) {
+		return refuse(error, otherwise, "unknown exception", "");
+	}
+}
+
+struct Expected {
+	const struct eco_draco_column *columns;
+	uint32_t column_count;
+	uint32_t rows;               // 0: meshes, whose point count is known only after the connectivity
+};
+
+// A decoder that stops before the first attribute is decoded unless the declared attributes are the expected columns.
+template <class Base>
+class Guarded : public Base {
+ public:
+	explicit Guarded(const Expected &expected) : expected_(expected) {}
+
+ protected:
+	bool CreateAttributesDecoder(int32_t id) override
+	{
+		return id == 0 && Base::CreateAttributesDecoder(id);
+	}
+
+	bool DecodeAllAttributes() override
+	{
+		const draco::PointCloud *cloud = this->point_cloud();
+
+		if (this->num_attributes_decoders() != 1 || cloud->num_attributes() != static_cast<int32_t>(expected_.column_count))
+			return false;
+		if (expected_.rows != 0 && cloud->num_points() != expected_.rows)
+			return false;
+		for (uint32_t i = 0; i < expected_.column_count; i++) {
+			const draco::PointAttribute *a = cloud->attribute(i);
+
+			if (a->data_type() != draco::DT_INT32 || a->num_components() != expected_.columns[i].components)
+				return false;
+		}
+		return Base::DecodeAllAttributes();
+	}
+
+ private:
+	const Expected expected_;
+};
+
+int add_column(draco::PointCloud *cloud, draco::GeometryAttribute::Type type, const int32_t *values, uint8_t components,
+	uint32_t rows)
+{
+	draco::GeometryAttribute attribute;
+
+	attribute.Init(type, nullptr, components, draco::DT_INT32, false, sizeof(int32_t) * components, 0);
+	const int id = cloud->AddAttribute(attribute, true, rows);
+	draco::PointAttribute *stored = cloud->attribute(id);
+	if (stored->buffer()->data_size() < sizeof(int32_t) * components * static_cast<size_t>(rows))
+		throw std::bad_alloc();
+	stored->buffer()->Write(0, values, sizeof(int32_t) * components * static_cast<size_t>(rows));
+	return id;
+}
+
+enum eco_code give(const draco::EncoderBuffer &buffer, uint8_t **bytes, size_t *size)
+{
+	*bytes = static_cast<uint8_t *>(std::malloc(buffer.size()));
+	if (*bytes == nullptr)
+		throw std::bad_alloc();
+	std::memcpy(*bytes, buffer.data(), buffer.size());
+	*size = buffer.size();
+	return ECO_OK;
+}
+
+bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, int speed, const struct eco_draco_column *columns,
+	uint32_t column_count, draco::EncoderBuffer *buffer, struct eco_error *error)
+{
+	draco::ExpertEncoder encoder(cloud);
+
+	encoder.SetSpeedOptions(speed, speed);
+	encoder.SetEncodingMethod(order == ECO_DRACO_KD ? draco::POINT_CLOUD_KD_TREE_ENCODING : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+	if (order == ECO_DRACO_SEQUENTIAL)
+		for (uint32_t i = 0; i < column_count; i++)
+			encoder.SetAttributePredictionScheme(i, columns[i].difference ? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
+	const draco::Status status = encoder.EncodeToBuffer(buffer);
+	if (!status.ok())
+		refuse(error, ECO_BAD_INPUT, "cannot encode rows", status.error_msg());
+	return status.ok();
+}
+
+template <class Decoder>
+enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected, struct eco_error *error)
+{
+	draco::DecoderBuffer buffer;
+	draco::DecoderOptions options;
+	draco::PointCloud cloud;
+	Guarded<Decoder> decoder(expected);
+
+	buffer.Init(reinterpret_cast<const char *>(bytes), size);
+	const draco::Status status = decoder.Decode(options, &buffer, &cloud);
+	if (!status.ok())
+		return refuse(error, ECO_DAMAGED, "cannot decode rows", status.error_msg());
+	if (buffer.remaining_size() != 0)
+		return refuse(error, ECO_DAMAGED, "bytes follow the rows", "");
+	for (uint32_t i = 0; i < expected.column_count; i++) {
+		const draco::PointAttribute *a = cloud.attribute(i);
+		const size_t want = sizeof(int32_t) * expected.columns[i].components * static_cast<size_t>(expected.rows);
+
+		if (!a->is_mapping_identity() || a->size() < expected.rows || a->buffer()->data_size() < want)
+			return refuse(error, ECO_DAMAGED, "rows are missing", "");
+		a->buffer()->Read(0, expected.columns[i].values, want);
+	}
+	return ECO_OK;
+}
+
+// What a mesh stream holds after decoding, checked before it is used: Draco does not bound face indices itself.
+enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex, struct eco_error *error)
+{
+	const draco::PointAttribute *a = mesh.attribute(0);
+
+	if (mesh.num_faces() != faces)
+		return refuse(error, ECO_DAMAGED, "faces are missing", "");
+	for (uint32_t f = 0; f < faces; f++) {
+		const draco::Mesh::Face &face = mesh.face(draco::FaceIndex(f));
+
+		for (int c = 0; c < 3; c++) {
+			if (face[c].value() >= mesh.num_points())
+				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
+			const uint32_t value = a->mapped_index(face[c]).value();
+			const size_t at = static_cast<size_t>(value) * 12;
+
+			if (value >= a->size() || value >= 3 * faces || at + 12 > a->buffer()->data_size())
+				return refuse(error, ECO_DAMAGED, "a point names a position that is not there", "");
+			std::memcpy(position, a->buffer()->data() + at, 12);
+			position += 3;
+			*vertex++ = value;
+		}
+	}
+	return ECO_OK;
+}
+
+// LEB128 as Draco writes it; false when it runs out or exceeds 32 bits.
+bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
+{
+	uint64_t v = 0;
+
+	for (int shift = 0; shift < 35; shift += 7) {
+		if (*at >= size)
+			return false;
+		const uint8_t b = bytes[(*at)++];
+		v |= static_cast<uint64_t>(b & 0x7f) << shift;
+		if (b < 0x80) {
+			*value = static_cast<uint32_t>(v);
+			return v <= UINT32_MAX;
+		}
+	}
+	return false;
+}
+
+// ---- Meshes of glTF files ----
+
+constexpr int kForeignAttributesMax = 32;
+constexpr int kForeignComponentsMax = 64;    // of all attributes of a point
+
+struct Bounds {
+	uint32_t faces, points;
+	bool exceeded;               // out: they were
+};
+
+// The counts at the front of the connectivity, which the decoder would believe.
+bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bounds *bounds)
+{
+	const uint8_t *bytes = reinterpret_cast<const uint8_t *>(buffer.data_head());
+	const size_t size = static_cast<size_t>(buffer.remaining_size());
+	size_t at = 0;
+	uint32_t first, second, symbols, splits;
+
+	if (!varint(bytes, size, &at, &first) || !varint(bytes, size, &at, &second))
+		return false;
+	const uint32_t faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
+	bounds->exceeded = faces > bounds->faces || points > bounds->points;
+	if (bounds->exceeded || !edgebreaker)
+		return !bounds->exceeded;
+	if (at >= size || bytes[at++] > kForeignAttributesMax)
+		return false;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
+}
+
+// A decoder that stops where a count exceeds its bound, before it allocates for it.
+template <class Base, bool kEdgebreaker>
+class Bounded : public Base {
+ public:
+	explicit Bounded(Bounds *bounds) : bounds_(bounds) {}
+
+ protected:
+	bool DecodeConnectivity() override
+	{
+		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_) && Base::DecodeConnectivity();
+	}
+
+	bool CreateAttributesDecoder(int32_t id) override
+	{
+		return id < kForeignAttributesMax && Base::CreateAttributesDecoder(id);
+	}
+
+	bool DecodeAllAttributes() override
+	{
+		const draco::PointCloud *cloud = this->point_cloud();
+		int components = 0;
+
+		for (int32_t i = 0; i < cloud->num_attributes(); i++)
+			components += cloud->attribute(i)->num_components();
+		if (cloud->num_attributes() > kForeignAttributesMax || components > kForeignComponentsMax)
+			return false;
+		bounds_->exceeded = cloud->num_points() > bounds_->points;
+		return !bounds_->exceeded && Base::DecodeAllAttributes();
+	}
+
+ private:
+	Bounds *bounds_;
+};
+
+template <class T>
+T *array_of(size_t count)
+{
+	T *array = static_cast<T *>(std::malloc((count + 1) * sizeof(T)));
+
+	if (array == nullptr)
+		throw std::bad_alloc();
+	return array;
+}
+
+enum eco_code take_foreign_faces(const draco::Mesh &mesh, struct eco_draco_mesh *to, struct eco_error *error)
+{
+	to->index = array_of<uint32_t>(3 * static_cast<size_t>(mesh.num_faces()));
+	to->points = mesh.num_points();
+	to->faces = mesh.num_faces();
+	for (uint32_t f = 0; f < to->faces; f++)
+		for (int c = 0; c < 3; c++) {
+			const uint32_t point = mesh.face(draco::FaceIndex(f))[c].value();
+
+			if (point >= to->points)
+				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
+			to->index[3 * static_cast<size_t>(f) + c] = point;
+		}
+	return ECO_OK;
+}
+
+enum eco_code take_foreign_values(draco::Mesh *mesh, struct eco_draco_attribute *to, struct eco_error *error)
+{
+	const int32_t id = mesh->GetAttributeIdByUniqueId(to->id);
+
+	if (id < 0)
+		return refuse(error, ECO_DAMAGED, "an attribute is missing", "");
+	draco::PointAttribute *a = mesh->attribute(id);
+	const uint32_t points = mesh->num_points();
+	const size_t stored = a->buffer() == nullptr ? 0 : a->buffer()->data_size();
+
+	a->set_normalized(false);
+	to->values = array_of<float>(static_cast<size_t>(points) * to->components);
+	for (uint32_t i = 0; i < points; i++) {
+		const draco::AttributeValueIndex value = a->is_mapping_identity() ? draco::AttributeValueIndex(i)
+			: i < a->indices_map_size() ? a->mapped_index(draco::PointIndex(i)) : draco::AttributeValueIndex(UINT32_MAX);
+
+		if (value.value() >= a->size() || (static_cast<size_t>(value.value()) + 1) * static_cast<size_t>(a->byte_stride()) > stored)
+			return refuse(error, ECO_DAMAGED, "a point names a value that is not there", "");
+		if (!a->ConvertValue<float>(value, static_cast<int8_t>(to->components), to->values + static_cast<size_t>(i) * to->components))
+			return refuse(error, ECO_DAMAGED, "a value that is no number", "");
+	}
+	return ECO_OK;
+}
+
+template <class Decoder>
+enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds, struct eco_draco_attribute *attributes, uint32_t count,
+	struct eco_draco_mesh *to, struct eco_error *error)
+{
+	draco::DecoderBuffer buffer;
+	draco::DecoderOptions options;
+	draco::Mesh mesh;
+	Decoder decoder(bounds);
+
+	buffer.Init(reinterpret_cast<const char *>(bytes), size);
+	const draco::Status status = decoder.Decode(options, &buffer, &mesh);
+	if (bounds->exceeded)
+		return refuse(error, ECO_DAMAGED, "more faces or points than the file says, or than are possible", "");
+	if (!status.ok())
+		return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
+	enum eco_code code = take_foreign_faces(mesh, to, error);
+	for (uint32_t i = 0; i < count && code == ECO_OK; i++)
+		code = take_foreign_values(&mesh, &attributes[i], error);
+	return code;
+}
+
+}  // namespace
+
+// Draco counts symbols in an array with a place for each integer up to the largest: of a dozen plants in a tile, megabytes cleared and
+// scanned for a dozen numbers, most of the time that large forests take to pack. The linker sends its calls here (--wrap): sparse
+// symbols are sorted instead, and the same terms added in the same order, so that the streams are the same to the bit.
+#define COMPUTE_SHANNON_ENTROPY(prefix) prefix##_ZN5draco21ComputeShannonEntropyEPKjiiPi
+extern "C" {
+int64_t COMPUTE_SHANNON_ENTROPY(__real_)(const uint32_t *symbols, int count, int largest, int *unique);
+int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int largest, int *unique);
+}
+
+int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int largest, int *unique)
+{
+	if (largest / 32 < count)
+		return COMPUTE_SHANNON_ENTROPY(__real_)(symbols, count, largest, unique);
+	std::vector<uint32_t> sorted(symbols, symbols + count);
+	double bits = 0;
+	int kinds = 0;
+
+	std::sort(sorted.begin(), sorted.end());
+	for (size_t first = 0, end; first < sorted.size(); first = end, kinds++) {
+		for (end = first + 1; end < sorted.size() && sorted[end] == sorted[first];)
+			end++;
+		const double times = static_cast<double>(end - first);
+		bits += times * std::log2(times / static_cast<double>(count));
+	}
+	if (unique != nullptr)
+		*unique = kinds;
+	return static_cast<int64_t>(-bits);
+}
+
+bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
+{
+	// magic, bitstream version 2.3, a point cloud, method, no flags, then the count and one attribute decoder
+	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0, static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
+		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
+		static_cast<uint8_t>(rows >> 24), 1 };
+
+	return size > sizeof head && std::memcmp(bytes, head, sizeof head) == 0;
+}
+
+bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
+{
+	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; then the traversal: standard (0) or valence (2)
+	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
+	size_t at = sizeof head + 1;
+	uint32_t vertices, count, symbols, splits;
+
+	if (size <= at || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] != 0 && bytes[11] != 2))
+		return false;
+	if (!varint(bytes, size, &at, &vertices) || !varint(bytes, size, &at, &count))
+		return false;
+	if (count != faces || vertices > static_cast<uint64_t>(faces) * 3)
+		return false;
+	if (at >= size || bytes[at++] != 0)    // connectivity of further attributes
+		return false;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
+}
+
+enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
+	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	*bytes = nullptr;
+	*size = 0;
+	if (rows == 0 || column_count == 0 || column_count > kColumnsMax)
+		return refuse(error, ECO_BAD_INPUT, "no rows, or no or too many columns", "");
+	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
+		draco::PointCloud cloud;
+		draco::EncoderBuffer best, other;
+
+		cloud.set_num_points(rows);
+		for (uint32_t i = 0; i < column_count; i++)
+			add_column(&cloud, i == 0 ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC, columns[i].values,
+				columns[i].components, rows);
+		if (!encode_cloud(cloud, order, 0, columns, column_count, &best, error))
+			return ECO_BAD_INPUT;
+		if (order == ECO_DRACO_KD) {
+			// Whether choosing axes pays depends on the points: try without.
+			if (!encode_cloud(cloud, order, 10, columns, column_count, &other, error))
+				return ECO_BAD_INPUT;
+			if (other.size() < best.size())
+				return give(other, bytes, size);
+		}
+		return give(best, bytes, size);
+	});
+}
+
+// The coder of symbols alone says which of two ways is smaller: an encoder around it, with its options and a copy of the values, takes
+// several times as long as a dozen values do.
+enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error)
+{
+	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
+		draco::PredictionSchemeDeltaEncoder<int32_t, draco::PredictionSchemeWrapEncodingTransform<int32_t>> scheme(nullptr);
+		const int count = static_cast<int>(rows * column->components);
+		std::vector<int32_t> values(column->values, column->values + count);
+		std::vector<uint32_t> symbols(values.size());
+		draco::EncoderBuffer buffer;
+		draco::Options options;
+
+		if (column->difference) {
+			scheme.ComputeCorrectionValues(column->values, values.data(), count, column->components, nullptr);
+			scheme.EncodePredictionData(&buffer);
+			buffer.Encode(static_cast<int8_t>(scheme.GetTransformType()));
+		}
+		draco::ConvertSignedIntsToSymbols(values.data(), count, symbols.data());
+		draco::SetSymbolEncodingCompressionLevel(&options, 10);
+		if (!draco::EncodeSymbols(symbols.data(), count, column->components, &options, &buffer))
+			return refuse(error, ECO_BAD_INPUT, "cannot encode rows", "");
+		*size = buffer.size();
+		return ECO_OK;
+	});
+}
+
+// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level; Draco compares it with that of
+// the header only after decoding so many points.
+static bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
+{
+	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
+	uint32_t field[2] = { 0, 0 };
+
+	if (size < at + 8 || bytes[16] != column_count)
+		return false;
+	for (int i = 0; i < 8; i++)
+		field[i / 4] |= static_cast<uint32_t>(bytes[at + i]) << (8 * (i % 4));
+	return field[0] <= 30 && field[1] == rows;
+}
+
+enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
+	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error)
+{
+	const Expected expected = { columns, column_count, rows };
+
+	if (!eco_draco_rows_start(bytes, size, order, rows) || column_count > kColumnsMax
+	    || (order == ECO_DRACO_KD && !kd_start(bytes, size, column_count, rows)))
+		return refuse(error, ECO_DAMAGED, "not a stream of that many rows", "");
+	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
+		if (order == ECO_DRACO_KD)
+			return decode_cloud<draco::PointCloudKdTreeDecoder>(bytes, size, expected, error);
+		return decode_cloud<draco::PointCloudSequentialDecoder>(bytes, size, expected, error);
+	});
+}
+
+enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index, uint32_t faces,
+	uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	*bytes = nullptr;
+	*size = 0;
+	if (vertices == 0 || faces == 0)
+		return refuse(error, ECO_BAD_INPUT, "an empty mesh", "");
+	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
+		draco::Mesh mesh;
+		draco::EncoderBuffer buffer;
+
+		mesh.SetNumFaces(faces);
+		for (uint32_t f = 0; f < faces; f++) {
+			draco::Mesh::Face face;
+
+			for (int c = 0; c < 3; c++)
+				face[c] = index[3 * static_cast<size_t>(f) + c];
+			mesh.SetFace(draco::FaceIndex(f), face);
+		}
+		mesh.set_num_points(vertices);
+		add_column(&mesh, draco::GeometryAttribute::POSITION, position, 3, vertices);
+
+		draco::ExpertEncoder encoder(mesh);
+		encoder.SetSpeedOptions(0, 0);
+		encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+		const draco::Status status = encoder.EncodeToBuffer(&buffer);
+		if (!status.ok())
+			return refuse(error, ECO_BAD_INPUT, "cannot encode mesh", status.error_msg());
+		return give(buffer, bytes, size);
+	});
+}
+
+enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
+	struct eco_error *error)
+{
+	const struct eco_draco_column column = { nullptr, 3, false };
+	const Expected expected = { &column, 1, 0 };
+
+	if (!eco_draco_mesh_start(bytes, size, faces))
+		return refuse(error, ECO_DAMAGED, "not a mesh of that many faces", "");
+	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
+		draco::DecoderBuffer buffer;
+		draco::DecoderOptions options;
+		draco::Mesh mesh;
+		Guarded<draco::MeshEdgebreakerDecoder> decoder(expected);
+
+		buffer.Init(reinterpret_cast<const char *>(bytes), size);
+		const draco::Status status = decoder.Decode(options, &buffer, &mesh);
+		if (!status.ok())
+			return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
+		if (buffer.remaining_size() != 0)
+			return refuse(error, ECO_DAMAGED, "bytes follow the mesh", "");
+		return read_faces(mesh, faces, position, vertex, error);
+	});
+}
+
+enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
+	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error)
+{
+	Bounds bounds = { faces_max, points_max, false };
+
+	*mesh = eco_draco_mesh{};
+	for (uint32_t i = 0; i < attribute_count; i++)
+		attributes[i].values = nullptr;
+	if (size < 11 || std::memcmp(bytes, "DRACO", 5) != 0)
+		return refuse(error, ECO_DAMAGED, "not a stream of it", "");
+	if (bytes[5] != 2 || bytes[6] != 2 || bytes[7] != 1 || bytes[8] > 1)
+		return refuse(error, ECO_UNSUPPORTED, "not a mesh of bitstream version 2.2, which glTF asks for", "");
+	const enum eco_code code = contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
+		if (bytes[8] == 1)
+			return decode_foreign<Bounded<draco::MeshEdgebreakerDecoder, true>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+		return decode_foreign<Bounded<draco::MeshSequentialDecoder, false>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+	});
+	if (code != ECO_OK) {
+		std::free(mesh->index);
+		*mesh = eco_draco_mesh{};
+		for (uint32_t i = 0; i < attribute_count; i++) {
+			std::free(attributes[i].values);
+			attributes[i].values = nullptr;
+		}
+	}
+	return code;
+}

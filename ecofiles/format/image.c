@@ -1,0 +1,154 @@
+/* Which reader a picture needs, by its first bytes, and writing files so that a reader never sees half of one. */
+#include "ecofiles/format/image.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/format/image_png.h"
+#include "ecofiles/base/module.h"
+
+static enum eco_code decode(struct eco_image *image, const char *name, const void *bytes, size_t size, struct eco_error *error)
+{
+	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, error);
+	char text[300];
+
+	if (module == NULL)
+		return ECO_NOT_FOUND;
+	if (module->decode(name, bytes, size, ECO_PIXELS_MAX, &image->width, &image->height, &image->rgba, text, sizeof text) == 0)
+		return ECO_OK;
+	*image = (struct eco_image){ .rgba = NULL };
+	return eco_fail(error, ECO_BAD_INPUT, "%s: %s", name, text);
+}
+
+/* ---- Formats by their first bytes ---- */
+
+/* A name whose extension suits the content, so that the right reader is tried first; NULL if the content does not tell. */
+static const char *name_for(const uint8_t *bytes, size_t size)
+{
+	static const struct { const char *magic, *name; size_t at, count; } kinds[] = {
+		{ "\xff\xd8\xff", "memory.jpg", 0, 3 }, { "WEBP", "memory.webp", 8, 4 },
+		{ "GIF8", "memory.gif", 0, 4 }, { "BM", "memory.bmp", 0, 2 }, { "DDS ", "memory.dds", 0, 4 },
+	};
+
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+		if (size >= kinds[i].at + kinds[i].count && memcmp(bytes + kinds[i].at, kinds[i].magic, kinds[i].count) == 0)
+			return kinds[i].name;
+	return NULL;
+}
+
+/* ---- Reading ---- */
+
+enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
+	struct eco_error *error)
+{
+	struct eco_error inner = { .code = ECO_OK };
+	const char *kind = name_for(bytes, size_bytes);
+	enum eco_code code;
+
+	*image = (struct eco_image){ .rgba = NULL };
+	if (size_bytes == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
+	if (size_bytes > ECO_IMAGE_FILE_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible", name, size_bytes, ECO_IMAGE_FILE_MAX);
+	if (eco_png_is(bytes, size_bytes))
+		return eco_png_decode(image, bytes, size_bytes, name, error);
+	code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
+	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
+}
+
+static enum eco_code read_open(struct eco_image *image, FILE *file, const char *path, struct eco_error *error)
+{
+	struct stat status;
+	uint8_t *bytes;
+	size_t size;
+	enum eco_code code;
+
+	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
+		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
+	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path, (long long)status.st_size,
+			ECO_IMAGE_FILE_MAX);
+	bytes = malloc((size_t)status.st_size + 1);
+	if (bytes == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	size = fread(bytes, 1, (size_t)status.st_size, file);
+	if (ferror(file))
+		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	else if (eco_png_is(bytes, size) || name_for(bytes, size) != NULL || size == 0)
+		code = eco_image_read_memory(image, bytes, size, path, error);
+	else
+		code = decode(image, path, NULL, 0, error);      /* some rarer formats are read from files only */
+	free(bytes);
+	return code;
+}
+
+enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error)
+{
+	FILE *file = fopen(path, "rb");
+	enum eco_code code;
+
+	*image = (struct eco_image){ .rgba = NULL };
+	if (file == NULL)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+	code = read_open(image, file, path, error);
+	fclose(file);
+	return code;
+}
+
+void eco_image_free(struct eco_image *image)
+{
+	free(image->rgba);
+	*image = (struct eco_image){ .rgba = NULL };
+}
+
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error)
+{
+	const struct eco_image_module *module;
+	char text[300];
+
+	assert(a->width == b->width && a->height == b->height && a->channels == 3 && b->channels == 3);
+	assert(a->width > 0 && a->height > 0 && (uint64_t)a->width * a->height <= ECO_PIXELS_MAX);
+	*differing = 0;
+	module = eco_module(ECO_MODULE_IMAGE, error);
+	if (module == NULL)
+		return ECO_NOT_FOUND;
+	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text, sizeof text) != 0)
+		return eco_fail(error, ECO_NO_MEMORY, "comparing pictures: %s", text);
+	return ECO_OK;
+}
+
+static bool write_all(FILE *file, const uint8_t *bytes, size_t size)
+{
+	bool good = fwrite(bytes, 1, size, file) == size;
+
+	return fclose(file) == 0 && good;
+}
+
+enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error)
+{
+	char beside[4096];
+	uint8_t *bytes;
+	size_t size;
+	FILE *file;
+	enum eco_code code = eco_png_encode_fast(pixels, &bytes, &size, error);
+
+	if (code != ECO_OK)
+		return code;
+	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside) {
+		free(bytes);
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
+	}
+	file = fopen(beside, "wb");
+	if (file == NULL || !write_all(file, bytes, size) || rename(beside, path) != 0) {
+		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		if (file != NULL)
+			unlink(beside);
+	}
+	free(bytes);
+	return code;
+}

@@ -1,0 +1,43 @@
+/* Pictures in and out: textures of models, PNG frames of the viewer.
+ *
+ * libpng does the work for PNG; for all other formats OpenImageIO does, in a module of its own (module.h) that is loaded when the first
+ * such picture is asked for: linking it would cost every program 200 ms and 131 MB at start. Where it cannot be loaded, calls fail
+ * with ECO_NOT_FOUND. All functions are thread-safe. */
+#ifndef ECO_IMAGE_H
+#define ECO_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/status.h"
+
+#define ECO_PIXELS_MAX (1u << 26)        /* of a picture read or written */
+#define ECO_IMAGE_FILE_MAX (1u << 28)    /* bytes of a picture file */
+
+/* Reads any picture OpenImageIO knows (PNG, JPEG, WebP, TIFF, TGA, ...) as 8-bit RGBA with straight alpha, 255 where the file has
+ * none; gray becomes RGB, 16 bits and floats are rounded. The format is taken from the content, else from the name. *image
+ * receives a malloc'ed array; on failure it is empty. Errors name the file. */
+enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error);
+/* The same from memory; `name` is for messages and, by its extension, for formats that cannot be told from their content. */
+enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
+	struct eco_error *error);
+void eco_image_free(struct eco_image *image);
+
+/* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA, straight alpha). */
+struct eco_pixels {
+	uint32_t width, height, channels;
+	const uint8_t *bytes;
+};
+
+/* Encodes a PNG file, as small as it gets without taking long; *bytes is malloc'ed. The same pixels give the same bytes. */
+enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
+/* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
+enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
+
+/* Pixels of a picture that a person would see to differ from the other, of the same size with 3 channels: Yee's measure at a display of
+ * 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`. OpenImageIO 2.4 reads a channel of brightness that is not there, so
+ * differences of hue count and those of brightness alone do not. Both have at least 1 and at most ECO_PIXELS_MAX pixels. */
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error);
+
+#endif

@@ -1,0 +1,92 @@
+/* What every part of the system needs to know about a list without decoding it. */
+#include "ecofiles/format/list.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/pack.h"
+
+const char *const eco_organ_names[ECO_ORGAN_COUNT] = {
+	[ECO_ORGAN_WOOD] = "wood",
+	[ECO_ORGAN_FOLIAGE] = "foliage",
+	[ECO_ORGAN_FLOWER] = "flower",
+};
+
+void eco_elements_free(struct eco_elements *elements)
+{
+	if (elements == NULL)
+		return;
+	free(elements->corners);
+	free(elements->position);
+	free(elements->exact);
+	free(elements->uv);
+	free(elements->extra);
+	memset(elements, 0, sizeof *elements);
+}
+
+uint32_t eco_list_extra_count(const struct eco_list *list)
+{
+	return (list->attributes & ECO_ATTR_COLOR ? 1u : 0u) + (list->attributes & ECO_ATTR_WIDTH ? 1u : 0u)
+		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u) + (list->attributes & ECO_ATTR_PLACE ? 2u : 0u)
+		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u) + (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
+}
+
+/* Attributes come in the order of their bits. */
+uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute)
+{
+	const struct eco_list before = { .attributes = list->attributes & (attribute - 1) };
+	assert(list->attributes & attribute);
+	return eco_list_extra_count(&before);
+}
+
+uint32_t eco_list_vertices(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_TRIANGLES: return 3;
+	case ECO_LIST_LINES: return 2;
+	case ECO_LIST_POINTS: return 1;
+	default: return 0;
+	}
+}
+
+struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index)
+{
+	const int32_t *position, *extra;
+
+	assert(index < instances->element_count && instances->extra_count >= 2);
+	position = instances->position + 3 * (size_t)index;
+	/* PLACE comes last among the attributes. */
+	extra = instances->extra + (size_t)instances->extra_count * index + instances->extra_count - 2;
+	return (struct eco_place){
+		.position = { position[0], position[1], position[2] },
+		.turn = (uint16_t)extra[0],
+		.scale = (uint32_t)extra[1],
+	};
+}
+
+float eco_growth(uint32_t code, float scale)
+{
+	static const float factor[ECO_GROWTHS] = { 0, 0.06f, 0.16f, 0.35f, 0.6f, 1, 1.6f, 2.6f };
+	return scale > 1 ? 1 + (scale - 1) * factor[code < ECO_GROWTHS ? code : ECO_GROWTH_PLAIN] : scale;
+}
+
+float eco_size(uint32_t code)
+{
+	static const float quarter[4] = { 1, 1.189207115f, 1.414213562f, 1.681792831f };
+	uint32_t whole = (code < ECO_SIZES ? code : ECO_SIZES - 1) / 4;
+	return ldexpf(quarter[code % 4], (int)whole - (int)(ECO_SIZE_ONE / 4));
+}
+
+/* Of all directions the mean square is a third, of level ones 1. */
+uint8_t eco_level_code(double mean_square)
+{
+	double share = (3 * mean_square - 1) / 2;
+	return (uint8_t)(1.5 + 254 * (share > 0 ? share < 1 ? share : 1 : 0));
+}
+
+double eco_level_share(uint8_t code)
+{
+	return code ? (code - 1) / 254.0 : ECO_LEVEL_USUAL;
+}

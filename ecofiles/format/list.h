@@ -1,0 +1,122 @@
+/* The one idea: everything drawable is a list in priority order, stored in chunks, fetched as a prefix, drawn as a range.
+ *
+ *   list      elements in priority order, on one integer grid, cut into chunks
+ *   element   what is kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or 3 to 6 (a
+ *             leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
+ *   primitive what a range counts: a point, a line, a triangle, an instance, a ground sample. A fan of n corners has n-2.
+ *   vertices  what a budget counts: point 1, line 2, triangle 3 (a logical primitive; instances multiply)
+ *
+ * Ranges [first, end) are always in primitives of the list's draw order (after decoding and permuting). */
+#ifndef ECO_LIST_H
+#define ECO_LIST_H
+
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+#define ECO_CORNERS_MAX 6
+
+enum eco_list_kind {
+	ECO_LIST_TRIANGLES = 1,  /* fans; or single triangles of connected wood when coder is ECO_CODER_MESH */
+	ECO_LIST_LINES,
+	ECO_LIST_POINTS,         /* a plant's points, or a tile's summary when ECO_ATTR_PLANT is set */
+	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
+	ECO_LIST_GROUND,         /* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
+	ECO_LIST_IMAGE           /* one chunk: a PNG file */
+};
+
+/* How a chunk's payload becomes elements. All integers inside are what Draco's lossless integer attributes give back.
+ * ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; afterwards the elements of a chunk are
+ *           put into draw order by the seeded permutation eco_chunk_permutation(ordinal, element count).
+ * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners
+ *           (1: a point, 2: a line, 3, or 4: a quad) and never dearer than it, stored in the stored order of the partner's chunk of the
+ *           same ordinal and permuted by the same permutation: element i of one list is element i of the other, drawn in another way.
+ * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
+ * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
+ * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
+ * BYTES     the payload is a file (PNG).
+ * SHAPES    of chunks, not of lists: a chunk of an ELEMENTS list of triangles in which elements of one shape are placed (shape.h). */
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES, ECO_CODER_SHAPES };
+
+/* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
+enum eco_attr {
+	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
+	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
+	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
+	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then 16 bits of the leaf's key less that of the list's tile (two values) */
+	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
+	ECO_ATTR_GROWTH = 32,    /* triangles: how far this element follows the scale of its cut, a code for eco_growth */
+	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */
+};
+#define ECO_UV_ONE 4096
+
+struct eco_list {
+	uint8_t kind, coder, attributes;
+	uint8_t level;               /* ground: its samples are 2^level apart; points: how level the leaves lie that they stand for
+	                              * (eco_level_share); else 0 */
+	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
+	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
+	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
+	double grid_step[3];         /* metres; position = origin + integer * step */
+	float unit_area;             /* points and summaries: projected area (m^2, random orientation: area / 2) one point stands for
+	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
+	uint32_t palette_first, palette_count;
+	uint32_t image;              /* list id of the texture, or ECO_NONE */
+	uint32_t partner;            /* FORM: list id of the elements that these are forms of; else ECO_NONE */
+	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
+	uint32_t primitive_count, element_count;
+	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
+};
+
+struct eco_chunk_id { uint8_t bytes[16]; };  /* XXH3-128 of the payload, canonical (big-endian) order; 32 hex digits in URLs */
+
+struct eco_chunk {
+	struct eco_chunk_id id;
+	uint64_t offset;             /* of the payload in the pack */
+	uint32_t size_bytes;
+	uint32_t primitive_count, element_count;
+};
+
+#define ECO_EXACT_SHIFT 3u
+
+/* Elements in draw order: what a maker of lists hands to the encoder and what the decoder gives back. Owns its arrays. */
+struct eco_elements {
+	uint32_t element_count, corner_count, primitive_count;
+	uint32_t extra_count;        /* values per element in `extra`: PLANT and PLACE 2, COLOR, WIDTH, GROWTH and SIZE 1, as the list has them */
+	uint8_t *corners;            /* per element */
+	int32_t *position;           /* 3 per corner */
+	int32_t *uv;                 /* 2 per corner, or NULL */
+	int32_t *extra;              /* extra_count per element, or NULL */
+	int32_t *exact;              /* fans: 3 per corner, where it was before position was rounded, on a grid that is 2^ECO_EXACT_SHIFT times
+	                              * finer; or NULL. For encoders: such elements come back on the finer grid, either where position says
+	                              * or as near to `exact` as rounding would put them. Decoders leave it NULL */
+};
+void eco_elements_free(struct eco_elements *elements);
+uint32_t eco_list_extra_count(const struct eco_list *list);
+/* Where an attribute's values begin among an element's extra values; the list must have it. */
+uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute);
+
+/* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
+uint32_t eco_list_vertices(const struct eco_list *list);
+
+/* Area factor of an element of growth code `code` where its cut's scale is `scale`: an element that grows into empty sky does harm, one
+ * that grows over others does not. 1 at scale 1 whatever the code, so that full detail is the model, and always for code 0: outlines stay
+ * sharp while what lies behind them still fills gaps. Below 1 the scale itself. Elements of lists without ECO_ATTR_GROWTH have code
+ * ECO_GROWTH_PLAIN: the scale itself. */
+#define ECO_GROWTHS 8u
+#define ECO_GROWTH_PLAIN 5u
+float eco_growth(uint32_t code, float scale);
+
+/* 2^((code - ECO_SIZE_ONE) / 4), code < ECO_SIZES. */
+#define ECO_SIZES 64u
+#define ECO_SIZE_ONE 32u
+float eco_size(uint32_t code);
+
+/* Leaves of a plant, as light falls on them: a share of them level, the others in all directions. From the mean of squares of the heights of their
+ * unit normals, by area; 0 where it is not known. Of broadleaved trees it is 27 % in the mean (Ross's index of 0.25: Sellers 1985; land surface
+ * models), of conifers and flowers far more, of grass nothing. */
+#define ECO_LEVEL_USUAL 0.27
+uint8_t eco_level_code(double mean_square);
+double eco_level_share(uint8_t code);
+
+#endif

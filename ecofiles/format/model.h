@@ -1,0 +1,83 @@
+/* A plant model as it came from a file: an indexed triangle soup with materials and images.
+ *
+ *   eco_model_import(&model, &options, &error);     file(s) -> soup (ecofiles/import/model/model_import.h)
+ *   lod_plant_build(&plant, &model, ...);           soup -> lists in priority order (lod/build/plant.h)
+ *   eco_model_free(&model); */
+#ifndef ECO_MODEL_H
+#define ECO_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+enum eco_drop {              /* why a triangle of the source is not stored; every triangle is stored or counted here */
+	ECO_DROP_BAD_INDEX,      /* names a vertex that is not there */
+	ECO_DROP_NOT_FINITE,     /* a NaN or infinite coordinate */
+	ECO_DROP_DEGENERATE,     /* two corners coincide or the area is zero: it covers no pixel */
+	ECO_DROP_DUPLICATE,      /* the same three corners as another triangle of the same material */
+	ECO_DROP_TRANSPARENT,    /* no texel under it reaches alpha 0.5 */
+	ECO_DROP_QUANTIZED,      /* collapses on the list's grid */
+	ECO_DROP_LEFT_OUT,       /* a rule of the scene file leaves its part out */
+	ECO_DROP_COUNT
+};
+extern const char *const eco_drop_names[ECO_DROP_COUNT];
+
+struct eco_image {           /* 8-bit RGBA, straight alpha, sRGB, first row at the top; owns `rgba` */
+	uint32_t width, height;
+	uint8_t *rgba;
+};
+/* Does it cut anything out: is alpha below 0.5 anywhere? */
+bool eco_image_has_holes(const struct eco_image *image);
+
+struct eco_material {
+	char name[64];
+	uint8_t rgb[3];          /* sRGB base colour; multiplies the image where there is one: white after an import */
+	bool cutout;             /* alpha of the image matters: a sample is opaque where alpha >= 0.5 */
+	bool colourless;         /* the file says no colour: wood is drawn brown, all else green (lod/build/organ.h) */
+	uint32_t image;          /* index into images or ECO_NONE */
+};
+
+struct eco_part {            /* a mesh, object or group of the file, as it names them */
+	char name[64];
+};
+
+#define ECO_ORGAN_FOUND 255u     /* no rule says which: lod/build/organ.h finds out */
+
+/* How the file's numbers were understood. Up: the axis of the file that points up; found: as the format says, else by shape, Y or Z. */
+enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
+static inline const char *eco_up_name(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
+enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
+struct eco_model_source {
+	char format[64];         /* of the first file, for people */
+	enum eco_up up;          /* not FOUND */
+	enum eco_how up_how;     /* given, format, shape, or the format's convention as the shape does not tell */
+	double unit_m;           /* metres per unit */
+	enum eco_how unit_how;   /* given, format, guessed from the height, or what makes height_m of it */
+	double size[3];          /* of what is kept, Z up, in the file's units */
+	double below;            /* so much of it, in these units, hangs or reaches below the ground */
+};
+
+struct eco_model {           /* owns all its arrays; zero-initialised is empty */
+	uint32_t vertex_count, triangle_count, material_count, image_count;
+	float *position;         /* 3 per vertex, metres, Z up, foot of the plant at the origin */
+	float *uv;               /* 2 per vertex or NULL; (0,0) is the image's top left, wraps */
+	uint32_t *index;         /* 3 per triangle */
+	uint32_t *material;      /* 1 per triangle */
+	uint32_t *part;          /* 1 per triangle, index into parts; NULL without parts */
+	uint8_t *organ;          /* 1 per triangle: enum eco_organ (pack.h) or ECO_ORGAN_FOUND; NULL: no rule says anything */
+	struct eco_material *materials;
+	struct eco_image *images;
+	struct eco_part *parts;  uint32_t part_count;
+	double foot[3], scale;   /* position = (source's, Z up - foot) * scale */
+	struct eco_model_source source;
+	uint32_t triangles_in;   /* triangles of the source; = triangle_count + sum of dropped */
+	uint32_t dropped[ECO_DROP_COUNT];
+};
+
+void eco_model_free(struct eco_model *model);
+
+/* Greatest z of the model: its height above the ground. */
+double eco_model_height(const struct eco_model *model);
+
+#endif

@@ -1,0 +1,267 @@
+/* The pack: one file that holds a scene, ready to be served by mapping it.
+ *
+ *   eco_pack_create(&w, path, &error);              writes path.tmp-PID beside the target
+ *   eco_pack_add_list(w, &list, &elements, ...);    encodes chunks as it goes; returns the list's id
+ *   scene.plants = ...;                             fill the other tables of a struct eco_scene
+ *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync of the folder: all or nothing
+ *
+ *   eco_pack_open(&pack, path, &error);             maps, checks header and section hashes, bounds every index: then immutable,
+ *   ... any number of threads read pack->scene ...  shared by all threads without locks
+ *   eco_pack_close(pack);
+ *
+ * File (little-endian, sections 64-byte aligned, padding zero):
+ *
+ *   0    8  "ECOPACK1"
+ *   8    u32 version = 7      12  u32 section count n
+ *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
+ *   32   n * 40-byte section records:
+ *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA, whose chunks
+ *          carry their own hashes), u32 record size, u32 0
+ *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
+ *
+ *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
+ *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds are the root tile's)
+ *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS  12 PALETTE
+ *        13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
+ *
+ * Each section starts at the first multiple of 64 after the one before; the file ends with the last section. META and CHUNK_DATA
+ * have no records (count and size of a record 0); PALETTE has 3 bytes a colour. In the chunk table, a payload either follows the
+ * payloads so far or lies within them (equal payloads are stored once), so that no byte of CHUNK_DATA is without a hash. Field order
+ * inside records is that of the structs below; see pack_record.c, which reads and writes each field by name. */
+#ifndef ECO_PACK_H
+#define ECO_PACK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/format/list.h"
+
+/* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
+
+enum eco_need {                  /* what a scene uses; what is not listed is not read, sent, compiled or loaded */
+	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8, ECO_NEED_CUTOUTS = 16,
+	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256
+};
+
+enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
+extern const char *const eco_organ_names[ECO_ORGAN_COUNT];
+
+/* Where something of a plant is: a sphere in plant space. A plant's first anchor is the whole plant; the others are its cells.
+ * Distance bands (lod/eye.h) are taken from the eye to an anchor's centre. */
+struct eco_anchor {
+	float center[3];
+	float radius;
+};
+
+#define ECO_LEVELS_MAX 6
+enum eco_ladder_flag {
+	ECO_LADDER_FAR = 1,          /* drawn only where the plant's cells are not (the plant's band is at or beyond the gate) */
+	ECO_LADDER_NEAR = 2,         /* a cell: drawn only where the plant's band is below the gate */
+	ECO_LADDER_ABOVE = 4         /* after its curve comes another of as many samples, with the same shares and reaches, measured from above */
+};
+
+/* A sequence of cut sets over the lists of one organ at one anchor, in ascending vertices:
+ *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one an element), simple (one
+ *           triangle an element) and triangles; all but the triangles may be absent. Coarse forms give way to finer ones from
+ *           the front: elements [0,f) of the finer form with the elements [f,e) of the coarser one, until f = e.
+ *           Which e a share of vertices has is in the curve (`reach`).
+ *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
+ *   plain:  the first p/3 triangles, scaled                                                       (triangles only, no levels)
+ * lod/ladder.h turns (ladder, vertices) into cuts. Lists that are absent are ECO_NONE; a FAR ladder may have lines only. */
+struct eco_ladder {
+	uint32_t plant, anchor;      /* anchor: index into the scene's anchors */
+	uint8_t organ, flags;
+	uint8_t level_count;         /* 0: the triangles list is one level */
+	uint8_t reserved;
+	uint32_t points, lines, simple, triangles;
+	uint32_t level_end[ECO_LEVELS_MAX];
+	uint32_t total, before;      /* points (or lines) in this anchor's region: all of them, and those that the plant's whole-plant
+	                              * ladder of the same organ and texture already holds (0 for it and for wood) */
+	float importance;            /* multiplies this ladder's share of the budget; 1 is neutral */
+	float area;                  /* m^2, a leaf counted once, of all elements in this region (those of `total`) */
+	float length;                /* m, of all lines */
+	float epsilon;               /* m, greatest distance of a line from what it stands for */
+	uint32_t curve_first, curve_count;
+};
+
+/* Samples of a ladder's curves. */
+static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
+{
+	return ladder->flags & ECO_LADDER_ABOVE ? 2 * ladder->curve_count : ladder->curve_count;
+}
+
+/* One sample of a ladder's curve, measured on the whole organ (for cells: the curve of the organ, by density). Sampled
+ * geometrically from one element up to everything; `share` strictly ascending in (0, 1]. */
+struct eco_curve {
+	float share;                 /* lambda: vertices drawn / vertices of the ladder at full detail */
+	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. Cuts get scale / (primitives drawn /
+	                              * primitives of the stage): bounded where s_opt itself is singular, so it may be interpolated */
+	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
+	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above */
+};
+
+struct eco_plant {
+	char name[64];
+	float height_m;
+	uint32_t anchor_first, anchor_count;   /* >= 1: whole plant, then cells */
+	uint32_t ladder_first, ladder_count;   /* whole-plant ladders before those of cells */
+	float area;                            /* m^2, all organs, a leaf counted once */
+	uint32_t triangles;                    /* full detail */
+};
+
+struct eco_tile {
+	double low[3], high[3];      /* bounds of all its plants' bodies, in the coordinates of its own eco file */
+	double area;                 /* m^2 of all plants, scaled: what the summary stands for */
+	uint64_t instance_count;     /* plants in the whole subtree, nested eco files counted each time */
+	uint32_t summary;            /* list id of the point summary, or ECO_NONE */
+	uint32_t group_first, group_count;
+	uint32_t child_first, child_count;
+};
+
+struct eco_group {               /* the plants of one species in one leaf tile */
+	uint32_t tile, plant, list;
+	uint64_t place_first;        /* the same plants for the planner: places [place_first, place_first + the list's primitives) */
+};
+
+/* An instance as integers on its list's grid. The planner must look at plants, and the server decodes nothing: so the pack keeps
+ * them twice, coded in the instance lists (sent) and plain in section PLACES (mapped, never sent; `ecopack verify` compares). */
+struct eco_place {
+	int32_t position[3];
+	uint16_t turn;               /* yaw, 1/65536 turns */
+	uint32_t scale;              /* 1/65536 */
+};
+#define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u16 0, u32 scale */
+
+struct eco_child {               /* child tile ids are greater than their parent's: the tree has no cycle */
+	uint32_t tile;
+	bool placed;                 /* another eco file with a transform; false: same coordinates as the parent */
+	double at[3];                /* metres, in the parent's coordinates */
+	uint16_t turn;               /* 1/65536 turns about Z, counter-clockwise */
+	float scale;
+};
+
+/* A tile of the ground: a square of ECO_GROUND_CELLS cells a side between samples of the scene's grid that lie 2^level apart (less
+ * where the grid ends). The tiles are a quadtree, the first is the root and covers all; children follow their parents, level by level,
+ * and together cover what their parent covers. A tile without children is as fine as the ground is. Which samples a tile holds is
+ * said in ground_tile.h. All ground lists have one grid: the scene's, with the south-west sample at 0, 0. */
+#define ECO_GROUND_CELLS 64u
+#define ECO_GROUND_LEVELS 8u         /* so that tiles that touch differ by a factor of at most ECO_GROUND_CELLS */
+#define ECO_GROUND_SIDE_MAX ((ECO_GROUND_CELLS << (ECO_GROUND_LEVELS - 1)) + 1)   /* samples a side: 8193 */
+struct eco_ground_tile {
+	uint32_t list;               /* of one chunk */
+	uint32_t column, row;        /* in tiles of its level, from the south-west */
+	uint8_t level, child_count;  /* children: 0, 1, 2 or 4 */
+	uint32_t child_first;        /* 0 without children */
+	float error_m;               /* largest vertical distance to the finest ground, not less than that of a child */
+	float low_m, high_m;         /* of the finest ground in it, z of the scene */
+};
+
+struct eco_scene {
+	char name[64];
+	uint32_t needs;
+	uint32_t root;               /* tile */
+	uint32_t ground_columns, ground_rows;        /* samples of the ground at full detail; 0: no ground */
+	double near_m;               /* near plane of every picture of this scene */
+	const struct eco_plant *plants;      uint32_t plant_count;
+	const struct eco_anchor *anchors;    uint32_t anchor_count;
+	const struct eco_ladder *ladders;    uint32_t ladder_count;
+	const struct eco_curve *curves;      uint32_t curve_count;
+	const struct eco_tile *tiles;        uint32_t tile_count;
+	const struct eco_group *groups;      uint32_t group_count;
+	const struct eco_child *children;    uint32_t child_count;
+	const struct eco_list *lists;        uint32_t list_count;
+	const struct eco_chunk *chunks;      uint32_t chunk_count;
+	const uint8_t (*palette)[3];         uint32_t palette_count;    /* sRGB */
+	const uint8_t *places;               uint64_t place_count;      /* ECO_PLACE_BYTES each, read with eco_place_read */
+	const struct eco_ground_tile *ground; uint32_t ground_count;
+};
+
+struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
+/* The same from a decoded instance list. */
+struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);
+
+/* ---- Reading ---- */
+
+struct eco_pack {
+	struct eco_scene scene;      /* parsed into memory; chunk payloads stay in the map */
+	struct eco_chunk_id id;      /* XXH3-128 over the section table: names the content */
+	const char *meta;            /* JSON text, not 0-terminated */
+	size_t meta_size;
+	const uint8_t *map;
+	size_t map_size;
+};
+
+/* Opens and validates everything but the payloads (whose hashes are checked by whoever reads them first, eco_pack_payload). */
+enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
+/* The same from memory that stays owned by the caller (fuzzing, tests). */
+enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size, struct eco_error *error);
+void eco_pack_close(struct eco_pack *pack);
+
+/* Payload of chunk `chunk` after checking its hash; ECO_DAMAGED names the chunk, list and offset. Thread-safe. */
+enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error);
+
+/* Checks a scene's tables against each other (every index in range, counts add up, bounds finite, tree acyclic, unused space zero).
+ * Called by open; separate so that a client can check what a stream declared. */
+enum eco_code eco_scene_check(const struct eco_scene *scene, struct eco_error *error);
+/* What can be said of one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
+enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error);
+enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error);
+enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error);
+
+/* Record coders, one function a table row, shared by pack and wire. */
+struct eco_reader;
+struct eco_writer;
+void eco_list_write(struct eco_writer *w, const struct eco_list *list);
+void eco_list_read(struct eco_reader *r, struct eco_list *list);
+void eco_anchor_write(struct eco_writer *w, const struct eco_anchor *anchor);
+void eco_anchor_read(struct eco_reader *r, struct eco_anchor *anchor);
+void eco_place_write(struct eco_writer *w, const struct eco_place *place);     /* for the makers of section PLACES */
+
+/* ---- Writing ---- */
+
+struct eco_pack_writer;
+
+/* What is at `path` is only replaced if it is a pack or empty. */
+enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error);
+
+/* Encodes `elements` in chunks that end at element `ends[i]` and appends them; sets chunk_first, chunk_count, primitive_count and
+ * element_count of the stored list; its grid is finer by 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the
+ * partner's elements as they were given for it, and `elements` holds one form of each in the same order; the ends are the same, too. A
+ * partner may have several forms. Chunks with
+ * equal payload are stored once. */
+enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
+	struct eco_error *error);
+/* The same in two steps, for lists without a partner: the first needs no writer and may run in any thread, many at a time. Encoded
+ * chunks are freed by the caller, whatever happens. */
+struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
+enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, struct eco_error *error);
+enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id, struct eco_error *error);
+void eco_encoded_free(struct eco_encoded *encoded);
+/* A list of one BYTES chunk. */
+enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
+	uint32_t *list_id, struct eco_error *error);
+/* A list of another pack, whose payloads are checked and taken as they are. Of `list` the references to other lists, tiles, plants and
+ * colours are those of the pack to be. */
+enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
+	uint32_t from_list, uint32_t *list_id, struct eco_error *error);
+/* All elements of a list of points that was added, decoded from what was written. */
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
+/* The same of a pack that is open. */
+enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
+/* Its chunks, their offsets not yet final (valid until the next add). */
+const struct eco_chunk *eco_pack_chunks(const struct eco_pack_writer *writer);
+/* The list as stored so far (valid until the next add). */
+const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id);
+
+/* Writes the tables (lists and chunks come from the writer itself, the others from `scene`; arrays stay the caller's), syncs and
+ * renames. The writer is freed whatever happens; on failure the target is untouched. */
+enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene, const char *meta_json,
+	struct eco_error *error);
+void eco_pack_abort(struct eco_pack_writer *writer);   /* removes the unfinished file; NULL is fine */
+
+#endif

@@ -1,0 +1,272 @@
+/* Plans as plain data: their order, what any plan must satisfy, what a client holds, and the names of plants.
+ *
+ * One order for every array, so that a plan has one encoding and neighbours in it resemble each other: the coder sends mostly
+ * differences (ecofiles/format/wire.h). Rules go by anchor, then list, then band: from one band to the next only the end changes.
+ *
+ * Owners, 64 bits:
+ *
+ *   63       1: there is something
+ *   62       1: a summary point, 0: a plant
+ *   46..61   low 16 bits of the key of leaf tile and placements
+ *   30..45   low 16 bits of the species' plant id
+ *   0..29    0 for a summary; else (index + a hash of the key's high 16 bits) modulo 2^30
+ *
+ * Two plants of one species in one leaf tile never share an owner; two of different tiles do with a chance of about 2^-46. */
+#include "ecofiles/format/plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void eco_plan_free(struct eco_plan *plan)
+{
+	if (plan == NULL)
+		return;
+	free(plan->placements);
+	free(plan->runs);
+	free(plan->gates);
+	free(plan->cuts);
+	*plan = (struct eco_plan){ 0 };
+}
+
+/* ---- Order ---- */
+
+static int compare(const uint32_t *a, const uint32_t *b, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (a[i] != b[i])
+			return a[i] < b[i] ? -1 : 1;
+	return 0;
+}
+
+static int run_order(const void *a, const void *b)
+{
+	const struct eco_run *x = a, *y = b;
+	return compare((uint32_t[4]){ x->placement, x->list_first, x->list_end, x->left },
+		(uint32_t[4]){ y->placement, y->list_first, y->list_end, y->left }, 4);
+}
+
+static int gate_order(const void *a, const void *b)
+{
+	const struct eco_gate *x = a, *y = b;
+	return compare((uint32_t[2]){ x->plant, x->end }, (uint32_t[2]){ y->plant, y->end }, 2);
+}
+
+#define CUT_KEYS 9
+static void cut_keys(const struct eco_cut *cut, uint32_t keys[CUT_KEYS])
+{
+	bool summary = cut->anchor == ECO_NONE;
+	uint32_t bits;
+	memcpy(&bits, &cut->scale, sizeof bits);
+	/* ECO_NONE + 1 is 0: summaries come first */
+	uint32_t all[CUT_KEYS] = { cut->anchor + 1, summary ? cut->placement : 0, cut->list, summary ? 0 : cut->band_first,
+		summary ? 0 : cut->band_end, summary ? 0 : cut->share_first, cut->first, cut->end, bits };
+	memcpy(keys, all, sizeof all);
+}
+
+static int cut_order(const void *a, const void *b)
+{
+	uint32_t x[CUT_KEYS], y[CUT_KEYS];
+	cut_keys(a, x);
+	cut_keys(b, y);
+	return compare(x, y, CUT_KEYS);
+}
+
+static void sort(void *items, uint32_t count, size_t size, int (*order)(const void *, const void *))
+{
+	if (count > 1)
+		qsort(items, count, size, order);
+}
+
+void eco_plan_sort(struct eco_plan *plan)
+{
+	sort(plan->runs, plan->run_count, sizeof *plan->runs, run_order);
+	sort(plan->gates, plan->gate_count, sizeof *plan->gates, gate_order);
+	sort(plan->cuts, plan->cut_count, sizeof *plan->cuts, cut_order);
+}
+
+/* ---- Checks ---- */
+
+static bool within(double v, double low, double high)
+{
+	return v >= low && v <= high;    /* false for NaN */
+}
+
+static enum eco_code check_head(const struct eco_plan *plan, struct eco_error *error)
+{
+	const struct eco_prediction *p = &plan->prediction;
+	if (plan->vertices > ECO_VERTICES_MAX)
+		return eco_fail(error, ECO_DAMAGED, "the plan has %llu vertices", (unsigned long long)plan->vertices);
+	if (!isfinite(plan->sample_distance) || plan->sample_distance < 0)
+		return eco_fail(error, ECO_DAMAGED, "the plan's sample distance is not a finite number from 0 on");
+	if (!isfinite(p->tp) || !isfinite(p->fp) || !isfinite(p->fn))
+		return eco_fail(error, ECO_DAMAGED, "the plan's prediction is not finite");
+	if (plan->placement_count > ECO_PLAN_ITEMS_MAX || plan->run_count > ECO_PLAN_ITEMS_MAX ||
+		plan->gate_count > ECO_PLAN_ITEMS_MAX || plan->cut_count > ECO_PLAN_ITEMS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "the plan has %u placements, %u runs, %u gates, %u cuts: at most %u of each",
+			plan->placement_count, plan->run_count, plan->gate_count, plan->cut_count, ECO_PLAN_ITEMS_MAX);
+	return ECO_OK;
+}
+
+static enum eco_code check_placements(const struct eco_plan *plan, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < plan->placement_count; i++) {
+		const struct eco_placement *p = &plan->placements[i];
+		for (int axis = 0; axis < 3; axis++)
+			if (!within(p->at[axis], -1e12, 1e12))
+				return eco_fail(error, ECO_DAMAGED, "placement %u of the plan lies beyond 1e12 m", i);
+		if (!within(p->scale, 0, 1e12) || p->scale == 0)
+			return eco_fail(error, ECO_DAMAGED, "placement %u of the plan has a scale outside (0, 1e12]", i);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code check_runs(const struct eco_plan *plan, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < plan->run_count; i++) {
+		const struct eco_run *run = &plan->runs[i], *before = i ? run - 1 : NULL;
+		if (run->placement >= plan->placement_count)
+			return eco_fail(error, ECO_DAMAGED, "run %u of the plan lies in placement %u of %u", i, run->placement,
+				plan->placement_count);
+		if (run->list_first >= run->list_end)
+			return eco_fail(error, ECO_DAMAGED, "run %u of the plan, [%u,%u), is empty", i, run->list_first, run->list_end);
+		if (run->left >= ECO_SHARE_ONE)
+			return eco_fail(error, ECO_DAMAGED, "run %u of the plan leaves out all of its plants", i);
+		if (before && (run->placement < before->placement ||
+				(run->placement == before->placement && run->list_first < before->list_end)))
+			return eco_fail(error, ECO_DAMAGED, "run %u of the plan overlaps the run before it or is out of order", i);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code check_gates(const struct eco_plan *plan, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < plan->gate_count; i++) {
+		const struct eco_gate *gate = &plan->gates[i];
+		if (gate->end > ECO_GATE_OPEN)
+			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan ends in band %u of %u", i, gate->end / ECO_SHARE_ONE, ECO_BANDS);
+		if (i && gate->plant <= gate[-1].plant)
+			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan is out of order", i);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code check_cut(const struct eco_plan *plan, uint32_t i, struct eco_error *error)
+{
+	const struct eco_cut *cut = &plan->cuts[i];
+	if (cut->first >= cut->end)
+		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan, [%u,%u), is empty", i, cut->first, cut->end);
+	if (cut->list == ECO_NONE)
+		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has no list", i);
+	if (!within(cut->scale, 0, 1e12) || signbit(cut->scale))
+		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has a scale outside [0, 1e12]", i);
+	if (cut->anchor == ECO_NONE) {
+		if (cut->placement >= plan->placement_count)
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u", i, cut->placement,
+				plan->placement_count);
+		return ECO_OK;
+	}
+	if (cut->band_first >= cut->band_end || cut->band_end > ECO_BANDS)
+		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has bands [%u,%u) of %u", i, cut->band_first, cut->band_end,
+			ECO_BANDS);
+	if (cut->share_first >= cut->share_end || cut->share_end > ECO_SHARE_ONE)
+		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has the share [%u,%u) of %u", i, cut->share_first, cut->share_end,
+			ECO_SHARE_ONE);
+	return ECO_OK;
+}
+
+enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *error)
+{
+	enum eco_code code = check_head(plan, error);
+	if (!code)
+		code = check_placements(plan, error);
+	if (!code)
+		code = check_runs(plan, error);
+	if (!code)
+		code = check_gates(plan, error);
+	for (uint32_t i = 0; !code && i < plan->cut_count; i++) {
+		code = check_cut(plan, i, error);
+		if (!code && i && cut_order(&plan->cuts[i - 1], &plan->cuts[i]) >= 0)
+			code = eco_fail(error, ECO_DAMAGED, "cut %u of the plan repeats the one before it or is out of order", i);
+	}
+	return code;
+}
+
+/* ---- Holdings ---- */
+
+uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
+{
+	uint32_t low = 0, high = holdings ? holdings->count : 0;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (holdings->items[middle].list < list)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return holdings && low < holdings->count && holdings->items[low].list == list ? holdings->items[low].chunks : 0;
+}
+
+/* ---- Owners ---- */
+
+#define OWNER_THERE (UINT64_C(1) << 63)
+#define OWNER_SUMMARY (UINT64_C(1) << 62)
+#define OWNER_INDEX_BITS 30
+
+/* An odd factor permutes the low 16 bits: the first 65536 tiles of an eco file have 65536 different keys. */
+uint32_t eco_owner_leaf(uint32_t tile)
+{
+	return tile * 0x9E3779B1u;
+}
+
+/* Not a product: children 3 and 5 above a tile must not look like children 4 and 4. (MurmurHash3's finalizer.) */
+uint32_t eco_owner_child(uint32_t number)
+{
+	uint32_t h = number + 0x68E31DA4u;
+	h = (h ^ h >> 16) * 0x85EBCA6Bu;
+	h = (h ^ h >> 13) * 0xC2B2AE35u;
+	return h ^ h >> 16;
+}
+
+uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t child)
+{
+	const struct eco_tile *t = &scene->tiles[tile];
+	bool alone = tile == scene->root && t->child_count == 1 && t->group_count == 0;
+	if (!scene->children[child].placed || alone)
+		return 0;
+	return eco_owner_child((scene->children[child].tile - tile) * 0x85EBCA6Bu + (child - t->child_first));
+}
+
+static uint64_t owner_common(uint32_t key, uint32_t plant)
+{
+	return OWNER_THERE | (uint64_t)(key & 0xFFFF) << 46 | (uint64_t)(plant & 0xFFFF) << OWNER_INDEX_BITS;
+}
+
+uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index)
+{
+	uint32_t mask = (1u << OWNER_INDEX_BITS) - 1;
+	return owner_common(key, plant) | ((index + (key >> 16) * 0x9E3779B1u) & mask);
+}
+
+uint64_t eco_owner_summary(uint32_t key, uint32_t plant)
+{
+	return owner_common(key, plant) | OWNER_SUMMARY;
+}
+
+bool eco_owner_match(uint64_t a, uint64_t b)
+{
+	if (a == 0 || b == 0)
+		return false;
+	if (!((a | b) & OWNER_SUMMARY))
+		return a == b;
+	return (a & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS == (b & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS;
+}
+
+/* ---- Predictions ---- */
+
+double eco_predicted_q(const struct eco_prediction *p)
+{
+	double drawn = p->tp + p->fp, wanted = p->tp + p->fn;
+	double extra = drawn > 0 ? p->fp / drawn : 0, missed = wanted > 0 ? p->fn / wanted : 0;        /* 1 - Precision, 1 - Recall */
+	return 1 - sqrt(extra * extra + missed * missed);
+}

@@ -1,0 +1,49 @@
+/* A view and what is asked of it. World coordinates: metres from the scene's origin, right-handed, Z up, z absolute. */
+#ifndef ECO_VIEW_H
+#define ECO_VIEW_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+#define ECO_IMAGE_MAX 16384u
+#define ECO_VERTICES_MAX ((uint64_t)INT64_MAX)
+#define ECO_BYTES_UNBOUNDED UINT64_MAX
+
+struct eco_view {
+	double eye[3], target[3], up[3];
+	double fov_y_deg;            /* (0, 180) */
+	uint32_t width, height;      /* pixels, 1..ECO_IMAGE_MAX */
+};
+
+/* Where nothing else is asked for. Measured: see lod/ground_choice.h. */
+#define ECO_GROUND_PX 1.0
+#define ECO_GROUND_PX_MIN 0.01       /* of a picture that nobody can tell from full detail */
+#define ECO_GROUND_PX_MAX 65536.0
+
+struct eco_request {
+	struct eco_view view;
+	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
+	uint64_t bytes;              /* budget of the whole response, or ECO_BYTES_UNBOUNDED */
+	double ground_px;            /* how far the ground may be from where it is, ECO_GROUND_PX_MIN.._MAX; 0: ECO_GROUND_PX */
+};
+
+/* Refuses what cannot be drawn: values not finite or beyond 1e12, eye = target, field of view outside (0,180), sizes. `up`
+ * parallel to the view direction is accepted (another up is chosen). The text names the field. */
+enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error);
+
+/* Camera scripts: {"fps": 2, "keyframes": [{"time_s": 0, "eye": [..], "target": [..], "up": [..], "fov_y_deg": 45}, ...]}.
+ * All fields are required but up, which is [0, 0, 1] then; fps in [0.001, 1000]; times strictly ascending. Frames at keyframe 0's
+ * time + i/fps up to the last keyframe (inclusive, to rounding), at most a million. Between keyframes: monotone-time cubic Hermite
+ * (Catmull-Rom with the actual time steps) on every number; one keyframe is one frame. A script that parses gives only frames that
+ * pass eco_view_check (but for their size); errors have line and column. */
+struct eco_camera;
+enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, struct eco_error *error);
+enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,
+	struct eco_error *error);
+uint32_t eco_camera_frame_count(const struct eco_camera *camera);
+double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);   /* returns time_s; leaves size */
+void eco_camera_free(struct eco_camera *camera);
+
+#endif

@@ -1,0 +1,45 @@
+#include "ecofiles/format/wire_string.h"
+
+/* The lead byte tells the length and what the second byte may be; all further bytes are 80..BF. */
+static size_t sequence(const uint8_t *p, size_t left)
+{
+	uint8_t low = 0x80, high = 0xBF;
+	size_t length;
+	if (p[0] < 0x80)
+		return p[0] != 0;
+	if (p[0] >= 0xC2 && p[0] <= 0xDF) {
+		length = 2;
+	} else if (p[0] >= 0xE0 && p[0] <= 0xEF) {
+		length = 3;
+		low = p[0] == 0xE0 ? 0xA0 : low;
+		high = p[0] == 0xED ? 0x9F : high;
+	} else if (p[0] >= 0xF0 && p[0] <= 0xF4) {
+		length = 4;
+		low = p[0] == 0xF0 ? 0x90 : low;
+		high = p[0] == 0xF4 ? 0x8F : high;
+	} else {
+		return 0;
+	}
+	if (left < length || p[1] < low || p[1] > high)
+		return 0;
+	for (size_t i = 2; i < length; i++)
+		if (p[i] < 0x80 || p[i] > 0xBF)
+			return 0;
+	return length;
+}
+
+size_t eco_utf8_cut(const char *text, size_t size, size_t most)
+{
+	size_t at = 0, length = 1;
+	for (; length && at < size; at += length) {
+		length = sequence((const uint8_t *)text + at, size - at);
+		if (length > most - at)
+			break;
+	}
+	return at;
+}
+
+bool eco_utf8_valid(const uint8_t *text, size_t size)
+{
+	return eco_utf8_cut((const char *)text, size, size) == size;
+}

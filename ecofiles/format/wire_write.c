@@ -1,0 +1,70 @@
+/* What the server says about a scene: everything but plans (wire_plan.c). The scene has passed eco_scene_check. */
+#include "ecofiles/format/wire.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "ecofiles/format/wire_string.h"
+
+static void write_string(struct eco_writer *w, const char *text, size_t room)
+{
+	size_t size = strnlen(text, room - 1);
+	bool utf8 = eco_utf8_valid((const uint8_t *)text, size);
+	eco_write_varint(w, size);
+	/* a name in another encoding loses its accents, not the scene its stream */
+	for (size_t i = 0; i < size; i++)
+		eco_write_u8(w, utf8 || (uint8_t)text[i] < 0x80 ? (uint8_t)text[i] : '?');
+}
+
+void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene, const struct eco_chunk_id *pack_id)
+{
+	eco_write_u32(w, ECO_WIRE_VERSION);
+	eco_write_bytes(w, pack_id->bytes, sizeof pack_id->bytes);
+	eco_write_f64(w, scene->near_m);
+	eco_write_u32(w, scene->needs);
+	eco_write_u32(w, scene->ground_columns);
+	eco_write_u32(w, scene->ground_rows);
+	eco_write_u32(w, scene->plant_count);
+	eco_write_u32(w, scene->list_count);
+	write_string(w, scene->name, sizeof scene->name);
+}
+
+void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant)
+{
+	assert(plant < scene->plant_count);
+	const struct eco_plant *p = &scene->plants[plant];
+	eco_write_u32(w, plant);
+	write_string(w, p->name, sizeof p->name);
+	eco_write_f32(w, p->height_m);
+	eco_write_u32(w, p->anchor_first);
+	eco_write_u32(w, p->anchor_count);
+	for (uint32_t i = 0; i < p->anchor_count; i++)
+		eco_anchor_write(w, &scene->anchors[p->anchor_first + i]);
+}
+
+void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list)
+{
+	assert(list < scene->list_count);
+	const struct eco_list *l = &scene->lists[list];
+	eco_write_u32(w, list);
+	eco_list_write(w, l);
+	if (l->palette_count)
+		eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
+}
+
+void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list, uint32_t ordinal)
+{
+	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
+	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
+	eco_write_u32(w, list);
+	eco_write_u32(w, ordinal);
+	eco_write_bytes(w, chunk->id.bytes, sizeof chunk->id.bytes);
+	eco_write_u32(w, chunk->primitive_count);
+	eco_write_u32(w, chunk->element_count);
+}
+
+void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes)
+{
+	eco_write_u64(w, vertices);
+	eco_write_u64(w, body_bytes);
+}

@@ -1,0 +1,509 @@
+/* Rasters become ground: GDAL opens and converts; each raster is read as metres (gdal_samples.c) and put on the one grid of the
+ * ground, at its place if it fits, else resampled; what is missing is grown in from its neighbours. */
+#include "ecofiles/import/ground/gdal_ground.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <errno.h>
+#include <gdal_alg.h>
+#include <gdal_utils.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/import/ground/gdal_module.h"
+
+#define ALIGNED 1e-3                 /* of a sample: closer than this to the grid is on the grid */
+#define GROUND_METRES_MAX 1e7
+
+struct job {
+	struct eco_ground_job *asked;
+	const struct eco_ground_options *options;    /* of what was asked for */
+	struct ground_raster *rasters; uint32_t count;
+	OGRSpatialReferenceH scene_crs;
+	char scene_vertical[64];     /* of a compound scene CRS; else empty */
+};
+
+static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
+{
+	const char *why = CPLGetLastErrorMsg();
+
+	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing, why[0] != 0 ? why : "GDAL gives no reason");
+}
+
+/* ---- CRS ---- */
+
+static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const char *where, struct eco_error *error)
+{
+	*crs = OSRNewSpatialReference(NULL);
+	if (OSRSetFromUserInput(*crs, text) != OGRERR_NONE)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", where, text);
+	OSRSetAxisMappingStrategy(*crs, OAMS_TRADITIONAL_GIS_ORDER);
+	return ECO_OK;
+}
+
+/* Takes the vertical part off a CRS: it says what heights are, not where the raster lies. */
+static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *unit_m)
+{
+	const char *name = OSRIsCompound(crs) ? OSRGetAttrValue(crs, "COMPD_CS|VERT_CS", 0) : NULL;
+
+	if (name == NULL)
+		return;
+	snprintf(vertical, 64, "%s", name);
+	*unit_m = OSRGetTargetLinearUnits(crs, "COMPD_CS|VERT_CS", NULL);
+	OSRStripVertical(crs);
+}
+
+static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
+{
+	const char *text = job->options->scene_crs;
+	double unit;
+	enum eco_code code;
+
+	if (text == NULL)
+		return ECO_OK;
+	code = make_crs(&job->scene_crs, text, "the scene", error);
+	if (code != ECO_OK)
+		return code;
+	split_vertical(job->scene_crs, job->scene_vertical, &unit);
+	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
+			"\"EPSG:32617\"", text);
+	return ECO_OK;
+}
+
+/* The raster's CRS as stated, else as the file has it; errors say which line to add. */
+static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_options *o = job->options;
+	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file != NULL ? OSRClone(file) : NULL;
+	const char *stated = o->source->crs;
+	enum eco_code code = ECO_OK;
+
+	if (own != NULL)
+		split_vertical(own, r->vertical, &r->crs_unit_m);
+	if (o->scene_crs == NULL) {
+		if (own != NULL && (OSRIsProjected(own) || OSRIsGeographic(own)))
+			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and \"origin\" to "
+				"the scene", r->path, OSRGetName(own));
+	} else if (stated != NULL) {
+		code = make_crs(&r->crs, stated, r->path, error);
+		if (code == ECO_OK && r->vertical[0] == 0)
+			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
+		if (code == ECO_OK && own != NULL && !OSRIsSame(own, r->crs))
+			ground_note(&job->asked->notes, "%.200s says it is in %.80s; the scene says %.80s, which is used", r->path, OSRGetName(own), stated);
+	} else if (own == NULL) {
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": "
+			"\"%.80s\"} (if it is the scene's)", r->path, o->scene_crs);
+	} else {
+		r->crs = OSRClone(own);
+		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
+	}
+	if (own != NULL)
+		OSRDestroySpatialReference(own);
+	return code;
+}
+
+/* ---- Vertical datum ---- */
+
+/* Equal as written, or as PROJ names them. */
+static bool same_datum(const char *a, const char *b)
+{
+	OGRSpatialReferenceH x = OSRNewSpatialReference(NULL), y = OSRNewSpatialReference(NULL);
+	const char *name_x = OSRSetFromUserInput(x, a) == OGRERR_NONE ? OSRGetName(x) : a;
+	const char *name_y = OSRSetFromUserInput(y, b) == OGRERR_NONE ? OSRGetName(y) : b;
+	bool same = strcasecmp(a, b) == 0 || (name_x != NULL && name_y != NULL && strcasecmp(name_x, name_y) == 0);
+
+	OSRDestroySpatialReference(x);
+	OSRDestroySpatialReference(y);
+	return same;
+}
+
+/* Heights of two datums differ by up to 100 m (ellipsoid and geoid): none is converted, and none is guessed. */
+static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_source *source = job->options->source;
+	const char *own = source->vertical != NULL ? source->vertical : r->vertical;
+	const char *scene = job->options->scene_vertical;
+
+	if (scene == NULL && job->scene_vertical[0] != 0)
+		scene = job->scene_vertical;
+
+	if (source->vertical != NULL && scene == NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "
+			"scene, or what its heights count from", source->vertical);
+	if (scene != NULL && own[0] == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": \"%.60s\" to "
+			"the ground, if that is what its heights count from", r->path, scene);
+	if (scene != NULL && !same_datum(scene, own))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at hand; convert "
+			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
+	if (scene == NULL && r == job->rasters)
+		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the scene does not say either; they "
+			"are taken as they are (to "
+			"be sure, add \"vertical\" to the scene and to its ground)", r->path, own[0] != 0 ? "is said to be " : "is not said", own,
+			own[0] != 0 ? " by the file" : "");
+	return ECO_OK;
+}
+
+/* ---- Where a raster lies ---- */
+
+static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source, struct eco_error *error)
+{
+	double *t = r->transform;
+
+	if (source->has_place) {
+		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0, -source->pixel[1] };
+
+		memcpy(t, stated, sizeof stated);
+	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the ground \"north_west\": [x, y], the outer corner "
+			"of its first pixel, and \"pixel\": their size; or put a world file beside it", r->path);
+	}
+	for (int i = 0; i < 6; i++)
+		if (!isfinite(t[i]))
+			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite", r->path);
+	if (t[1] * t[5] - t[2] * t[4] == 0)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
+	return ECO_OK;
+}
+
+/* What GDAL would resample it to: extent and resolution in the scene's CRS. */
+static enum eco_code suggest(struct ground_raster *r, const struct job *job, struct eco_error *error)
+{
+	GDALDriverH memory = GDALGetDriverByName("MEM");
+	/* a raster of this place and size without samples: GDAL asks for no more */
+	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
+	char *from = NULL, *to = NULL;
+	double t[6];
+	int columns = 0, rows = 0;
+	bool good = false;
+	void *transformer = NULL;
+
+	if (frame == NULL)
+		return gdal_fail(r->path, "no room for its place", error);
+	GDALSetGeoTransform(frame, r->transform);
+	if (r->crs != NULL) {
+		OSRExportToWkt(r->crs, &from);
+		OSRExportToWkt(job->scene_crs, &to);
+	}
+	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
+	if (transformer != NULL) {
+		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns, &rows) == CE_None && columns > 0 && rows > 0;
+		GDALDestroyGenImgProjTransformer(transformer);
+	}
+	CPLFree(from);
+	CPLFree(to);
+	GDALClose(frame);
+	if (!good)
+		return gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+	r->low[0] = t[0];
+	r->high[0] = t[0] + t[1] * columns;
+	r->low[1] = t[3] + t[5] * rows;
+	r->high[1] = t[3];
+	r->step[0] = t[1];
+	r->step[1] = -t[5];
+	return ECO_OK;
+}
+
+static enum eco_code find_place(struct ground_raster *r, const struct job *job, struct eco_error *error)
+{
+	const double *t = r->transform;
+
+	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (r->crs == NULL || OSRIsSame(r->crs, job->scene_crs));
+	if (!r->direct)
+		return suggest(r, job, error);
+	r->low[0] = t[0];
+	r->high[0] = t[0] + t[1] * r->columns;
+	r->low[1] = fmin(t[3], t[3] + t[5] * r->rows);
+	r->high[1] = fmax(t[3], t[3] + t[5] * r->rows);
+	r->step[0] = t[1];
+	r->step[1] = fabs(t[5]);
+	return ECO_OK;
+}
+
+static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
+{
+	enum eco_code code;
+
+	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+	if (r->file == NULL)
+		return gdal_fail(r->path, "not a raster that GDAL can read", error);
+	if (GDALGetRasterCount(r->file) < 1)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", r->path);
+	r->columns = GDALGetRasterXSize(r->file);
+	r->rows = GDALGetRasterYSize(r->file);
+	if (r->columns < 2 || r->rows < 2)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x 2 are needed", r->path, r->columns, r->rows);
+	code = raster_crs(r, job, error);
+	if (code == ECO_OK && !job->options->keep_missing)
+		code = check_vertical(r, job, error);
+	if (code == ECO_OK)
+		code = find_transform(r, job->options->source, error);
+	return code == ECO_OK ? find_place(r, job, error) : code;
+}
+
+/* ---- The grid of the ground ---- */
+
+struct frame { double low[2], step[2]; uint32_t samples[2]; };     /* low: outer corner */
+
+static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_error *error)
+{
+	const struct ground_raster *first = &job->rasters[0];
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY }, step[2] = { INFINITY, INFINITY };
+
+	for (uint32_t i = 0; i < job->count; i++)
+		for (int k = 0; k < 2; k++) {
+			low[k] = fmin(low[k], job->rasters[i].low[k]);
+			high[k] = fmax(high[k], job->rasters[i].high[k]);
+			step[k] = fmin(step[k], job->rasters[i].step[k]);
+		}
+	for (int k = 0; k < 2; k++) {
+		double count = floor((high[k] - low[k]) / step[k] + 0.5);
+
+		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k]) || high[k] - low[k] > GROUND_METRES_MAX)
+			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m makes no sense", first->path, high[k] - low[k],
+				step[k]);
+		f->low[k] = low[k];
+		f->samples[k] = count > job->asked->side_max ? job->asked->side_max : (uint32_t)count;
+		f->step[k] = count > job->asked->side_max ? (high[k] - low[k]) / job->asked->side_max : step[k];
+	}
+	if (f->step[0] > step[0] || f->step[1] > step[1])
+		ground_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut out the part that is needed "
+			"to keep its resolution",
+			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1], f->samples[0], f->samples[1]);
+	return ECO_OK;
+}
+
+/* How finely a raster is read: not finer than the ground. */
+static uint32_t read_side(const struct ground_raster *r, const struct frame *f, int axis)
+{
+	uint32_t size = (uint32_t)(axis == 0 ? r->columns : r->rows);
+	double wanted = floor(size * r->step[axis] / f->step[axis] + 0.5);
+
+	return wanted >= size ? size : wanted < 2 ? 2 : (uint32_t)wanted;
+}
+
+/* Index of the sample of the ground that the samples' first is, if they are on its grid. */
+static bool on_grid(const struct ground_samples *s, const struct frame *f, int64_t first[2], int sign[2])
+{
+	const double *t = s->transform;
+	double pixel[2] = { t[1], t[5] }, corner[2] = { t[0], t[3] };
+
+	for (int k = 0; k < 2; k++) {
+		double at = (corner[k] + pixel[k] / 2 - f->low[k]) / f->step[k] - 0.5;
+
+		if (fabs(fabs(pixel[k]) / f->step[k] - 1) > ALIGNED / (k == 0 ? s->columns : s->rows) || fabs(at - floor(at + 0.5)) > ALIGNED)
+			return false;
+		first[k] = (int64_t)floor(at + 0.5);
+		sign[k] = pixel[k] > 0 ? 1 : -1;
+	}
+	return true;
+}
+
+/* Where several rasters have a height, the first counts. */
+static void put(struct eco_ground *g, int64_t column, int64_t row, float metres, double origin_z)
+{
+	float *to;
+
+	if (column < 0 || row < 0 || column >= g->columns || row >= g->rows || isnan(metres))
+		return;
+	to = &g->height_m[(size_t)row * g->columns + (size_t)column];
+	if (isnan(*to))
+		*to = (float)((double)metres - origin_z);
+}
+
+static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH crs)
+{
+	GDALDriverH driver = GDALGetDriverByName("MEM");
+	GDALDatasetH data = driver != NULL ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0, GDT_Float32, NULL) : NULL;
+	char pointer[64], text[96];
+	char *options[] = { text, NULL };
+	int length = CPLPrintPointer(pointer, s->metres, sizeof pointer - 1);
+
+	if (data == NULL)
+		return NULL;
+	pointer[length] = 0;
+	snprintf(text, sizeof text, "DATAPOINTER=%s", pointer);
+	if (GDALAddBand(data, GDT_Float32, options) != CE_None) {
+		GDALClose(data);
+		return NULL;
+	}
+	GDALSetGeoTransform(data, (double *)s->transform);
+	GDALSetRasterNoDataValue(GDALGetRasterBand(data, 1), NAN);
+	if (crs != NULL)
+		GDALSetSpatialRef(data, crs);
+	return data;
+}
+
+/* The part of the ground that a raster can reach: [first, end) of its samples. */
+static void reach(const struct ground_raster *r, const struct frame *f, int64_t first[2], int64_t end[2])
+{
+	for (int k = 0; k < 2; k++) {
+		first[k] = (int64_t)floor((r->low[k] - f->low[k]) / f->step[k]);
+		end[k] = (int64_t)ceil((r->high[k] - f->low[k]) / f->step[k]);
+		first[k] = first[k] < 0 ? 0 : first[k];
+		end[k] = end[k] > f->samples[k] ? f->samples[k] : end[k];
+	}
+}
+
+static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const struct job *job, const struct frame *f,
+	const int64_t first[2], const int64_t end[2])
+{
+	char bounds[4][40], size[2][24], *wkt = NULL;
+	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift", "-dstnodata", "nan", "-te", bounds[0],
+		bounds[1], bounds[2], bounds[3], "-ts", size[0], size[1], NULL };
+	GDALWarpAppOptions *options;
+	GDALDatasetH to = NULL;
+	int usage = 0;
+
+	for (int k = 0; k < 2; k++) {
+		snprintf(bounds[k], sizeof bounds[k], "%.17g", f->low[k] + (double)first[k] * f->step[k]);
+		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g", f->low[k] + (double)end[k] * f->step[k]);
+		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
+	}
+	if (r->crs != NULL && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
+		arguments[19] = "-t_srs";
+		arguments[20] = wkt;
+		arguments[21] = NULL;
+	}
+	options = GDALWarpAppOptionsNew(arguments, NULL);
+	if (options != NULL)
+		to = GDALWarp("", NULL, 1, &from, options, &usage);
+	GDALWarpAppOptionsFree(options);
+	CPLFree(wkt);
+	return to;
+}
+
+static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s, const struct ground_raster *r,
+	const struct job *job, const struct frame *f, struct eco_error *error)
+{
+	int64_t first[2], end[2];
+	GDALDatasetH from, to = NULL;
+	float *line;
+	bool good;
+
+	reach(r, f, first, end);
+	if (first[0] >= end[0] || first[1] >= end[1])
+		return ECO_OK;
+	line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
+	from = wrap(s, r->crs);
+	if (from != NULL && line != NULL)
+		to = warp(from, r, job, f, first, end);
+	good = to != NULL;
+	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
+		int width = (int)(end[0] - first[0]);
+
+		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1, GDT_Float32, 0, 0) == CE_None;
+		for (int x = 0; good && x < width; x++)
+			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
+	}
+	if (to != NULL)
+		GDALClose(to);
+	if (from != NULL)
+		GDALClose(from);
+	free(line);
+	return good ? ECO_OK : gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+}
+
+static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r, const struct frame *f,
+	struct eco_error *error)
+{
+	struct ground_samples s;
+	int64_t first[2];
+	int sign[2];
+	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0), read_side(r, f, 1), &job->asked->notes, error);
+
+	if (code == ECO_OK && r->direct && on_grid(&s, f, first, sign)) {
+		for (uint32_t y = 0; y < s.rows; y++)
+			for (uint32_t x = 0; x < s.columns; x++)
+				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y, s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
+	} else if (code == ECO_OK) {
+		code = put_resampled(g, &s, r, job, f, error);
+	}
+	free(s.metres);
+	return code;
+}
+
+static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_error *error)
+{
+	struct frame frame;
+	size_t count;
+	enum eco_code code = place_frame(&frame, job, error);
+
+	if (code != ECO_OK)
+		return code;
+	g->columns = frame.samples[0];
+	g->rows = frame.samples[1];
+	g->step_x_m = frame.step[0];
+	g->step_y_m = frame.step[1];
+	g->x_m = frame.low[0] + frame.step[0] / 2 - job->options->origin[0];
+	g->y_m = frame.low[1] + frame.step[1] / 2 - job->options->origin[1];
+	count = (size_t)g->columns * g->rows;
+	g->height_m = malloc(count * sizeof *g->height_m);
+	if (g->height_m == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns, g->rows);
+	for (size_t i = 0; i < count; i++)
+		g->height_m[i] = NAN;
+	for (uint32_t i = 0; i < job->count && code == ECO_OK; i++)
+		code = add_raster(g, job, &job->rasters[i], &frame, error);
+	return code;
+}
+
+/* ---- The whole ---- */
+
+static void close_rasters(struct job *job)
+{
+	for (uint32_t i = 0; i < job->count; i++) {
+		if (job->rasters[i].file != NULL)
+			GDALClose(job->rasters[i].file);
+		if (job->rasters[i].crs != NULL)
+			OSRDestroySpatialReference(job->rasters[i].crs);
+	}
+	if (job->scene_crs != NULL)
+		OSRDestroySpatialReference(job->scene_crs);
+	free(job->rasters);
+}
+
+static enum eco_code import(struct eco_ground *ground, struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_source *source = job->options->source;
+	struct eco_error cause = { .code = ECO_OK };
+	enum eco_code code = check_scene_crs(job, error);
+
+	job->rasters = calloc(source->height_count, sizeof *job->rasters);
+	if (job->rasters == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->height_count);
+	for (uint32_t i = 0; i < source->height_count && code == ECO_OK; i++) {
+		job->rasters[job->count++].path = source->heights[i];
+		code = open_raster(&job->rasters[i], job, error);
+	}
+	if (code == ECO_OK)
+		code = merge(ground, job, error);
+	if (code == ECO_OK && !job->options->keep_missing && eco_ground_fill(ground, &cause) != ECO_OK)
+		code = eco_fail(error, cause.code, "%.300s: %s", source->heights[0], cause.text);
+	return code;
+}
+
+enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct eco_error *error)
+{
+	struct job job = { .asked = asked, .options = asked->options };
+	struct eco_ground ground = { .height_m = NULL };
+	enum eco_code code;
+	size_t count;
+
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+	GDALAllRegister();
+	code = import(&ground, &job, error);
+	count = (size_t)ground.columns * ground.rows;
+	if (code == ECO_OK && (fwrite(&asked->notes, sizeof asked->notes, 1, out) != 1 || fwrite(&ground, sizeof ground, 1, out) != 1
+		|| fwrite(ground.height_m, sizeof *ground.height_m, count, out) != count))
+		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s", asked->options->source->heights[0],
+			strerror(errno));
+	free(ground.height_m);
+	close_rasters(&job);
+	CPLPopErrorHandler();
+	return code;
+}

@@ -1,0 +1,33 @@
+/* Inside ecogdal.so: one raster as metres, on its own grid. */
+#ifndef ECO_GDAL_GROUND_H
+#define ECO_GDAL_GROUND_H
+
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
+#include "ecofiles/import/ground/import_ground.h"
+
+void ground_note(struct ground_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+struct ground_raster {
+	const char *path;
+	GDALDatasetH file;
+	OGRSpatialReferenceH crs;    /* horizontal; NULL: that of the scene, which has none either */
+	char vertical[64];           /* datum that the file states; else empty */
+	double crs_unit_m;           /* of heights as the CRS says; 0: it does not */
+	double transform[6];         /* of its pixels */
+	int columns, rows;
+	bool direct;                 /* its pixels are the scene's metres, rows from the north or the south */
+	double low[2], high[2], step[2];     /* in the scene's CRS: outer bounds, size of a pixel */
+};
+
+/* Metres of one raster, averaged down to at most `columns` x `rows`, in its own order of rows; NaN where it has no height. */
+struct ground_samples {
+	float *metres;               /* owned */
+	uint32_t columns, rows;
+	double transform[6];
+};
+enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
+	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes, struct eco_error *error);
+
+#endif

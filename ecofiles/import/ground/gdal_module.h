@@ -1,0 +1,15 @@
+/* Inside ecogdal.so: what its table names. */
+#ifndef ECO_GDAL_MODULE_H
+#define ECO_GDAL_MODULE_H
+
+#include "ecofiles/base/module.h"
+
+/* As in struct eco_gdal_module. */
+enum eco_code gdal_ground_read(struct eco_ground_job *job, FILE *out, struct eco_error *error);
+bool gdal_rows_knows(const char *path);
+enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
+enum eco_code gdal_raster_write(const struct eco_raster *raster, const char *path, struct eco_error *error);
+
+extern const struct eco_gdal_module eco_gdal_module;
+
+#endif

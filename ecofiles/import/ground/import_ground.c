@@ -1,0 +1,97 @@
+/* Ground from rasters: a child process reads them (gdal_ground.c) and hands back struct eco_ground and its samples through a pipe; what
+ * comes out of that is checked here. */
+#include "ecofiles/import/ground/import_ground.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/format/pack.h"
+
+static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+
+	return gdal == NULL ? ECO_NOT_FOUND : gdal->ground_read(ctx, out, error);
+}
+
+static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_job *job)
+{
+	struct eco_ground head;
+	size_t count;
+
+	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || head.columns < 2 || head.rows < 2
+		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
+		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
+		return false;
+	for (uint32_t i = 0; i < job->notes.count; i++)
+		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
+	count = (size_t)head.columns * head.rows;
+	head.height_m = malloc(count * sizeof *head.height_m);
+	if (head.height_m == NULL)
+		return false;
+	*ground = head;
+	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		if (!isfinite(ground->height_m[i]) && !(job->options->keep_missing && isnan(ground->height_m[i])))
+			return false;
+	return true;
+}
+
+static void tell(const struct eco_ground_options *options, const struct eco_ground *ground, const struct eco_ground_job *job)
+{
+	char text[400];
+
+	if (options->warn == NULL)
+		return;
+	for (uint32_t i = 0; i < job->notes.count; i++)
+		options->warn(options->ctx, job->notes.text[i]);
+	if (ground->filled == 0)
+		return;
+	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their neighbours",
+		options->source->heights[0], (unsigned long long)ground->filled, (unsigned long long)ground->columns * ground->rows);
+	options->warn(options->ctx, text);
+}
+
+static enum eco_code check_files(const struct eco_ground_source *source, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < source->height_count; i++)
+		if (access(source->heights[i], R_OK) != 0)
+			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", source->heights[i], strerror(errno));
+	return source->height_count > 0 ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
+}
+
+enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options, struct eco_error *error)
+{
+	struct eco_ground_job job = { .options = options, .side_max = options->side_max };
+	struct eco_error verdict = { .code = ECO_OK };
+	struct eco_guard *guard;
+	FILE *result;
+	bool whole;
+	enum eco_code code;
+
+	*ground = (struct eco_ground){ .height_m = NULL };
+	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
+		job.side_max = ECO_GROUND_SIDE_MAX;
+	code = check_files(options->source, error);
+	if (code == ECO_OK)
+		code = eco_guard_start(&guard, work, &job, options->source->heights[0], NULL, &result, error);
+	if (code != ECO_OK)
+		return code;
+	whole = get_ground(result, ground, &job);
+	code = eco_guard_finish(guard, &verdict);
+	if (code != ECO_OK)
+		eco_fail(error, code, "%s", verdict.text);
+	else if (!whole)
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->source->heights[0]);
+	if (code == ECO_OK)
+		tell(options, ground, &job);
+	else
+		eco_ground_free(ground);
+	return code;
+}

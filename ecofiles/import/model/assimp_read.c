@@ -1,0 +1,579 @@
+/* From assimp's scene to a soup. Node transforms are applied here, in double, as the tree is walked: assimp's own pre-transformation
+ * would copy meshes, and round places far from the origin to floats. Polygons are split by polygon.c into exactly n - 2 triangles:
+ * assimp's own clipper leaves some concave ones, and loses others. */
+#include "ecofiles/import/model/assimp_module.h"
+
+#include <assimp/cfileio.h>
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/scene.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/polygon.h"
+
+#define NODES_MAX (1u << 20)
+#define COARSE 1e-4                  /* of the extent: coordinates that are rounded more than that are said to be */
+
+/* ---- Files as assimp opens them: the model's own may be in memory ---- */
+
+struct stream {
+	struct aiFile file;
+	FILE *disk;
+	const uint8_t *bytes;
+	size_t size, at;
+};
+
+static size_t stream_read(struct aiFile *file, char *to, size_t size, size_t count)
+{
+	struct stream *s = (struct stream *)file->UserData;
+	size_t whole;
+
+	if (s->disk != NULL)
+		return fread(to, size, count, s->disk);
+	whole = size == 0 ? 0 : (s->size - s->at) / size;
+	if (whole > count)
+		whole = count;
+	memcpy(to, s->bytes + s->at, whole * size);
+	s->at += whole * size;
+	return whole;
+}
+
+static size_t stream_write(struct aiFile *file, const char *from, size_t size, size_t count)
+{
+	(void)file;
+	(void)from;
+	(void)size;
+	(void)count;
+	return 0;
+}
+
+static size_t stream_tell(struct aiFile *file)
+{
+	struct stream *s = (struct stream *)file->UserData;
+
+	return s->disk != NULL ? (size_t)ftell(s->disk) : s->at;
+}
+
+static size_t stream_size(struct aiFile *file)
+{
+	struct stream *s = (struct stream *)file->UserData;
+	long at, size;
+
+	if (s->disk == NULL)
+		return s->size;
+	at = ftell(s->disk);
+	fseek(s->disk, 0, SEEK_END);
+	size = ftell(s->disk);
+	fseek(s->disk, at, SEEK_SET);
+	return size > 0 ? (size_t)size : 0;
+}
+
+static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+	struct stream *s = (struct stream *)file->UserData;
+	size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? s->at : s->size;
+
+	if (s->disk != NULL)
+		return fseek(s->disk, (long)offset, origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END) == 0
+			? aiReturn_SUCCESS : aiReturn_FAILURE;
+	if (offset > s->size - base)
+		return aiReturn_FAILURE;
+	s->at = base + offset;
+	return aiReturn_SUCCESS;
+}
+
+static void stream_flush(struct aiFile *file)
+{
+	(void)file;
+}
+
+static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const char *mode)
+{
+	const struct eco_model_file *model = (const struct eco_model_file *)io->UserData;
+	struct stream *s = strpbrk(mode, "wa+") == NULL ? calloc(1, sizeof *s) : NULL;
+
+	if (s == NULL)
+		return NULL;
+	if (model->bytes != NULL && strcmp(path, model->path) == 0) {
+		s->bytes = model->bytes;
+		s->size = model->size_bytes;
+	} else if ((s->disk = fopen(path, "rb")) == NULL) {
+		free(s);
+		return NULL;
+	}
+	s->file = (struct aiFile){ stream_read, stream_write, stream_tell, stream_size, stream_seek, stream_flush, (char *)s };
+	return &s->file;
+}
+
+static void stream_close(struct aiFileIO *io, struct aiFile *file)
+{
+	struct stream *s = (struct stream *)file->UserData;
+
+	(void)io;
+	if (s->disk != NULL)
+		fclose(s->disk);
+	free(s);
+}
+
+/* ---- The walk ---- */
+
+struct soup {
+	struct eco_model *model;
+	const struct aiScene *scene;
+	const struct eco_model_file *file;
+	const struct eco_model_frame *frame;
+	double axes[3][3];                   /* from assimp's world to ours: rows of a matrix, unit included */
+	const uint32_t *channel;
+	const bool *invisible;
+	struct eco_tints tints;
+	uint64_t hidden;
+	uint32_t averaged;                   /* textured meshes whose vertex colours differ */
+	double *corners;                     /* scratch of one polygon: 3 each */
+	uint32_t *split;                     /* its ring, then its triangles */
+	struct eco_error *error;
+};
+
+static uint64_t mesh_triangles(const struct aiMesh *mesh)
+{
+	uint64_t count = 0;
+
+	for (unsigned i = 0; i < mesh->mNumFaces; i++)
+		count += mesh->mFaces[i].mNumIndices > 2 ? mesh->mFaces[i].mNumIndices - 2 : 0;
+	return count;
+}
+
+static void transform(const struct soup *s, const struct aiMatrix4x4 *m, const struct aiVector3D *p, double out[3])
+{
+	const double world[3] = { (double)m->a1 * p->x + (double)m->a2 * p->y + (double)m->a3 * p->z + m->a4,
+		(double)m->b1 * p->x + (double)m->b2 * p->y + (double)m->b3 * p->z + m->b4,
+		(double)m->c1 * p->x + (double)m->c2 * p->y + (double)m->c3 * p->z + m->c4 };
+
+	for (int k = 0; k < 3; k++)
+		out[k] = s->axes[k][0] * world[0] + s->axes[k][1] * world[1] + s->axes[k][2] * world[2];
+}
+
+static float bounded_uv(float value)
+{
+	return fabsf(value) <= 65536 ? value : 0;
+}
+
+/* uv from the image's top left; assimp's v points up. */
+static void texture_coordinate(const struct aiVector3D *from, float to[2])
+{
+	to[0] = bounded_uv(from->x);
+	to[1] = bounded_uv((float)(1 - (double)from->y));
+}
+
+static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct aiMatrix4x4 *world)
+{
+	struct eco_model *m = s->model;
+	uint32_t channel = s->channel[mesh->mMaterialIndex];
+	const struct aiVector3D *uv;
+
+	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || mesh->mTextureCoords[channel] == NULL)
+		channel = 0;
+	uv = mesh->mTextureCoords[channel];
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
+
+		double place[3];
+
+		transform(s, world, &mesh->mVertices[i], place);
+		for (int k = 0; k < 3; k++)
+			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] = (float)(place[k] - s->frame->base[k]);
+		to[0] = to[1] = 0;
+		if (uv != NULL)
+			texture_coordinate(&uv[i], to);
+	}
+}
+
+static uint8_t color_byte(float value)
+{
+	if (!isfinite(value))
+		return 255;
+	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
+}
+
+static void mean_color(const struct aiColor4D *colors, const unsigned *v, uint8_t rgb[3])
+{
+	float sum[3] = { 0, 0, 0 };
+
+	for (int c = 0; c < 3; c++) {
+		sum[0] += colors[v[c]].r / 3;
+		sum[1] += colors[v[c]].g / 3;
+		sum[2] += colors[v[c]].b / 3;
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = color_byte(sum[k]);
+}
+
+static bool one_color(const struct aiMesh *mesh)
+{
+	const struct aiColor4D *c = mesh->mColors[0];
+
+	for (unsigned i = 1; i < mesh->mNumVertices; i++)
+		if (fabsf(c[i].r - c[0].r) > 0.02f || fabsf(c[i].g - c[0].g) > 0.02f || fabsf(c[i].b - c[0].b) > 0.02f)
+			return false;
+	return true;
+}
+
+/* The one material of all the mesh's triangles; ECO_NONE where their vertex colours make several. A textured mesh gets the mean of its
+ * colours: every other colour would be another image, and would cut leaves and branches into pieces. */
+static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
+{
+	const struct aiColor4D *colors = mesh->mColors[0];
+	bool one = colors == NULL || one_color(mesh);
+	double sum[3] = { 0, 0, 0 };
+	uint8_t rgb[3];
+
+	if (colors == NULL || mesh->mNumVertices == 0)
+		return mesh->mMaterialIndex;
+	if (!one && s->model->materials[mesh->mMaterialIndex].image == ECO_NONE)
+		return ECO_NONE;
+	s->averaged += !one;
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		sum[0] += colors[i].r;
+		sum[1] += colors[i].g;
+		sum[2] += colors[i].b;
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = color_byte((float)(sum[k] / mesh->mNumVertices));
+	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
+}
+
+/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps a channel. */
+static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
+{
+	uint8_t rgb[3];
+
+	if (whole != ECO_NONE)
+		return whole;
+	for (int c = 0; c < 3; c++)
+		if (v[c] >= mesh->mNumVertices)
+			return mesh->mMaterialIndex;
+	mean_color(mesh->mColors[0], v, rgb);
+	eco_tint_step(rgb);
+	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
+}
+
+static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
+{
+	struct eco_model *m = s->model;
+
+	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not become one into the next */
+		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
+	m->part[m->triangle_count] = m->part_count - 1;
+	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
+}
+
+/* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
+static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t whole)
+{
+	unsigned n = face->mNumIndices;
+	uint32_t *triangles = s->split + n;
+	bool sound = true;
+
+	for (unsigned i = 0; i < n; i++) {
+		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices ? &mesh->mVertices[face->mIndices[i]] : NULL;
+
+		sound = sound && p != NULL && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
+		s->corners[i * 3] = sound ? p->x : 0;
+		s->corners[i * 3 + 1] = sound ? p->y : 0;
+		s->corners[i * 3 + 2] = sound ? p->z : 0;
+	}
+	if (sound)
+		eco_polygon_split(s->corners, n, s->split, triangles);
+	for (unsigned i = 0; i + 2 < n; i++) {
+		const uint32_t fan[3] = { 0, i + 1, i + 2 }, *t = sound ? &triangles[i * 3] : fan;
+		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
+
+		add_triangle(s, mesh, v, whole);
+	}
+}
+
+/* What people see of a name: nothing of what assimp puts there itself. */
+static size_t plain_name(const char *name)
+{
+	const char *helper = strstr(name, "_$AssimpFbx$");
+
+	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
+		return 0;
+	return helper != NULL ? (size_t)(helper - name) : strlen(name);
+}
+
+/* NODE, MESH or NODE/MESH: programs show one or the other. */
+static void add_part(struct soup *s, const struct aiNode *node, const struct aiMesh *mesh)
+{
+	struct eco_model *m = s->model;
+	size_t of_node = plain_name(node->mName.data), of_mesh = plain_name(mesh->mName.data);
+	bool both = of_node > 0 && of_mesh > 0 && (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
+	struct eco_part part = { .name = "" };
+
+	if (both)
+		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data, (int)of_mesh, mesh->mName.data);
+	else if (of_node > 0)
+		snprintf(part.name, sizeof part.name, "%.*s", (int)of_node, node->mName.data);
+	else
+		snprintf(part.name, sizeof part.name, "%.*s", (int)of_mesh, mesh->mName.data);
+	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+		m->parts[m->part_count++] = part;
+}
+
+static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+{
+	const struct aiMesh *mesh = s->scene->mMeshes[index];
+	struct eco_model *m = s->model;
+	uint64_t triangles = mesh_triangles(mesh);
+	uint32_t whole;
+
+	m->triangles_in += (uint32_t)triangles;
+	if (s->invisible[mesh->mMaterialIndex]) {
+		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)triangles;
+		s->hidden += triangles;
+		return;
+	}
+	add_part(s, node, mesh);
+	whole = mesh_material(s, mesh);
+	add_vertices(s, mesh, world);
+	for (unsigned i = 0; i < mesh->mNumFaces; i++)
+		if (mesh->mFaces[i].mNumIndices == 3)
+			add_triangle(s, mesh, mesh->mFaces[i].mIndices, whole);
+		else if (mesh->mFaces[i].mNumIndices > 3)
+			add_polygon(s, mesh, &mesh->mFaces[i], whole);
+	m->vertex_count += mesh->mNumVertices;
+}
+
+/* Calls `visit` for every mesh of every node, parents first, without recursion: the depth of a file's tree is not ours to bound. */
+typedef void visit_mesh(void *ctx, const struct aiNode *node, unsigned mesh, const struct aiMatrix4x4 *world);
+
+static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
+{
+	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = malloc(sizeof *stack);
+	size_t count = 1, capacity = 1, seen = 0;
+	bool good = stack != NULL && scene->mRootNode != NULL;
+
+	if (good)
+		stack[0] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
+	while (good && count > 0) {
+		struct entry top = stack[--count];
+
+		for (unsigned i = 0; i < top.node->mNumMeshes; i++)
+			if (top.node->mMeshes[i] < scene->mNumMeshes)
+				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
+		seen += top.node->mNumChildren;
+		if (seen > NODES_MAX) {
+			good = false;
+		} else if (count + top.node->mNumChildren > capacity) {
+			struct entry *grown = realloc(stack, (capacity = 2 * (count + top.node->mNumChildren)) * sizeof *stack);
+
+			good = grown != NULL;
+			stack = good ? grown : stack;
+		}
+		for (unsigned i = top.node->mNumChildren; good && i-- > 0;) {
+			stack[count] = (struct entry){ top.node->mChildren[i], top.world };
+			aiMultiplyMatrix4(&stack[count++].world, &top.node->mChildren[i]->mTransformation);
+		}
+	}
+	free(stack);
+	return good;
+}
+
+struct totals {
+	const struct soup *soup;
+	uint64_t vertices, triangles, meshes;
+	double low[3], high[3];
+	double far;                          /* largest coordinate of a vertex, which assimp holds in single precision */
+};
+
+static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+{
+	struct totals *t = ctx;
+	const struct aiMesh *mesh = t->soup->scene->mMeshes[index];
+
+	(void)node;
+	t->vertices += mesh->mNumVertices;
+	t->triangles += mesh_triangles(mesh);
+	t->meshes++;
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		double place[3];
+
+		transform(t->soup, world, &mesh->mVertices[i], place);
+		if (!isfinite(place[0]) || !isfinite(place[1]) || !isfinite(place[2]))
+			continue;
+		for (int k = 0; k < 3; k++) {
+			t->low[k] = fmin(t->low[k], place[k]);
+			t->high[k] = fmax(t->high[k], place[k]);
+		}
+		t->far = fmax(t->far, fmax(fabs((double)mesh->mVertices[i].x), fmax(fabs((double)mesh->mVertices[i].y),
+			fabs((double)mesh->mVertices[i].z))));
+	}
+}
+
+static void add_mesh_of(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+{
+	add_mesh(ctx, node, index, world);
+}
+
+static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max, struct eco_error *error)
+{
+	if (t->triangles > triangles_max || t->vertices > (uint64_t)triangles_max * 3)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u triangles are possible", path,
+			(unsigned long long)t->triangles, (unsigned long long)t->vertices, triangles_max);
+	if (t->triangles == 0 && t->vertices > 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points or lines; a point cloud has no surfaces: make a "
+			"mesh of it first", path, (unsigned long long)t->vertices);
+	if (t->triangles == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
+	return ECO_OK;
+}
+
+static bool take_memory(struct soup *s, const struct totals *t)
+{
+	struct eco_model *m = s->model;
+
+	m->position = malloc((t->vertices + 1) * 3 * sizeof *m->position);
+	m->uv = malloc((t->vertices + 1) * 2 * sizeof *m->uv);
+	m->index = malloc((t->triangles + 1) * 3 * sizeof *m->index);
+	m->material = malloc((t->triangles + 1) * sizeof *m->material);
+	m->part = malloc((t->triangles + 1) * sizeof *m->part);
+	m->parts = malloc((t->meshes + 1) * sizeof *m->parts);
+	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
+	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
+	return m->position != NULL && m->uv != NULL && m->index != NULL && m->material != NULL && m->part != NULL && m->parts != NULL
+		&& s->corners != NULL && s->split != NULL && eco_tints_start(&s->tints, m);
+}
+
+static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+{
+	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
+	const char *path = s->file->path;
+	double extent = 0;
+	enum eco_code code;
+
+	if (!walk(s->scene, count_mesh, &t))
+		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path, NODES_MAX);
+	code = check_totals(&t, path, triangles_max, s->error);
+	if (code != ECO_OK)
+		return code;
+	if (t.low[0] <= t.high[0]) {
+		double more[3];
+
+		eco_model_choose_base(t.low, t.high, more);
+		for (int k = 0; k < 3; k++) {
+			frame->base[k] = more[k];
+			extent = fmax(extent, t.high[k] - t.low[k]);
+		}
+	}
+	if (t.far * 0x1p-24 > extent * COARSE)
+		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so only exact to %.2g of their unit: export it "
+			"with a local origin", t.far, t.far * 0x1p-24);
+	if (!take_memory(s, &t))
+		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path, (unsigned long long)t.triangles);
+	return ECO_OK;
+}
+
+/* ---- The file ---- */
+
+/* What assimp may hand out all the same: material numbers that are not there, faces without vertices, endless polygons. Empty meshes
+ * are no harm. */
+static bool meshes_hold_together(const struct aiScene *scene)
+{
+	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+		const struct aiMesh *mesh = scene->mMeshes[i];
+
+		if (mesh->mMaterialIndex >= scene->mNumMaterials || (mesh->mVertices == NULL && mesh->mNumVertices + mesh->mNumFaces > 0))
+			return false;
+		for (unsigned k = 0; k < mesh->mNumFaces; k++)
+			if (mesh->mFaces[k].mNumIndices > ECO_POLYGON_CORNERS_MAX)
+				return false;
+	}
+	return true;
+}
+
+/* What has no material is grey; or white, where vertices have colours of their own. */
+static void color_nameless(struct eco_model *model, const struct aiScene *scene)
+{
+	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
+		struct eco_material *m = &model->materials[i];
+		bool colored = false;
+
+		if ((m->name[0] != 0 && strcmp(m->name, "DefaultMaterial") != 0) || m->image != ECO_NONE)
+			continue;
+		for (unsigned k = 0; k < scene->mNumMeshes; k++)
+			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0] != NULL;
+		memset(m->rgb, colored ? 255 : 153, 3);
+		m->colourless = !colored;
+	}
+}
+
+static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+{
+	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
+	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
+	enum eco_code code;
+
+	s->channel = channel;
+	s->invisible = invisible;
+	if (channel == NULL || invisible == NULL)
+		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->file->path);
+	else
+		code = assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
+	if (code == ECO_OK) {
+		color_nameless(s->model, s->scene);
+		assimp_frame(s->scene, s->file->path, frame, s->axes);
+		code = reserve(s, frame, triangles_max, notes);
+	}
+	if (code == ECO_OK)
+		walk(s->scene, add_mesh_of, s);
+	if (s->hidden > 0)
+		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
+			(unsigned long long)s->hidden);
+	if (s->averaged > 0)
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
+	eco_tints_end(&s->tints);
+	free(s->corners);
+	free(s->split);
+	free(channel);
+	free(invisible);
+	return code;
+}
+
+/* Collada's names, not its ids, are what people see. */
+static const struct aiScene *import_scene(const struct eco_model_file *file, struct aiFileIO *io)
+{
+	struct aiPropertyStore *settings = aiCreatePropertyStore();
+	const struct aiScene *scene;
+
+	if (settings == NULL)
+		return aiImportFileEx(file->path, 0, io);
+	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
+	scene = aiImportFileExWithProperties(file->path, 0, io, settings);
+	aiReleasePropertyStore(settings);
+	return scene;
+}
+
+static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
+{
+	struct aiFileIO io = { stream_open, stream_close, (char *)file };
+	const struct aiScene *scene = import_scene(file, &io);
+	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
+	enum eco_code code;
+
+	if (scene == NULL && strstr(aiGetErrorString(), "No suitable reader") != NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, GLB, glTF, FBX, PLY or Collada", file->path);
+	if (scene == NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s%s", file->path, aiGetErrorString(),
+			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of versions before 2.8 are read: export GLB" : "");
+	if (!meshes_hold_together(scene))
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
+	else
+		code = read_scene(&soup, frame, triangles_max, notes);
+	aiReleaseImport(scene);
+	return code;
+}
+
+ECO_MODULE_EXPORT const struct eco_assimp_module eco_assimp_module = { .version = ECO_MODULE_VERSION, .read = read_model };

@@ -1,0 +1,120 @@
+/* A glTF 2.0 document, .glb or .gltf with what lies beside it: its JSON, numbers and nodes, checked. Meaning is left to the
+ * users: models (import_gltf.c), inventories (rows_gltf.c), cameras.
+ *
+ *   eco_gltf_open(&doc, path, &error);
+ *   nodes = json_object_get(eco_gltf_json(doc), "nodes");
+ *   eco_gltf_read_floats(doc, eco_gltf_index(sampler, "input"), 1, &times, &count, &error);    free(times)
+ *   eco_gltf_node_matrix(doc, node, world, &error);
+ *   eco_gltf_close(doc);
+ *
+ * Why not assimp: its reader of 5.2 passes over extensions that files require (quantization, meshopt, instances), and with
+ * them over leaves. A file is a stranger's: run this in the child of guard.h (its own code bounds whatever it allocates, but
+ * Draco and meshopt unpack small files to large ones). Numbers are read byte by byte. Buffers are loaded when they are first
+ * asked for, so what nobody needs may be missing. Not thread-safe. Errors name the file and the thing in it. */
+#ifndef ECO_GLTF_H
+#define ECO_GLTF_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+#define ECO_GLTF_NODES_MAX (1u << 20)            /* visited of a scene */
+#define ECO_GLTF_VALUES_MAX ((uint64_t)1 << 28)  /* numbers of one accessor */
+
+struct eco_gltf;
+
+/* ---- The document ---- */
+
+/* Errors: no file, not glTF 2.0, cut off, JSON that is none (with its line). */
+enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_error *error);
+/* The same from memory, which must outlive the document; files that it names are looked for beside `name`. */
+enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
+void eco_gltf_close(struct eco_gltf *doc);       /* NULL is fine */
+
+const json_t *eco_gltf_json(const struct eco_gltf *doc);     /* an object; owned by the document */
+const char *eco_gltf_path(const struct eco_gltf *doc);
+
+/* Whether .glb or .gltf, by the path. */
+bool eco_gltf_is_path(const char *path);
+
+/* ---- JSON of strangers: what is absent or no such thing is the default ---- */
+
+/* Item `index` of an array of the root ("nodes", "meshes", ...); NULL if there is none. */
+const json_t *eco_gltf_item(const struct eco_gltf *doc, const char *array, uint64_t index);
+/* A reference to such an item: ECO_NONE (model.h) if there is none. */
+uint32_t eco_gltf_index(const json_t *object, const char *key);
+/* A whole number, even if written as 3.0; UINT64_MAX, which no bound lets pass, if it is there but no whole number. */
+uint64_t eco_gltf_whole(const json_t *object, const char *key, uint64_t otherwise);
+double eco_gltf_number(const json_t *object, const char *key, double otherwise);
+/* Up to `count` numbers of an array; those not given stay. False if it is there and holds anything else. */
+bool eco_gltf_numbers(const json_t *object, const char *key, double *values, size_t count);
+const json_t *eco_gltf_extension(const json_t *object, const char *name);
+/* Never NULL. */
+const char *eco_gltf_text(const json_t *object, const char *key);
+
+/* ---- Numbers ---- */
+
+/* Any accessor, resolved: component types, normalized integers, strides, sparse substitution, meshopt compression. */
+struct eco_gltf_accessor {
+	const uint8_t *bytes;            /* of element 0; NULL: all elements are 0 */
+	uint8_t *owned;
+	uint64_t count;
+	size_t stride, column_bytes;     /* bytes from element to element, and from column to column of a matrix */
+	uint32_t components, rows;       /* rows of a matrix, else as components */
+	uint32_t type;                   /* glTF's component type, 5120 to 5126 (and 5130, double) */
+	bool normalized;
+};
+
+/* `components` 1 to 4, 9 or 16, or 0: any. Bytes live until close, or until the document is closed. */
+enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components, struct eco_gltf_accessor *a,
+	struct eco_error *error);
+void eco_gltf_accessor_close(struct eco_gltf_accessor *a);
+/* Element i < count as numbers; normalized integers as fractions. */
+void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values);
+/* Component 0 of element i as a whole number; ECO_NONE where it is none. */
+uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
+
+/* The whole accessor; *values is malloc'ed: count * components. */
+enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
+	struct eco_error *error);
+
+/* Bytes of a buffer view, decompressed; live as long as the document. */
+enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error);
+/* Bytes of a data: URI; malloc'ed. *is_data false: it is none, and nothing else is set. */
+enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size, struct eco_error *error);
+
+/* ---- Nodes: matrices are 4 x 4, column by column, as in glTF: Y up ---- */
+
+enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error);
+/* To the world: the product over its ancestors. Cycles are errors. */
+enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error);
+void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);      /* a * b; out may be either */
+/* Translation, rotation (a quaternion, normalized here) and scale as a matrix. */
+void eco_gltf_compose(double out[16], const double translation[3], const double rotation[4], const double scale[3]);
+void eco_gltf_apply(const double matrix[16], const double point[3], double out[3]);
+
+/* Is the scene there that a viewer would show: the default, or the first where the file names none? */
+bool eco_gltf_has_scene(const struct eco_gltf *doc);
+/* Calls visit(ctx, node, world) for each node of that scene, or, where it is not there, below all roots, parents first; hidden
+ * nodes (KHR_node_visibility) are passed over with all below. A node below several parents is visited for each. Stops at the first
+ * status other than ECO_OK. */
+typedef enum eco_code eco_gltf_visit(void *ctx, uint32_t node, const double world[16]);
+enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error);
+
+/* The instances of a node with EXT_mesh_gpu_instancing. */
+struct eco_gltf_instances {
+	uint64_t count;
+	struct eco_gltf_accessor translation, rotation, scale;       /* count 0: not there */
+};
+/* *there is false, and nothing else set, where the node has no such extension. */
+enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *instances,
+	struct eco_error *error);
+void eco_gltf_instances_close(struct eco_gltf_instances *instances);
+/* World matrix of instance i of a node whose own is `world`. */
+void eco_gltf_instance_matrix(const struct eco_gltf_instances *instances, uint64_t i, const double world[16], double out[16]);
+
+#endif

@@ -1,0 +1,251 @@
+/* Accessors: where each number stands and what it means. An accessor is resolved once into a place, a stride and a type, and
+ * elements are read from it one by one; only sparse ones are copied. */
+#include "ecofiles/import/model/gltf_document.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+
+struct shape { const char *name; uint32_t components, rows; };
+
+static const struct shape shapes[] = {
+	{ "SCALAR", 1, 1 }, { "VEC2", 2, 2 }, { "VEC3", 3, 3 }, { "VEC4", 4, 4 }, { "MAT2", 4, 2 }, { "MAT3", 9, 3 }, { "MAT4", 16, 4 },
+};
+
+/* Bytes of a component; 0: no type. */
+static size_t component_bytes(uint64_t type)
+{
+	switch (type) {
+	case 5120: case 5121: return 1;
+	case 5122: case 5123: return 2;
+	case 5124: case 5125: case 5126: return 4;
+	case 5130: return 8;
+	default: return 0;
+	}
+}
+
+static size_t element_bytes(const struct eco_gltf_accessor *a)
+{
+	return a->column_bytes * (a->components / a->rows - 1) + a->rows * component_bytes(a->type);
+}
+
+static size_t dense_stride(const struct eco_gltf_accessor *a)
+{
+	return a->column_bytes * (a->components / a->rows);
+}
+
+/* Type and number, from the JSON of an accessor. */
+static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
+	struct eco_error *error)
+{
+	const char *name = eco_gltf_text(json, "type");
+	uint64_t type = eco_gltf_whole(json, "componentType", 0);
+	size_t i = 0, bytes = component_bytes(type);
+
+	while (i < sizeof shapes / sizeof *shapes && strcmp(shapes[i].name, name) != 0)
+		i++;
+	if (i == sizeof shapes / sizeof *shapes || bytes == 0)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has no known type (%.20s of %llu)", doc->path, index, name,
+			(unsigned long long)type);
+	a->components = shapes[i].components;
+	a->rows = shapes[i].rows;
+	a->type = (uint32_t)type;
+	a->normalized = json_is_true(json_object_get(json, "normalized")) && type < 5125;
+	a->column_bytes = a->rows * bytes;
+	if (a->rows < a->components)         /* columns of matrices begin at multiples of four bytes */
+		a->column_bytes = (a->column_bytes + 3) & ~(size_t)3;
+	a->count = eco_gltf_whole(json, "count", UINT64_MAX);
+	if (a->count > ECO_GLTF_VALUES_MAX / a->components)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: accessor %u: no count, or more numbers than are possible (%llu)", doc->path, index,
+			(unsigned long long)ECO_GLTF_VALUES_MAX);
+	a->stride = dense_stride(a);
+	return ECO_OK;
+}
+
+/* `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
+static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes,
+	size_t stride, const uint8_t **at, struct eco_error *error)
+{
+	uint32_t view = eco_gltf_index(json, "bufferView");
+	uint64_t offset = eco_gltf_whole(json, "byteOffset", 0), need;
+	const uint8_t *start;
+	size_t size;
+	enum eco_code code = eco_gltf_view(doc, view, &start, &size, error);
+
+	if (code != ECO_OK)
+		return code;
+	need = count == 0 ? 0 : (count - 1) * stride + bytes;
+	if (offset > size || need > size - offset)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u needs %llu bytes of bufferView %u, which has %zu", doc->path, accessor,
+			(unsigned long long)need, view, size);
+	*at = start + offset;
+	return ECO_OK;
+}
+
+static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
+	struct eco_error *error)
+{
+	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
+	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
+
+	if (stride > 1u << 20)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path, index, (unsigned long long)stride);
+	if (stride != 0)
+		a->stride = (size_t)stride;
+	return locate(doc, index, json, a->count, element_bytes(a), a->stride, &a->bytes, error);
+}
+
+static uint32_t whole_at(const uint8_t *p, uint64_t type)
+{
+	if (type == 5121)
+		return p[0];
+	if (type == 5123)
+		return p[0] | (uint32_t)p[1] << 8;
+	return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* A dense copy of the elements, zeros where there are none. */
+static bool own_elements(struct eco_gltf_accessor *a)
+{
+	size_t stride = dense_stride(a);
+	uint8_t *copy = calloc((size_t)a->count + 1, stride);
+
+	for (uint64_t i = 0; copy != NULL && a->bytes != NULL && i < a->count; i++)
+		memcpy(copy + i * stride, a->bytes + i * a->stride, element_bytes(a));
+	a->owned = copy;
+	a->bytes = copy;
+	a->stride = stride;
+	return copy != NULL;
+}
+
+static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse, struct eco_gltf_accessor *a,
+	struct eco_error *error)
+{
+	const json_t *indices = json_object_get(sparse, "indices"), *values = json_object_get(sparse, "values");
+	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX), type = eco_gltf_whole(indices, "componentType", 0);
+	const uint8_t *where, *what;
+	size_t stride = dense_stride(a);
+	enum eco_code code;
+
+	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it", doc->path, index);
+	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where, error);
+	if (code == ECO_OK)
+		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
+	if (code != ECO_OK)
+		return code;
+	if (!own_elements(a))
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, index);
+	for (uint64_t i = 0; i < count; i++) {
+		uint32_t element = whole_at(where + i * component_bytes(type), type);
+
+		if (element >= a->count)
+			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names element %u of %llu", doc->path, index, element,
+				(unsigned long long)a->count);
+		memcpy(a->owned + element * stride, what + i * stride, element_bytes(a));
+	}
+	return ECO_OK;
+}
+
+enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components, struct eco_gltf_accessor *a,
+	struct eco_error *error)
+{
+	const json_t *json = eco_gltf_item(doc, "accessors", accessor), *sparse = json_object_get(json, "sparse");
+	enum eco_code code;
+
+	*a = (struct eco_gltf_accessor){ .bytes = NULL };
+	if (json == NULL)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there", doc->path, accessor);
+	code = read_shape(doc, accessor, json, a, error);
+	if (code == ECO_OK && components != 0 && a->components != components)
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u", doc->path, accessor,
+			a->components, components);
+	if (code == ECO_OK && json_object_get(json, "bufferView") != NULL)
+		code = place_dense(doc, accessor, json, a, error);
+	if (code == ECO_OK && sparse != NULL)
+		code = substitute(doc, accessor, sparse, a, error);
+	if (code != ECO_OK)
+		eco_gltf_accessor_close(a);
+	return code;
+}
+
+void eco_gltf_accessor_close(struct eco_gltf_accessor *a)
+{
+	free(a->owned);
+	*a = (struct eco_gltf_accessor){ .bytes = NULL };
+}
+
+/* ---- Elements ---- */
+
+static double fraction(double value, double most, bool normalized)
+{
+	return !normalized ? value : value < -most ? -1 : value / most;
+}
+
+static double component(const uint8_t *p, uint32_t type, bool normalized)
+{
+	uint32_t bits = type == 5120 ? p[0] : type == 5122 ? whole_at(p, 5123) : whole_at(p, type);
+	uint64_t wide;
+	float single;
+	double exact;
+
+	switch (type) {
+	case 5120: return fraction((int8_t)bits, 127, normalized);
+	case 5121: return fraction(bits, 255, normalized);
+	case 5122: return fraction((int16_t)bits, 32767, normalized);
+	case 5123: return fraction(bits, 65535, normalized);
+	case 5124: return fraction((int32_t)bits, 2147483647.0, normalized);
+	case 5126:
+		memcpy(&single, &bits, sizeof single);
+		return (double)single;
+	case 5130:
+		wide = bits | (uint64_t)whole_at(p + 4, 5125) << 32;
+		memcpy(&exact, &wide, sizeof exact);
+		return exact;
+	default: return bits;
+	}
+}
+
+void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values)
+{
+	const uint8_t *p = a->bytes != NULL ? a->bytes + i * a->stride : NULL;
+	size_t bytes = component_bytes(a->type);
+
+	for (uint32_t c = 0; c < a->components; c++)
+		values[c] = p == NULL ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes, a->type, a->normalized);
+}
+
+uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
+{
+	double value;
+
+	if (a->bytes == NULL)
+		return 0;
+	if (a->type == 5121 || a->type == 5123 || a->type == 5125)
+		return whole_at(a->bytes + i * a->stride, a->type);
+	value = component(a->bytes + i * a->stride, a->type, false);
+	return value >= 0 && value < ECO_NONE ? (uint32_t)value : ECO_NONE;
+}
+
+enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
+	struct eco_error *error)
+{
+	struct eco_gltf_accessor a;
+	enum eco_code code = eco_gltf_accessor_open(doc, accessor, components, &a, error);
+
+	*values = NULL;
+	*count = 0;
+	if (code != ECO_OK)
+		return code;
+	*values = malloc(((size_t)a.count * a.components + 1) * sizeof **values);
+	if (*values == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, accessor);
+	else
+		*count = a.count;
+	for (uint64_t i = 0; i < *count; i++)
+		eco_gltf_element(&a, i, *values + i * a.components);
+	eco_gltf_accessor_close(&a);
+	return code;
+}

@@ -1,0 +1,68 @@
+/* Inside the reader of glTF models: what its files share. Not for others. */
+#ifndef ECO_IMPORT_GLTF_H
+#define ECO_IMPORT_GLTF_H
+
+#include "ecofiles/import/model/gltf.h"
+#include "ecofiles/import/model/import_model.h"
+
+/* ---- Materials (import_gltf_material.c) ---- */
+
+struct gltf_look {               /* a material as geometry needs to know it */
+	bool used, invisible;
+	bool textured;               /* has a base colour texture: its uv set and transform count */
+	uint32_t uv_set;
+	struct { double offset[2], scale[2], sine, cosine; } uv;
+};
+
+/* Item `count` of the result, malloc'ed, is the material of what has none. */
+struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count);
+void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
+
+/* Fills model->materials and the images of those that are used and visible. */
+enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks, uint32_t count,
+	struct eco_notes *notes, struct eco_error *error);
+
+/* ---- Surfaces (import_gltf_surface.c) ---- */
+
+#define GLTF_INFLUENCES_MAX 16u
+
+struct gltf_surface {            /* a primitive: triangles in its mesh's own coordinates, only the vertices in use */
+	uint32_t vertex_count, triangle_count, material;
+	float *position;             /* 3 per vertex */
+	float *uv;                   /* 2 per vertex; NULL: none */
+	float *color;                /* 3 per vertex, linear; NULL: none */
+	uint32_t *index;             /* 3 per triangle; ECO_NONE: a vertex that is not there */
+	uint32_t influences;         /* of joints on each vertex; 0: not skinned */
+	uint32_t *joint;             /* influences per vertex */
+	float *weight;
+	double far;                  /* largest coordinate that the file holds in single precision */
+};
+
+struct gltf_counts {             /* what is not drawn, for the notes */
+	uint64_t points, lines, shapeless, partial, morphed, faint;
+};
+
+struct gltf_surface_source {
+	struct eco_gltf *doc;
+	const struct gltf_look *looks;       uint32_t look_count;
+	const json_t *primitive, *weights;   /* weights: of morph targets; NULL: at rest */
+	uint32_t mesh, number;               /* of the primitive in it, for messages */
+	uint32_t triangles_max;
+	struct gltf_counts *counts;
+};
+
+/* One primitive; without triangles if it is made of points or lines. */
+enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source, struct eco_error *error);
+void gltf_surface_free(struct gltf_surface *surface);
+
+/* ---- Skins at rest (import_gltf_skin.c) ---- */
+
+struct gltf_skin {
+	uint32_t count;
+	double *matrix;              /* 16 per joint, to the world; NULL: not read */
+};
+enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index, struct eco_error *error);
+/* Vertex `v` in the world; false where no joint holds it. */
+bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *surface, uint32_t v, double out[3]);
+
+#endif

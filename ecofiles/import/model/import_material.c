@@ -1,0 +1,81 @@
+/* What readers of models share: sentences for the user, colours, materials. */
+#include "ecofiles/import/model/import_model.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void eco_note(struct eco_notes *notes, const char *format, ...)
+{
+	va_list arguments;
+	size_t left = sizeof notes->text - notes->used;
+	int wanted;
+
+	va_start(arguments, format);
+	wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
+	va_end(arguments);
+	if (wanted < 0 || (size_t)wanted + 2 > left) {
+		notes->text[notes->used] = 0;
+		return;
+	}
+	notes->used += (size_t)wanted;
+	notes->text[notes->used++] = '\n';
+	notes->text[notes->used] = 0;
+}
+
+uint8_t eco_srgb_from_linear(double linear)
+{
+	double s = linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+
+	return s > 0 ? s < 1 ? (uint8_t)(s * 255 + 0.5) : 255 : 0;
+}
+
+double eco_linear_from_srgb(uint8_t srgb)
+{
+	double s = srgb / 255.0;
+
+	return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+}
+
+#define HUE_LEAST 8u                  /* between the channels of a colour, sRGB */
+#define LIGHT_LEAST 96u               /* of a default; what is darker was chosen by somebody */
+
+static bool is_grey(const uint8_t rgb[3])
+{
+	uint8_t low = rgb[0] < rgb[1] ? rgb[0] : rgb[1], high = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
+
+	return (rgb[2] > high ? rgb[2] : high) - (rgb[2] < low ? rgb[2] : low) < (int)HUE_LEAST;
+}
+
+void eco_material_lost_picture(struct eco_material *material)
+{
+	material->colourless = is_grey(material->rgb);
+}
+
+void eco_model_see_grey(struct eco_model *model)
+{
+	const uint8_t *first = NULL;
+
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const struct eco_material *m = &model->materials[model->material[t]];
+
+		if (m->image != ECO_NONE || (first != NULL && memcmp(first, m->rgb, 3) != 0))
+			return;
+		first = m->rgb;
+	}
+	if (first != NULL && is_grey(first) && first[0] >= LIGHT_LEAST)
+		for (uint32_t i = 0; i < model->material_count; i++)
+			model->materials[i].colourless = true;
+}
+
+void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (!invisible[i])
+			return;
+	if (count == 0)
+		return;
+	memset(invisible, 0, count * sizeof *invisible);
+	eco_note(notes, "all of its materials are fully transparent (d, Tr, opacity): taken for opaque");
+}

@@ -1,0 +1,311 @@
+/* Reading a model: each file in a child process, for assimp and the image readers have open vulnerabilities; the soup comes back as
+ * bytes, is checked like any other input, is joined with those of the plant's other files, cleaned, and its textures coloured. */
+#include "ecofiles/import/model/import_model.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "ecofiles/import/model/gltf.h"
+#include "ecofiles/base/guard.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/import/model/model_clean.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/import/model/model_import.h"
+
+#define TRIANGLES_MAX 20000000u
+#define FILES_MAX 64u
+
+/* ---- From the child to the parent: counts, then arrays, as they lie in memory ---- */
+
+static bool put(FILE *out, const void *bytes, size_t size)
+{
+	return size == 0 || fwrite(bytes, size, 1, out) == 1;
+}
+
+struct head {                    /* what comes first; `model` for its counts, not its pointers */
+	struct eco_notes notes;
+	struct eco_model_frame frame;
+	struct eco_model model;
+	bool uv, part;
+};
+
+static bool put_model(FILE *out, const struct head *head)
+{
+	const struct eco_model *m = &head->model;
+	bool good = put(out, head, sizeof *head)
+		&& put(out, m->position, (size_t)m->vertex_count * 3 * sizeof *m->position)
+		&& (!head->uv || put(out, m->uv, (size_t)m->vertex_count * 2 * sizeof *m->uv))
+		&& put(out, m->index, (size_t)m->triangle_count * 3 * sizeof *m->index)
+		&& put(out, m->material, (size_t)m->triangle_count * sizeof *m->material)
+		&& put(out, m->materials, (size_t)m->material_count * sizeof *m->materials)
+		&& (!head->part || (put(out, m->part, (size_t)m->triangle_count * sizeof *m->part)
+			&& put(out, m->parts, (size_t)m->part_count * sizeof *m->parts)));
+
+	for (uint32_t i = 0; good && i < m->image_count; i++)
+		good = put(out, &m->images[i], sizeof m->images[i])
+			&& put(out, m->images[i].rgba, (size_t)m->images[i].width * m->images[i].height * 4);
+	return good;
+}
+
+static void *get(FILE *in, size_t size)
+{
+	void *bytes = malloc(size + 1);
+
+	if (bytes != NULL && size > 0 && fread(bytes, size, 1, in) != 1) {
+		free(bytes);
+		return NULL;
+	}
+	return bytes;
+}
+
+static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
+{
+	m->images = calloc((size_t)count + 1, sizeof *m->images);
+	if (m->images == NULL)
+		return false;
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_image image;
+
+		if (fread(&image, sizeof image, 1, in) != 1 || (uint64_t)image.width * image.height > ECO_PIXELS_MAX)
+			return false;
+		image.rgba = get(in, (size_t)image.width * image.height * 4);
+		if (image.rgba == NULL)
+			return false;
+		m->images[m->image_count++] = image;
+	}
+	return true;
+}
+
+static bool references_fit(struct eco_model *m)
+{
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		if (m->material[i] >= m->material_count || (m->part != NULL && m->part[i] >= m->part_count))
+			return false;
+	for (uint32_t i = 0; i < m->material_count; i++) {
+		if (m->materials[i].image != ECO_NONE && m->materials[i].image >= m->image_count)
+			return false;
+		m->materials[i].name[sizeof m->materials[i].name - 1] = 0;
+	}
+	for (uint32_t i = 0; i < m->part_count && m->parts != NULL; i++)
+		m->parts[i].name[sizeof m->parts[i].name - 1] = 0;
+	return true;
+}
+
+static bool counts_fit(const struct eco_model *m, uint32_t triangles_max)
+{
+	uint64_t accounted = m->triangle_count;
+
+	for (int i = 0; i < ECO_DROP_COUNT; i++)
+		accounted += m->dropped[i];
+	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3
+		&& m->material_count <= ECO_MODEL_MATERIALS_MAX && m->image_count <= ECO_MODEL_IMAGES_MAX && m->part_count <= ECO_MODEL_PARTS_MAX
+		&& accounted == m->triangles_in;
+}
+
+static bool frame_fits(struct eco_model_frame *frame)
+{
+	frame->format[sizeof frame->format - 1] = 0;
+	for (int k = 0; k < 3; k++)
+		if (!(frame->base[k] >= -1e300 && frame->base[k] <= 1e300))
+			return false;
+	return frame->unit_m >= 0 && frame->unit_m <= 1e9 && frame->up <= ECO_UP_Z && frame->convention <= ECO_UP_Z;
+}
+
+static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
+{
+	m->part = get(in, (size_t)m->triangle_count * sizeof *m->part);
+	m->parts = m->part != NULL ? get(in, (size_t)count * sizeof *m->parts) : NULL;
+	m->part_count = m->parts != NULL ? count : 0;
+	return m->parts != NULL;
+}
+
+static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
+{
+	struct eco_model *m = &head->model, counts;
+
+	if (fread(head, sizeof *head, 1, in) != 1) {
+		*m = (struct eco_model){ .position = NULL };
+		return false;
+	}
+	counts = *m;
+	*m = (struct eco_model){ .vertex_count = counts.vertex_count, .triangle_count = counts.triangle_count,
+		.material_count = counts.material_count, .triangles_in = counts.triangles_in };
+	memcpy(m->dropped, counts.dropped, sizeof m->dropped);
+	if (!counts_fit(&counts, triangles_max) || !frame_fits(&head->frame))
+		return false;
+	head->notes.text[sizeof head->notes.text - 1] = 0;
+	return (m->position = get(in, (size_t)m->vertex_count * 3 * sizeof *m->position)) != NULL
+		&& (!head->uv || (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)) != NULL)
+		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index)) != NULL
+		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material)) != NULL
+		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials)) != NULL
+		&& (!head->part || get_parts(in, m, counts.part_count)) && get_images(in, m, counts.image_count) && references_fit(m);
+}
+
+/* ---- In the child ---- */
+
+struct job { const char *path; uint32_t triangles_max; };
+
+/* Materials of Blender's files are linear, except in PLY, which has none of its own. */
+static bool written_by_blender(const char *path)
+{
+	return !eco_path_ends_with(path, ".ply") && eco_file_head_has(path, 4096, "Blender");
+}
+
+static enum eco_code read_with_assimp(struct head *head, const struct job *job, struct eco_error *error)
+{
+	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
+	struct eco_model_file file = { .path = job->path };
+	double base[3] = { 0, 0, 0 };
+	enum eco_code code = assimp != NULL ? ECO_OK : ECO_NOT_FOUND;
+
+	file.linear_colors = written_by_blender(job->path);
+	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
+		code = eco_ply_prepare(&file, base, error);
+	if (code == ECO_OK)
+		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
+	for (int k = 0; k < 3; k++)
+		head->frame.base[k] += base[k];
+	free(file.bytes);
+	return code;
+}
+
+static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
+{
+	const struct job *job = ctx;
+	struct head *head = calloc(1, sizeof *head);
+	enum eco_code code;
+
+	if (head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->path);
+	head->frame.convention = ECO_UP_Y;
+	code = eco_model_file_check(job->path, error);
+	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
+		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+	else if (code == ECO_OK && (eco_gltf_is_path(job->path) || eco_file_head_has(job->path, 4, "glTF")))
+		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+	else if (code == ECO_OK)
+		code = read_with_assimp(head, job, error);
+	head->uv = head->model.uv != NULL;
+	head->part = head->model.part != NULL;
+	if (code == ECO_OK && !put_model(out, head))
+		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path, strerror(errno));
+	eco_model_free(&head->model);
+	free(head);
+	return code;
+}
+
+/* ---- In the parent ---- */
+
+static void drop_unused_uv(struct eco_model *m)
+{
+	for (uint32_t i = 0; i < m->material_count; i++)
+		if (m->materials[i].image != ECO_NONE)
+			return;
+	free(m->uv);
+	m->uv = NULL;
+}
+
+static void note_colourless(const struct eco_model *model, struct eco_notes *notes)
+{
+	uint64_t count = 0;
+
+	for (uint32_t t = 0; t < model->triangle_count; t++)
+		count += model->materials[model->material[t]].colourless;
+	if (count > 0)
+		eco_note(notes, "%s no colour in its files: wood is drawn brown, all else green",
+			count == model->triangle_count ? "it has" : "a part of it has");
+}
+
+static void tell(const struct eco_model_options *options, struct eco_notes *notes)
+{
+	char *rest = notes->text, *line;
+
+	while (options->warn != NULL && (line = strsep(&rest, "\n")) != NULL)
+		if (*line != 0)
+			options->warn(options->ctx, line);
+}
+
+static struct eco_guard_limits limits_for(const char *path)
+{
+	struct stat status;
+
+	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0);
+}
+
+/* One file in a child of its own; its notes are told at once. */
+static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_model_options *options, uint32_t triangles_max,
+	struct eco_error *error)
+{
+	struct job job = { piece->path, triangles_max };
+	struct eco_guard_limits limits = limits_for(piece->path);
+	struct head *head = calloc(1, sizeof *head);
+	FILE *result = NULL;
+	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", piece->path)
+		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
+
+	if (code == ECO_OK && !get_model(result, head, triangles_max))
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", piece->path);
+	if (result != NULL)
+		fclose(result);
+	if (head != NULL) {
+		piece->model = head->model;
+		piece->frame = head->frame;
+		if (code == ECO_OK)
+			tell(options, &head->notes);
+	}
+	free(head);
+	return code;
+}
+
+static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct eco_model_options *options, struct eco_error *error)
+{
+	uint32_t left = options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX;
+	enum eco_code code = ECO_OK;
+
+	for (uint32_t i = 0; i < options->path_count && code == ECO_OK; i++) {
+		pieces[i].path = options->paths[i];
+		code = read_piece(&pieces[i], options, left, error);
+		left -= pieces[i].model.triangle_count < left ? pieces[i].model.triangle_count : left;
+	}
+	return code;
+}
+
+enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error)
+{
+	struct eco_model_piece *pieces = calloc(options->path_count + 1u, sizeof *pieces);
+	struct eco_notes *notes = calloc(1, sizeof *notes);
+	struct eco_model_frame frame;
+	enum eco_code code = ECO_OK;
+
+	*model = (struct eco_model){ .position = NULL };
+	if (pieces == NULL || notes == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	else if (options->path_count == 0 || options->path_count > FILES_MAX)
+		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX, options->path_count);
+	else
+		code = read_pieces(pieces, options, error);
+	if (code == ECO_OK)
+		code = eco_model_join(model, &frame, pieces, options->path_count, options, notes, error);
+	if (code == ECO_OK) {
+		drop_unused_uv(model);
+		code = eco_model_clean(model, &frame, options, options->paths[0], notes, error);
+	}
+	if (code == ECO_OK)          /* of what is left only */
+		code = eco_model_bake_tints(model, options->paths[0], notes, error);
+	if (code == ECO_OK) {
+		eco_model_see_grey(model);
+		note_colourless(model, notes);
+	}
+	if (notes != NULL)
+		tell(options, notes);
+	for (uint32_t i = 0; pieces != NULL && i < options->path_count && i < FILES_MAX; i++)
+		eco_model_free(&pieces[i].model);
+	free(pieces);
+	free(notes);
+	if (code != ECO_OK)
+		eco_model_free(model);
+	return code;
+}

@@ -1,0 +1,209 @@
+/* MTL: libraries of materials beside OBJ files. One colour, one texture, one opacity count. Where `d` and `Tr` disagree `d` wins: exporters
+ * agree about it more. A line that makes no sense costs that line only: a plant without a shininess is still a plant. */
+#include "ecofiles/import/model/import_obj.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define MTL_BYTES_MAX ((uint64_t)1 << 28)
+#define MATERIALS_MAX 65536u
+
+struct option { const char *name; int words, numbers; };   /* of what follows: exactly words, or up to so many numbers */
+
+static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 }, { "-clamp", 1, 0 },
+	{ "-texres", 1, 0 }, { "-imfchan", 1, 0 }, { "-type", 1, 0 }, { "-bm", 1, 0 }, { "-boost", 1, 0 }, { "-colorspace", 1, 0 },
+	{ "-mm", 2, 0 }, { "-s", 0, 3 }, { "-o", 0, 3 }, { "-t", 0, 3 } };
+
+static char *skip_space(char *at)
+{
+	while (*at == ' ' || *at == '\t')
+		at++;
+	return at;
+}
+
+static char *skip_word(char *at)
+{
+	while (*at != 0 && *at != ' ' && *at != '\t')
+		at++;
+	return at;
+}
+
+static const struct option *option_at(const char *at)
+{
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		size_t length = strlen(options[i].name);
+
+		if (strncasecmp(at, options[i].name, length) == 0 && (at[length] == ' ' || at[length] == '\t'))
+			return &options[i];
+	}
+	return NULL;
+}
+
+/* Up to three numbers, of which the first two are kept. */
+static char *read_numbers(char *at, int most, double *keep)
+{
+	for (int i = 0; i < most; i++) {
+		char *end;
+		double number = strtod(at, &end);
+
+		if (end == at || (*end != 0 && *end != ' ' && *end != '\t') || !(fabs(number) <= 65536))
+			break;
+		if (keep != NULL && i < 2)
+			keep[i] = number;
+		at = skip_space(end);
+	}
+	return at;
+}
+
+/* What follows the options of a map_ statement: a file name, spaces and all. */
+static char *map_name(char *at, struct eco_mtl_material *m)
+{
+	const struct option *o;
+	size_t length;
+
+	for (at = skip_space(at); (o = option_at(at)) != NULL;) {
+		at = skip_space(skip_word(at));
+		if (o->numbers > 0)
+			at = read_numbers(at, o->numbers, m == NULL ? NULL : strcmp(o->name, "-s") == 0 ? m->uv_scale
+				: strcmp(o->name, "-o") == 0 ? m->uv_offset : NULL);
+		for (int i = 0; i < o->words; i++)
+			at = skip_space(skip_word(at));
+	}
+	length = strlen(at);
+	if (length >= 2 && at[0] == '"' && at[length - 1] == '"') {
+		at[length - 1] = 0;
+		at++;
+	}
+	return at;
+}
+
+static void set_text(char **to, const char *text)
+{
+	if (*text == 0)
+		return;
+	free(*to);
+	*to = strdup(text);
+}
+
+static void read_color(char *rest, struct eco_mtl_material *m)
+{
+	double rgb[3];
+	int count = 0;
+
+	for (char *word; count < 3 && (word = eco_obj_word(&rest)) != NULL; count++) {
+		char *end;
+
+		rgb[count] = strtod(word, &end);
+		if (*end != 0 || !isfinite(rgb[count]))
+			return;
+	}
+	if (count != 1 && count != 3)
+		return;
+	for (int k = 0; k < 3; k++)
+		m->rgb[k] = rgb[count == 1 ? 0 : k];
+	m->has_color = true;
+}
+
+static void read_share(char *rest, double *to, bool *has)
+{
+	char *word = eco_obj_word(&rest), *end;
+	double share;
+
+	if (word != NULL && strcmp(word, "-halo") == 0)
+		word = eco_obj_word(&rest);
+	share = word != NULL ? strtod(word, &end) : 0;
+	if (word == NULL || *end != 0 || !isfinite(share))
+		return;
+	*to = share;
+	*has = true;
+}
+
+static void read_statement(struct eco_mtl_material *m, const char *key, char *rest)
+{
+	if (strcasecmp(key, "Kd") == 0)
+		read_color(rest, m);
+	else if (strcmp(key, "d") == 0)
+		read_share(rest, &m->d, &m->has_d);
+	else if (strcasecmp(key, "Tr") == 0)
+		read_share(rest, &m->tr, &m->has_tr);
+	else if (strcasecmp(key, "map_Kd") == 0)
+		set_text(&m->texture, map_name(rest, m));
+	else if (strcasecmp(key, "map_d") == 0 || strcasecmp(key, "map_opacity") == 0)
+		set_text(&m->opacity, map_name(rest, NULL));
+}
+
+/* The key of a statement, cut off; *rest becomes what follows. */
+static char *split_key(char *line, char **rest)
+{
+	char *end = skip_word(line);
+
+	*rest = end;
+	if (*end != 0) {
+		*end = 0;
+		*rest = skip_space(end + 1);
+	}
+	return line;
+}
+
+enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error)
+{
+	struct eco_obj_text text = { .path = path };
+	struct eco_mtl_material *grown;
+	uint8_t *bytes;
+	size_t size;
+	char *line, *key, *rest;
+	bool inside = false;
+
+	if (eco_file_read(path, MTL_BYTES_MAX, &bytes, &size, error) != ECO_OK)
+		return error != NULL ? error->code : ECO_IO;
+	mtl->linear |= memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
+	text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
+	text.end = (char *)bytes + size;
+	while ((line = eco_obj_line(&text, false)) != NULL) {
+		key = split_key(line, &rest);
+		if (strcasecmp(key, "newmtl") == 0 && mtl->count < MATERIALS_MAX) {
+			grown = realloc(mtl->items, ((size_t)mtl->count + 1) * sizeof *grown);
+			if (grown == NULL || (mtl->items = grown, grown[mtl->count].name = strdup(rest)) == NULL) {
+				free(bytes);
+				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+			}
+			grown[mtl->count] = (struct eco_mtl_material){ .name = grown[mtl->count].name, .uv_scale = { 1, 1 } };
+			mtl->count++;
+			inside = true;
+		} else if (inside) {
+			read_statement(&mtl->items[mtl->count - 1], key, rest);
+		}
+	}
+	free(bytes);
+	return ECO_OK;
+}
+
+const struct eco_mtl_material *eco_mtl_find(const struct eco_mtl *mtl, const char *name)
+{
+	for (uint32_t i = mtl->count; i-- > 0;)
+		if (strcmp(mtl->items[i].name, name) == 0)
+			return &mtl->items[i];
+	for (uint32_t i = mtl->count; i-- > 0;)
+		if (strcasecmp(mtl->items[i].name, name) == 0)
+			return &mtl->items[i];
+	return NULL;
+}
+
+double eco_mtl_alpha(const struct eco_mtl_material *m)
+{
+	return m->has_d ? m->d : m->has_tr ? 1 - m->tr : 1;
+}
+
+void eco_mtl_free(struct eco_mtl *mtl)
+{
+	for (uint32_t i = 0; i < mtl->count; i++) {
+		free(mtl->items[i].name);
+		free(mtl->items[i].texture);
+		free(mtl->items[i].opacity);
+	}
+	free(mtl->items);
+	*mtl = (struct eco_mtl){ .count = 0 };
+}

@@ -1,0 +1,415 @@
+/* Wavefront OBJ, read here and not by assimp: assimp 5.2 refuses a file for one index that is not there, loses the vertex behind a byte
+ * order mark, takes 1,5 for 1, keeps georeferenced coordinates as floats, and copies every corner of every face. This reader counts what it
+ * cannot use, names the line of what it does not understand, and subtracts what is far from the origin before it rounds.
+ *
+ * The text is cut up in place (eco_obj_text); vertices and faces are gathered as they come (struct obj); when all are there,
+ * import_obj_soup.c makes triangles of them. */
+#include "ecofiles/import/model/import_obj.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/base/polygon.h"
+
+#define UNIT_LINES 200u              /* comments about units are at the top */
+
+/* ---- Lines and words ---- */
+
+char *eco_obj_line(struct eco_obj_text *t, bool joins)
+{
+	char *start = t->at, *end;
+
+	if (start >= t->end)
+		return NULL;
+	t->line++;
+	for (end = start; end < t->end && *end != '\n' && *end != '\r'; end++)
+		if (joins && *end == '\\' && (end[1] == '\n' || (end[1] == '\r' && end[2] == '\n'))) {
+			memset(end, ' ', end[1] == '\r' ? 3 : 2);
+			t->line++;
+		}
+	t->at = end + (end < t->end ? *end == '\r' && end[1] == '\n' ? 2 : 1 : 0);
+	while (end > start && (end[-1] == ' ' || end[-1] == '\t'))
+		end--;
+	*end = 0;
+	while (*start == ' ' || *start == '\t')
+		start++;
+	return start;
+}
+
+char *eco_obj_word(char **line)
+{
+	char *word = *line, *end;
+
+	while (*word == ' ' || *word == '\t')
+		word++;
+	if (*word == 0 || *word == '#')
+		return NULL;
+	for (end = word; *end != 0 && *end != ' ' && *end != '\t'; end++)
+		;
+	*line = end + (*end != 0);
+	*end = 0;
+	return word;
+}
+
+/* A whole word as a number; NaN and infinity too, in any spelling. A decimal comma or anything else is an error that helps. */
+static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
+{
+	char *end;
+
+	*number = strtod(word, &end);
+	if (end != word && *end == 0)
+		return ECO_OK;
+	if (end != word && *end == '#') {        /* Windows: 1.#QNAN, -1.#IND, 1.#INF */
+		*number = NAN;
+		return ECO_OK;
+	}
+	if (strchr(word, ',') != NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\": numbers need a decimal point, not a comma; export it again with "
+			"English number format, or replace the commas", t->path, t->line, word);
+	return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\" is not a number", t->path, t->line, word);
+}
+
+/* ---- Arrays and names ---- */
+
+static enum eco_code no_memory(const struct eco_obj *o)
+{
+	return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory", o->text.path);
+}
+
+static void *append(struct eco_obj_array *a, size_t size)
+{
+	if (a->count == a->room) {
+		size_t room = a->room < 1024 ? 1024 : a->room * 2;
+		void *grown = realloc(a->items, room * size);
+
+		if (grown == NULL)
+			return NULL;
+		a->items = grown;
+		a->room = room;
+	}
+	return (char *)a->items + a->count++ * size;
+}
+
+static uint32_t hash_text(const char *text)
+{
+	uint64_t h = 0xcbf29ce484222325u;
+
+	for (; *text != 0; text++)
+		h = (h ^ (uint8_t)*text) * 0x100000001b3u;
+	return (uint32_t)(h ^ h >> 32);
+}
+
+static bool grow_names(struct eco_obj_names *n)
+{
+	uint32_t size = n->mask == 0 ? 64 : (n->mask + 1) * 2, *table = calloc(size, sizeof *table);
+	char **items = realloc(n->items, (size_t)size / 2 * sizeof *items);
+
+	if (items != NULL)
+		n->items = items;
+	if (table == NULL || items == NULL) {
+		free(table);
+		return false;
+	}
+	for (uint32_t i = 0; i < n->count; i++) {
+		uint32_t slot = hash_text(n->items[i]) & (size - 1);
+
+		while (table[slot] != 0)
+			slot = (slot + 1) & (size - 1);
+		table[slot] = i + 1;
+	}
+	free(n->table);
+	n->table = table;
+	n->mask = size - 1;
+	return true;
+}
+
+/* The number of a name, new if need be; beyond `most` the last one. ECO_NONE when memory ran out. */
+static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t most)
+{
+	uint32_t slot;
+
+	if ((n->mask == 0 || n->count >= (n->mask + 1) / 2) && !grow_names(n))
+		return ECO_NONE;
+	slot = hash_text(name) & n->mask;
+	while (n->table[slot] != 0 && strcmp(n->items[n->table[slot] - 1], name) != 0)
+		slot = (slot + 1) & n->mask;
+	if (n->table[slot] != 0)
+		return n->table[slot] - 1;
+	if (n->count == most)
+		return most - 1;
+	n->items[n->count] = strdup(name);
+	if (n->items[n->count] == NULL)
+		return ECO_NONE;
+	n->table[slot] = ++n->count;
+	return n->count - 1;
+}
+
+static void free_names(struct eco_obj_names *n)
+{
+	for (uint32_t i = 0; i < n->count; i++)
+		free(n->items[i]);
+	free(n->items);
+	free(n->table);
+}
+
+/* ---- Statements ---- */
+
+/* x y z, x y z w, x y z r g b, x y z r g b a */
+static enum eco_code read_vertex(struct eco_obj *o, char *rest)
+{
+	double number[7], *place;
+	int count = 0;
+	enum eco_code code = ECO_OK;
+
+	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)) != NULL; count++)
+		code = read_number(&o->text, word, &number[count], o->error);
+	if (code != ECO_OK)
+		return code;
+	if (count < 3)
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers", o->text.path, o->text.line);
+	place = append(&o->place, 3 * sizeof *place);
+	if (place == NULL)
+		return no_memory(o);
+	memcpy(place, number, 3 * sizeof *place);
+	if (count < 6)
+		return ECO_OK;
+	while (o->color.count < o->place.count) {
+		float *color = append(&o->color, 3 * sizeof *color);
+
+		if (color == NULL)
+			return no_memory(o);
+		for (int k = 0; k < 3; k++)
+			color[k] = o->color.count == o->place.count && isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_uv(struct eco_obj *o, char *rest)
+{
+	float *uv = append(&o->uv, 2 * sizeof *uv);
+	char *word;
+
+	if (uv == NULL)
+		return no_memory(o);
+	uv[0] = uv[1] = 0;
+	for (int k = 0; k < 2 && (word = eco_obj_word(&rest)) != NULL; k++) {
+		double number;
+		enum eco_code code = read_number(&o->text, word, &number, o->error);
+
+		if (code != ECO_OK)
+			return code;
+		uv[k] = fabs(number) <= 65536 ? (float)number : 0;
+	}
+	return ECO_OK;
+}
+
+/* From 1, or from -1 backwards; ECO_NONE if it is none of these. Whether it is there shows at the end: faces may come first. */
+static uint32_t index_of(const char *digits, char **end, size_t count)
+{
+	long long number = strtoll(digits, end, 10);
+
+	if (*end == digits)
+		return ECO_NONE;
+	if (number < 0)
+		number += (long long)count + 1;
+	return number > 0 && number < ECO_NONE ? (uint32_t)(number - 1) : ECO_NONE;
+}
+
+/* v, v/vt, v//vn, v/vt/vn */
+static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *word)
+{
+	char *end;
+	struct eco_obj_corner c = { index_of(word, &end, o->place.count), ECO_NONE };
+
+	if (*end == '/' && end[1] != '/' && end[1] != 0)
+		c.vt = index_of(end + 1, &end, o->uv.count);
+	return c;
+}
+
+/* Before the first `o`, `g` or `usemtl` there are the nameless ones. */
+static bool number_part(struct eco_obj *o)
+{
+	char name[520];
+	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
+
+	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group : "");
+	o->part = name_number(&o->parts, name, ECO_MODEL_PARTS_MAX);
+	return o->part != ECO_NONE;
+}
+
+static enum eco_code read_face(struct eco_obj *o, char *rest)
+{
+	size_t first = o->corners.count, n;
+	struct eco_obj_face *face;
+
+	for (char *word; (word = eco_obj_word(&rest)) != NULL;) {
+		struct eco_obj_corner *c = append(&o->corners, sizeof *c);
+
+		if (c == NULL)
+			return no_memory(o);
+		*c = read_corner(o, word);
+	}
+	n = o->corners.count - first;
+	if (n < 3) {
+		o->corners.count = first;
+		o->loose++;
+		return ECO_OK;
+	}
+	if (n > ECO_POLYGON_CORNERS_MAX)
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at most %u are possible", o->text.path,
+			o->text.line, n, (unsigned)ECO_POLYGON_CORNERS_MAX);
+	o->triangles += n - 2;
+	if (o->triangles > o->triangles_max || first > UINT32_MAX)
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %llu triangles by line %u, at most %u triangles are possible", o->text.path,
+			(unsigned long long)o->triangles, o->text.line, o->triangles_max);
+	if ((o->part == ECO_NONE && !number_part(o))
+		|| (o->material == ECO_NONE && (o->material = name_number(&o->materials, "", ECO_MODEL_MATERIALS_MAX)) == ECO_NONE)
+		|| (face = append(&o->faces, sizeof *face)) == NULL)
+		return no_memory(o);
+	*face = (struct eco_obj_face){ (uint32_t)first, o->material, o->part };
+	return ECO_OK;
+}
+
+/* "# File units = centimeters", "# Units: mm" and the like, as some exporters write. */
+static void read_comment(struct eco_obj *o, const char *text)
+{
+	static const struct { const char *word; double metres; } units[] = { { "millimet", 0.001 }, { "centimet", 0.01 }, { "kilomet", 1000 },
+		{ "met", 1 }, { "inch", 0.0254 }, { "foot", 0.3048 }, { "feet", 0.3048 }, { "mm", 0.001 }, { "cm", 0.01 }, { "km", 1000 }, { "in", 0.0254 },
+		{ "ft", 0.3048 }, { "m", 1 } };
+	const char *unit = strcasestr(text, "unit"), *word = unit != NULL ? strpbrk(unit, ":=") : NULL;
+	size_t letters = 0;
+
+	if (word == NULL || o->unit_m > 0)
+		return;
+	for (word++; *word == ' ' || *word == '\t' || *word == '"'; word++)
+		;
+	if (word[0] == '1' && word[1] == ' ')
+		word += 2;
+	while (isalpha((unsigned char)word[letters]))
+		letters++;
+	for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+		size_t length = strlen(units[i].word);
+
+		if (strncasecmp(word, units[i].word, length) == 0 && (letters == length || (length >= 3 && letters > length))) {
+			o->unit_m = units[i].metres;
+			return;
+		}
+	}
+}
+
+static enum eco_code read_library(struct eco_obj *o, const char *names)
+{
+	char **slot = append(&o->libraries, sizeof *slot);
+
+	if (slot == NULL || (*slot = strdup(names)) == NULL)
+		return no_memory(o);
+	return ECO_OK;
+}
+
+static enum eco_code read_line(struct eco_obj *o, char *line)
+{
+	char *rest = line + strcspn(line, " \t"), *key = line;
+
+	if (*line == '#') {
+		if (o->text.line <= UNIT_LINES)
+			read_comment(o, line);
+		return ECO_OK;
+	}
+	if (*rest != 0)
+		*rest++ = 0;
+	rest += strspn(rest, " \t");
+	if (strcmp(key, "v") == 0)
+		return read_vertex(o, rest);
+	if (strcmp(key, "vt") == 0)
+		return read_uv(o, rest);
+	if (strcmp(key, "f") == 0 || strcmp(key, "fo") == 0)
+		return read_face(o, rest);
+	if (strcmp(key, "l") == 0 || strcmp(key, "p") == 0) {
+		o->loose++;
+	} else if (strcmp(key, "usemtl") == 0) {
+		o->material = name_number(&o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX);
+		return o->material == ECO_NONE ? no_memory(o) : ECO_OK;
+	} else if (strcmp(key, "o") == 0) {
+		snprintf(o->object, sizeof o->object, "%s", rest);
+		o->group[0] = 0;
+		o->part = ECO_NONE;
+	} else if (strcmp(key, "g") == 0) {
+		snprintf(o->group, sizeof o->group, "%s", rest);
+		o->part = ECO_NONE;
+	} else if (strcmp(key, "mtllib") == 0) {
+		return read_library(o, rest);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_text(struct eco_obj *o)
+{
+	enum eco_code code = ECO_OK;
+	char *line;
+
+	while (code == ECO_OK && (line = eco_obj_line(&o->text, true)) != NULL)
+		code = read_line(o, line);
+	if (code != ECO_OK)
+		return code;
+	if (o->place.count >= ECO_NONE)
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %zu vertices", o->text.path, o->place.count);
+	if (o->place.count == 0 && o->faces.count == 0)
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no vertices in it: not a Wavefront OBJ file, or an empty one", o->text.path);
+	if (o->faces.count == 0)
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %zu vertices and %llu points or lines; a point cloud has no "
+			"surfaces: make a mesh of it first", o->text.path, o->place.count, (unsigned long long)o->loose);
+	return ECO_OK;
+}
+
+/* ---- The file ---- */
+
+static void free_obj(struct eco_obj *o)
+{
+	for (size_t i = 0; i < o->libraries.count; i++)
+		free(((char **)o->libraries.items)[i]);
+	free(o->libraries.items);
+	free(o->place.items);
+	free(o->color.items);
+	free(o->uv.items);
+	free(o->corners.items);
+	free(o->faces.items);
+	free_names(&o->materials);
+	free_names(&o->parts);
+}
+
+/* Past a byte order mark; refuses what is no text. */
+static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
+{
+	if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
+		return eco_fail(o->error, ECO_UNSUPPORTED, "%.300s: text in UTF-16; save it as UTF-8", o->text.path);
+	if (memchr(bytes, 0, size < 4096 ? size : 4096) != NULL)
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: binary, so no Wavefront OBJ file", o->text.path);
+	o->text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
+	o->text.end = (char *)bytes + size;
+	o->linear = memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
+	return ECO_OK;
+}
+
+enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
+	struct eco_notes *notes, struct eco_error *error)
+{
+	struct eco_obj o = { .text = { .path = path }, .error = error, .notes = notes, .triangles_max = triangles_max, .material = ECO_NONE,
+		.part = ECO_NONE };
+	uint8_t *bytes;
+	size_t size;
+	enum eco_code code = eco_file_read(path, ECO_MODEL_FILE_MAX, &bytes, &size, error);
+
+	if (code == ECO_OK)
+		code = start_text(&o, bytes, size);
+	if (code == ECO_OK)
+		code = read_text(&o);
+	free(bytes);
+	if (code == ECO_OK)
+		code = eco_obj_soup(model, frame, &o);
+	free_obj(&o);
+	return code;
+}

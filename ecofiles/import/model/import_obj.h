@@ -1,0 +1,83 @@
+/* Wavefront OBJ and MTL: what the two readers share. */
+#ifndef ECO_IMPORT_OBJ_H
+#define ECO_IMPORT_OBJ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/import/model/import_model.h"
+
+/* ---- Lines and words of a text in memory, which is cut up in place ---- */
+
+struct eco_obj_text {
+	const char *path;
+	char *at, *end;              /* *end is 0 */
+	uint32_t line;               /* number of the line that was returned last */
+};
+
+/* The next line without spaces around it, NULL at the end. Lines end with LF, CRLF or CR; a backslash at the end of a line continues
+ * it where `joins`. */
+char *eco_obj_line(struct eco_obj_text *text, bool joins);
+/* The next word of a line, NULL where there is none or a comment begins. */
+char *eco_obj_word(char **line);
+
+/* ---- Libraries of materials ---- */
+
+struct eco_mtl_material {
+	char *name;
+	double rgb[3];
+	bool has_color, has_d, has_tr;
+	double d, tr;
+	char *texture, *opacity;     /* as written; NULL: none */
+	double uv_scale[2], uv_offset[2];    /* of the texture: -s, -o */
+};
+
+struct eco_mtl {                 /* of one or several libraries; owns everything */
+	struct eco_mtl_material *items;
+	uint32_t count;
+	bool linear;                 /* Blender wrote one of them: its colours are linear */
+};
+
+/* Appends what the library says. Fails for lack of memory only; what is not understood is passed over. */
+enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error);
+/* The last of that name, else one that differs in case only, else NULL. */
+const struct eco_mtl_material *eco_mtl_find(const struct eco_mtl *mtl, const char *name);
+/* 1 is opaque. */
+double eco_mtl_alpha(const struct eco_mtl_material *material);
+void eco_mtl_free(struct eco_mtl *mtl);
+
+/* ---- What an OBJ file holds ---- */
+
+struct eco_obj_array { void *items; size_t count, room; };
+
+struct eco_obj_names {                   /* names by number, found by hash */
+	char **items;
+	uint32_t count, mask, *table;
+};
+
+struct eco_obj_corner { uint32_t v, vt; };   /* ECO_NONE: not given, or not there */
+struct eco_obj_face { uint32_t first, material, part; };     /* its corners end where the next face begins */
+
+struct eco_obj {
+	struct eco_obj_text text;
+	struct eco_error *error;
+	struct eco_notes *notes;
+	struct eco_obj_array place;  /* double[3] */
+	struct eco_obj_array color;  /* float[3] per vertex up to the last that has one; r < 0: none */
+	struct eco_obj_array uv;     /* float[2] */
+	struct eco_obj_array corners, faces;
+	struct eco_obj_names materials, parts;
+	struct eco_obj_array libraries;      /* char * */
+	uint32_t material, part, triangles_max;
+	uint64_t triangles, loose;
+	char object[256], group[256];
+	double unit_m;               /* by a comment; 0: none */
+	bool linear;                 /* Blender wrote it: its materials' colours are linear */
+};
+
+/* Makes the soup of it: materials from its libraries, polygons split, vertices shared where place and texture coordinate are the same, what
+ * is not there counted. Fills the frame. */
+enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj);
+
+#endif

@@ -1,0 +1,468 @@
+/* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh: vertex colours that hardly differ in it
+ * are one colour, others become steps, or their mean where there is a texture. */
+#include "ecofiles/import/model/import_obj.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/polygon.h"
+
+#define ALPHA_SLACK 1e-3
+#define GREY 0.6                     /* of what has no material, as sRGB */
+
+struct maker {
+	const struct eco_obj *obj;
+	struct eco_model *model;
+	struct eco_mtl mtl;
+	const struct eco_mtl_material **of;  /* per material; NULL: no library has it */
+	bool *invisible;             /* per material */
+	struct eco_tints tints;
+	double base[3];
+	float color_scale;           /* 1/255 for colours that are written as bytes */
+	uint64_t hidden, missing_uv;
+	uint32_t averaged;
+	struct eco_obj_corner *key;  /* per vertex: where it is from; vt with the material's texture transform in mind */
+	uint32_t *transform;         /* per vertex: material whose -s and -o its uv has, or ECO_NONE */
+	uint32_t *table, mask;       /* open addressing: vertex, ECO_NONE is free */
+	double *corners;             /* scratch of one polygon */
+	uint32_t *split;
+};
+
+static const struct eco_obj_face *faces_of(const struct eco_obj *o)
+{
+	return o->faces.items;
+}
+
+/* Corners of face f: [*first, end). */
+static const struct eco_obj_corner *corners_of(const struct eco_obj *o, size_t f, uint32_t *n)
+{
+	size_t first = faces_of(o)[f].first, end = f + 1 < o->faces.count ? faces_of(o)[f + 1].first : o->corners.count;
+
+	*n = (uint32_t)(end - first);
+	return (const struct eco_obj_corner *)o->corners.items + first;
+}
+
+static const double *place_of(const struct eco_obj *o, uint32_t v)
+{
+	return v < o->place.count ? (const double *)o->place.items + (size_t)v * 3 : NULL;
+}
+
+/* ---- Materials ---- */
+
+/* A line names one library with spaces in its name, or several. */
+static enum eco_code read_library(struct maker *m, char *names)
+{
+	const struct eco_obj *o = m->obj;
+	char path[4096];
+
+	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
+		return eco_mtl_read(&m->mtl, path, o->error);
+	if (strpbrk(names, " \t") == NULL) {
+		eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", names);
+		return ECO_OK;
+	}
+	for (char *name, *rest = names; (name = strsep(&rest, " \t")) != NULL;) {
+		enum eco_code code = ECO_OK;
+
+		if (*name == 0)
+			continue;
+		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
+			code = eco_mtl_read(&m->mtl, path, o->error);
+		else
+			eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", name);
+		if (code != ECO_OK)
+			return code;
+	}
+	return ECO_OK;
+}
+
+/* Where no library is named, or none is there, the one with the model's name is tried. */
+static enum eco_code read_libraries(struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	const char *dot = strrchr(o->text.path, '.');
+	char path[4096];
+	enum eco_code code = ECO_OK;
+
+	for (size_t i = 0; i < o->libraries.count && code == ECO_OK; i++)
+		code = read_library(m, ((char **)o->libraries.items)[i]);
+	if (code != ECO_OK || m->mtl.count > 0 || dot == NULL
+		|| snprintf(path, sizeof path, "%.*s.mtl", (int)(dot - o->text.path), o->text.path) >= (int)sizeof path
+		|| !eco_model_find_beside(o->text.path, eco_path_last(path), path, sizeof path))
+		return code;
+	if (o->libraries.count > 0)
+		eco_note(o->notes, "%.200s stands in for it", eco_path_last(path));
+	return eco_mtl_read(&m->mtl, path, o->error);
+}
+
+static void note_unknown(const struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	char names[300] = "";
+	size_t used = 0;
+	uint32_t count = 0;
+
+	for (uint32_t i = 0; i < o->materials.count; i++) {
+		const char *name = o->materials.items[i];
+
+		if (m->of[i] != NULL || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
+			continue;
+		if (count++ < 8 && used + strlen(name) + 3 < sizeof names)
+			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", name);
+	}
+	if (count > 0)
+		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count, names);
+}
+
+static uint8_t byte_of(const struct maker *m, double value)
+{
+	if (m->mtl.linear)
+		return eco_srgb_from_linear(value);
+	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5) : 255 : 0;
+}
+
+static void make_material(struct maker *m, uint32_t i, struct eco_images *images)
+{
+	const struct eco_mtl_material *from = m->of[i];
+	struct eco_material *to = &m->model->materials[i];
+
+	snprintf(to->name, sizeof to->name, "%.63s", m->obj->materials.items[i]);
+	to->image = ECO_NONE;
+	memset(to->rgb, m->obj->color.count > 0 && (from == NULL || !from->has_color) ? 255 : (int)(GREY * 255), 3);
+	to->colourless = m->obj->color.count == 0 && (from == NULL || (!from->has_color && from->texture == NULL));
+	for (int k = 0; k < 3 && from != NULL && from->has_color; k++)
+		to->rgb[k] = byte_of(m, from->rgb[k]);
+	if (from == NULL || m->invisible[i] || from->texture == NULL)
+		return;
+	const double alpha = eco_mtl_alpha(from);
+	struct eco_image_wanted wanted = { .texture = from->texture, .gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1 ? (float)alpha : 1 };
+
+	if (from->opacity != NULL && strcmp(from->opacity, from->texture) != 0)
+		wanted.opacity = from->opacity;
+	to->image = eco_images_get(images, &wanted, &to->cutout);
+	if (to->image != ECO_NONE)           /* the map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
+		memset(to->rgb, 255, 3);
+	else if (m->obj->color.count == 0)
+		eco_material_lost_picture(to);
+}
+
+static enum eco_code make_materials(struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	uint32_t count = o->materials.count;
+	struct eco_images images = { .model = m->model, .path = o->text.path, .notes = o->notes };
+	enum eco_code code = read_libraries(m);
+
+	if (code != ECO_OK)
+		return code;
+	m->mtl.linear |= o->linear;
+	m->model->materials = calloc((size_t)count + 1, sizeof *m->model->materials);
+	m->of = calloc((size_t)count + 1, sizeof *m->of);
+	m->invisible = calloc((size_t)count + 1, sizeof *m->invisible);
+	if (m->model->materials == NULL || m->of == NULL || m->invisible == NULL || !eco_images_start(&images)) {
+		eco_images_end(&images);
+		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", o->text.path);
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		m->of[i] = eco_mtl_find(&m->mtl, o->materials.items[i]);
+		m->invisible[i] = m->of[i] != NULL && eco_mtl_alpha(m->of[i]) * 255 + ALPHA_SLACK < 127.5;
+	}
+	note_unknown(m);
+	eco_model_see_invisible(m->invisible, count, o->notes);
+	m->model->material_count = count;
+	for (uint32_t i = 0; i < count; i++)
+		make_material(m, i, &images);
+	eco_images_end(&images);
+	return ECO_OK;
+}
+
+/* ---- Vertices ---- */
+
+/* The uv of what has an image counts, and its texture's own transform with it. */
+static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, uint32_t material, uint32_t *transform)
+{
+	const struct eco_mtl_material *from = m->of[material];
+
+	*transform = ECO_NONE;
+	if (m->model->materials[material].image == ECO_NONE)
+		c.vt = ECO_NONE;
+	if (c.vt != ECO_NONE && c.vt >= m->obj->uv.count) {
+		m->missing_uv++;
+		c.vt = ECO_NONE;
+	}
+	if (c.vt != ECO_NONE && (from->uv_scale[0] != 1 || from->uv_scale[1] != 1 || from->uv_offset[0] != 0 || from->uv_offset[1] != 0))
+		*transform = material;
+	return c;
+}
+
+/* OBJ's v points up; the image's top left is (0, 0) here. */
+static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t transform, float uv[2])
+{
+	static const float none[2] = { 0, 1 };
+	const float *from = c.vt != ECO_NONE ? (const float *)m->obj->uv.items + (size_t)c.vt * 2 : none;
+	double u = from[0], v = from[1];
+
+	if (transform != ECO_NONE) {
+		u = u * m->of[transform]->uv_scale[0] + m->of[transform]->uv_offset[0];
+		v = v * m->of[transform]->uv_scale[1] + m->of[transform]->uv_offset[1];
+	}
+	uv[0] = fabs(u) <= 65536 ? (float)u : 0;
+	uv[1] = fabs(v) <= 65536 ? (float)(1 - v) : 0;
+}
+
+/* The vertex of a corner, made if need be; ECO_NONE if it names none. */
+static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_t material)
+{
+	struct eco_model *to = m->model;
+	const double *place = place_of(m->obj, corner.v);
+	uint32_t transform, slot, v;
+	struct eco_obj_corner key;
+	uint64_t h;
+
+	if (place == NULL)
+		return ECO_NONE;
+	key = key_of(m, corner, material, &transform);
+	h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu) ^ (transform * 0x165667b19e3779f9u);
+	h ^= h >> 29;
+	h *= 0xbf58476d1ce4e5b9u;
+	for (slot = (uint32_t)(h >> 32) & m->mask; (v = m->table[slot]) != ECO_NONE; slot = (slot + 1) & m->mask)
+		if (m->key[v].v == key.v && m->key[v].vt == key.vt && m->transform[v] == transform)
+			return v;
+	v = m->table[slot] = to->vertex_count++;
+	m->key[v] = key;
+	m->transform[v] = transform;
+	for (int k = 0; k < 3; k++)
+		to->position[(size_t)v * 3 + (size_t)k] = (float)(place[k] - m->base[k]);
+	set_uv(m, key, transform, &to->uv[(size_t)v * 2]);
+	return v;
+}
+
+/* ---- Colours of vertices ---- */
+
+static void color_of(const struct maker *m, uint32_t v, float rgb[3])
+{
+	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3 : NULL;
+
+	for (int k = 0; k < 3; k++)
+		rgb[k] = color != NULL && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
+}
+
+static void byte_color(const double rgb[3], double share, uint8_t to[3])
+{
+	for (int k = 0; k < 3; k++)
+		to[k] = (uint8_t)(fmin(fmax(rgb[k] * share, 0), 1) * 255 + 0.5);
+}
+
+/* The one material of the run [first, end); ECO_NONE where vertex colours make several. */
+static uint32_t run_material(struct maker *m, size_t first, size_t end)
+{
+	uint32_t material = faces_of(m->obj)[first].material;
+	double sum[3] = { 0, 0, 0 }, low[3] = { 1, 1, 1 }, high[3] = { 0, 0, 0 }, count = 0;
+	bool one = true;
+	uint8_t rgb[3];
+
+	if (m->obj->color.count == 0)
+		return material;
+	for (size_t f = first; f < end; f++) {
+		uint32_t n;
+		const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
+
+		for (uint32_t i = 0; i < n; i++, count++) {
+			float color[3];
+
+			color_of(m, c[i].v, color);
+			for (int k = 0; k < 3; k++) {
+				sum[k] += color[k];
+				low[k] = fmin(low[k], color[k]);
+				high[k] = fmax(high[k], color[k]);
+			}
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		one = one && high[k] - low[k] <= 0.02;
+	if (!one && m->model->materials[material].image == ECO_NONE)
+		return ECO_NONE;
+	m->averaged += !one;
+	byte_color(sum, 1 / count, rgb);
+	return eco_tints_get(&m->tints, material, rgb);
+}
+
+static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *c, const uint32_t t[3], uint32_t material)
+{
+	double sum[3] = { 0, 0, 0 };
+	uint8_t rgb[3];
+
+	for (int i = 0; i < 3; i++) {
+		float color[3];
+
+		color_of(m, c[t[i]].v, color);
+		for (int k = 0; k < 3; k++)
+			sum[k] += color[k];
+	}
+	byte_color(sum, 1 / 3.0, rgb);
+	eco_tint_step(rgb);
+	return eco_tints_get(&m->tints, material, rgb);
+}
+
+/* ---- Faces ---- */
+
+/* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
+static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t n)
+{
+	uint32_t *triangles = m->split + n;
+	bool sound = n > 3;
+
+	for (uint32_t i = 0; i < n && sound; i++) {
+		const double *p = place_of(m->obj, c[i].v);
+
+		sound = p != NULL && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+		for (int k = 0; k < 3 && sound; k++)
+			m->corners[i * 3 + (uint32_t)k] = p[k] - m->base[k];
+	}
+	if (sound)
+		eco_polygon_split(m->corners, n, m->split, triangles);
+	for (uint32_t i = 0; i + 2 < n && !sound; i++) {
+		triangles[i * 3] = 0;
+		triangles[i * 3 + 1] = i + 1;
+		triangles[i * 3 + 2] = i + 2;
+	}
+}
+
+static void add_face(struct maker *m, size_t f, uint32_t whole)
+{
+	const struct eco_obj_face *face = &faces_of(m->obj)[f];
+	struct eco_model *to = m->model;
+	uint32_t n;
+	const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
+
+	split_face(m, c, n);
+	for (uint32_t i = 0; i + 2 < n; i++) {
+		const uint32_t *t = m->split + n + (size_t)i * 3;
+
+		for (int k = 0; k < 3; k++)
+			to->index[(size_t)to->triangle_count * 3 + (size_t)k] = vertex_of(m, c[t[k]], face->material);
+		to->part[to->triangle_count] = face->part;
+		to->material[to->triangle_count++] = whole != ECO_NONE ? whole : triangle_material(m, c, t, face->material);
+	}
+}
+
+static void add_faces(struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	size_t end;
+
+	for (size_t first = 0; first < o->faces.count; first = end) {
+		const struct eco_obj_face *face = &faces_of(o)[first];
+		uint32_t whole, n;
+
+		for (end = first; end < o->faces.count && faces_of(o)[end].material == face->material && faces_of(o)[end].part == face->part; end++)
+			;
+		if (m->invisible[face->material]) {
+			for (size_t f = first; f < end; f++) {
+				corners_of(o, f, &n);
+				m->hidden += n - 2;
+			}
+			continue;
+		}
+		whole = run_material(m, first, end);
+		for (size_t f = first; f < end; f++)
+			add_face(m, f, whole);
+	}
+	m->model->triangles_in = (uint32_t)o->triangles;
+	m->model->dropped[ECO_DROP_TRANSPARENT] = (uint32_t)m->hidden;
+}
+
+/* ---- All ---- */
+
+/* Of the vertices that faces use. */
+static void find_base(struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	float most = 0;
+
+	for (size_t i = 0; i < o->corners.count; i++) {
+		const double *p = place_of(o, ((const struct eco_obj_corner *)o->corners.items)[i].v);
+
+		for (int k = 0; k < 3 && p != NULL && isfinite(p[0] + p[1] + p[2]); k++) {
+			low[k] = fmin(low[k], p[k]);
+			high[k] = fmax(high[k], p[k]);
+		}
+	}
+	if (low[0] <= high[0])
+		eco_model_choose_base(low, high, m->base);
+	for (size_t i = 0; i < o->color.count * 3; i++)
+		most = fmaxf(most, ((const float *)o->color.items)[i]);
+	m->color_scale = most > 1.5f ? 1 / 255.0f : 1;
+}
+
+static bool take_memory(struct maker *m)
+{
+	const struct eco_obj *o = m->obj;
+	struct eco_model *to = m->model;
+	size_t triangles = (size_t)o->triangles, vertices = o->corners.count, table = 16;
+
+	while (table < vertices * 2)
+		table *= 2;
+	to->position = malloc((vertices + 1) * 3 * sizeof *to->position);
+	to->uv = malloc((vertices + 1) * 2 * sizeof *to->uv);
+	to->index = malloc((triangles + 1) * 3 * sizeof *to->index);
+	to->material = malloc((triangles + 1) * sizeof *to->material);
+	to->part = malloc((triangles + 1) * sizeof *to->part);
+	to->parts = calloc((size_t)o->parts.count + 1, sizeof *to->parts);
+	m->key = malloc((vertices + 1) * sizeof *m->key);
+	m->transform = malloc((vertices + 1) * sizeof *m->transform);
+	m->table = malloc(table * sizeof *m->table);
+	m->mask = (uint32_t)(table - 1);
+	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
+	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
+	if (m->table != NULL)
+		memset(m->table, 0xff, table * sizeof *m->table);
+	return to->position != NULL && to->uv != NULL && to->index != NULL && to->material != NULL && to->part != NULL && to->parts != NULL
+		&& m->key != NULL && m->transform != NULL && m->table != NULL && m->corners != NULL && m->split != NULL
+		&& eco_tints_start(&m->tints, to);
+}
+
+static void tell(const struct maker *m)
+{
+	struct eco_notes *notes = m->obj->notes;
+
+	if (m->hidden > 0)
+		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out", (unsigned long long)m->hidden);
+	if (m->averaged > 0)
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", m->averaged);
+	if (m->missing_uv > 0)
+		eco_note(notes, "%llu corners name texture coordinates that are not there", (unsigned long long)m->missing_uv);
+}
+
+enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj)
+{
+	struct maker m = { .obj = obj, .model = model };
+	enum eco_code code = make_materials(&m);
+
+	if (code == ECO_OK && !take_memory(&m))
+		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", obj->text.path,
+			(unsigned long long)obj->triangles);
+	if (code == ECO_OK) {
+		find_base(&m);
+		add_faces(&m);
+		for (uint32_t i = 0; i < obj->parts.count; i++)
+			snprintf(model->parts[i].name, sizeof model->parts[i].name, "%.63s", obj->parts.items[i]);
+		model->part_count = obj->parts.count;
+		tell(&m);
+		*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m, .convention = ECO_UP_Y };
+		memcpy(frame->base, m.base, sizeof frame->base);
+	}
+	eco_mtl_free(&m.mtl);
+	eco_tints_end(&m.tints);
+	free(m.of);
+	free(m.invisible);
+	free(m.key);
+	free(m.transform);
+	free(m.table);
+	free(m.corners);
+	free(m.split);
+	return code;
+}

@@ -1,0 +1,336 @@
+/* A plant stands on its foot, at its size.
+ *
+ * The foot is where stems end below: the middle of the edges there, so that each stem counts by its girth, however finely it is
+ * modelled. Stems are components that reach through a good part of the height, and are large and thick beside the others; where rules say
+ * what wood is, they are followed. Where nothing is long (a bush that is one hull), the whole lower part counts.
+ *
+ * The ground is at the lowest vertex, with two exceptions. Twigs may hang lower than the stem's foot (willows, bushes): then the stem
+ * stands on the ground and they end in it; a stem that floats would be seen from far. But if something right under the foot surrounds it
+ * (a pot, roots, a trunk below a crown that is one hull), the plant stands on that. And where the file's origin is in the stem just above
+ * its lower end, its modeller let the stem or its roots reach below the ground: zero is the ground.
+ *
+ * The size: as asked for; else by the unit that is given or that the file says; else by a unit that makes it a plant, which is said. */
+#include "ecofiles/import/model/model_clean.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/model_import.h"
+#include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/format/pack.h"
+
+#define GUESS_MOST_M 60.0            /* higher trees are rarer than files in centimetres */
+#define FOOT_SHARE 0.02              /* of the height: a stem's foot is within that of its lowest vertex */
+#define HULL_SHARE 0.25              /* the same where nothing is long */
+#define STEMS_SHARE 0.1              /* of the height: stems whose feet differ by more do not stand on the same ground */
+#define TALL_SHARE 0.25              /* of the height: what reaches through less is no stem */
+#define STEM_TRIANGLES 6u            /* a tube has more; cards of leaves have less */
+#define WOOD_SHARE 0.1               /* of the largest component's area */
+#define GIRTH_SHARE 0.5              /* of the thickest long component's circumference */
+#define LONG 4.0                     /* times its circumference / pi */
+#define HANGS_MOST 0.1               /* of the area may be below the stem's foot */
+#define DEPTH_MOST 0.35              /* of the height that hangs */
+#define UNDER 0.005                  /* of the height: how far below the foot is looked for what it stands on */
+#define SECTORS_LEAST 3              /* sixteenths of the round that a component under the foot takes; twigs take less */
+#define SECTORS_HALF 8
+#define STEPS 8
+#define TAN_22_5 0.41421356237309503
+#define ROOTS_MOST 0.1               /* of the height may be below the file's zero */
+#define PI 3.14159265358979323846
+
+struct stance {
+	const struct eco_model *model;
+	struct eco_components components;
+	bool *wood;                  /* per component */
+	double girth;                /* of the thickest long component, 0: nothing is long */
+	double low, high, area;      /* of all, z */
+	double wood_low, foot[3];
+};
+
+static double length_of(double x, double y)
+{
+	return sqrt(x * x + y * y);
+}
+
+/* Circumference of a tube of that area and length. */
+static double girth_of(const struct eco_component *c)
+{
+	double length = eco_component_diagonal(c);
+
+	return length > 0 ? c->area / length : 0;
+}
+
+static bool is_long(const struct eco_component *c)
+{
+	return PI * eco_component_diagonal(c) >= LONG * girth_of(c);
+}
+
+static void measure(struct stance *s)
+{
+	s->low = INFINITY;
+	s->high = -INFINITY;
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		s->low = fmin(s->low, s->components.items[i].low[2]);
+		s->high = fmax(s->high, s->components.items[i].high[2]);
+		s->area += s->components.items[i].area;
+	}
+}
+
+/* Of what may be a stem: 2, else of what has enough triangles: 1, else of all: 0. */
+static int rank_of(const struct stance *s, const struct eco_component *c)
+{
+	if (c->triangle_count < STEM_TRIANGLES)
+		return 0;
+	return c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
+}
+
+/* Leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick, and taken too. Where all are alike
+ * (grass), or nothing is long (bushes), all large ones are taken. */
+static void mark_by_shape(struct stance *s)
+{
+	double largest = 0;
+	int rank = 0;
+
+	for (uint32_t i = 0; i < s->components.count; i++)
+		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i]) : rank;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		if (rank_of(s, &s->components.items[i]) >= rank)
+			largest = fmax(largest, s->components.items[i].area);
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		const struct eco_component *c = &s->components.items[i];
+
+		if (rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && is_long(c))
+			s->girth = fmax(s->girth, girth_of(c));
+	}
+	for (uint32_t i = 0; i < s->components.count; i++) {
+		const struct eco_component *c = &s->components.items[i];
+
+		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
+	}
+}
+
+/* Rules win; wood that ends high above all else is none. */
+static void find_wood(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+	bool ruled = false;
+
+	mark_by_shape(s);
+	for (uint32_t i = 0; i < m->triangle_count && m->organ != NULL; i++)
+		if (m->organ[i] == ECO_ORGAN_WOOD) {
+			if (!ruled)
+				memset(s->wood, 0, s->components.count * sizeof *s->wood);
+			ruled = s->wood[s->components.of[i]] = true;
+		}
+	s->wood_low = INFINITY;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		if (s->wood[i])
+			s->wood_low = fmin(s->wood_low, s->components.items[i].low[2]);
+	if (ruled || s->wood_low <= s->low + DEPTH_MOST * (s->high - s->low))
+		return;
+	memset(s->wood, 1, s->components.count * sizeof *s->wood);
+	s->wood_low = s->low;
+}
+
+/* Middle of the stems' edges near their lowest vertices, weighed by their lengths; without edges, of the box around the vertices. */
+static void find_foot(struct stance *s)
+{
+	const struct eco_model *m = s->model;
+	double height = s->high - s->low, share = s->girth > 0 ? FOOT_SHARE : HULL_SHARE, sum[2] = { 0, 0 }, weight = 0;
+	double box[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
+
+	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
+		const float *p = &m->position[(size_t)m->index[i] * 3], *q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
+		uint32_t component = s->components.of[i / 3];
+		double own = s->components.items[component].low[2], length;
+
+		if (!s->wood[component] || own > s->wood_low + STEMS_SHARE * height || p[2] > own + share * height)
+			continue;
+		for (int k = 0; k < 2; k++) {
+			box[k][0] = fmin(box[k][0], p[k]);
+			box[k][1] = fmax(box[k][1], p[k]);
+		}
+		if (q[2] > own + share * height)
+			continue;
+		length = length_of((double)q[0] - p[0], (double)q[1] - p[1]);
+		weight += length;
+		for (int k = 0; k < 2; k++)
+			sum[k] += length * ((double)p[k] + q[k]) / 2;
+	}
+	for (int k = 0; k < 2; k++)
+		s->foot[k] = weight > 0 ? sum[k] / weight : (box[k][0] + box[k][1]) / 2;
+}
+
+/* Which sixteenth of the round a direction is in; products and comparisons alone decide. */
+static unsigned sector_of(double x, double y)
+{
+	unsigned sector = y < 0 ? 8 : 0;
+	double ax = fabs(x), ay = fabs(y), low = ax < ay ? ax : ay, high = ax < ay ? ay : ax;
+	unsigned eighth = (ay > ax ? 2 : 0) + ((low > TAN_22_5 * high) != (ay > ax) ? 1 : 0);
+
+	return sector + ((x < 0) != (y < 0) ? 7 - eighth : eighth);
+}
+
+/* The sectors around the foot that the triangle's cut through the plane at height z is in, as bits; 0 if it does not meet it. */
+static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
+{
+	double cut[3][2] = { { 0 } };
+	unsigned count = 0, sectors = 0;
+
+	for (uint32_t k = 0; k < 3; k++) {
+		const float *p = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + k] * 3];
+		const float *q = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + (k + 1) % 3] * 3];
+
+		if ((p[2] < z) == (q[2] < z))
+			continue;
+		for (int j = 0; j < 2; j++)
+			cut[count][j] = p[j] + ((double)q[j] - p[j]) * (z - p[2]) / ((double)q[2] - p[2]) - s->foot[j];
+		count++;
+	}
+	for (int i = 0; i <= STEPS && count >= 2; i++)
+		sectors |= 1u << sector_of(cut[0][0] + (cut[1][0] - cut[0][0]) * i / STEPS, cut[0][1] + (cut[1][1] - cut[0][1]) * i / STEPS);
+	return sectors;
+}
+
+/* Whether what is right below the foot surrounds it at least half. False too when memory ran out. */
+static bool stands_on_something(const struct stance *s)
+{
+	double z = s->wood_low - UNDER * (s->high - s->low);
+	unsigned *sectors = calloc((size_t)s->components.count + 1, sizeof *sectors), all = 0;
+
+	if (sectors == NULL)
+		return false;
+	for (uint32_t i = 0; i < s->model->triangle_count; i++)
+		if (s->components.items[s->components.of[i]].low[2] < z)
+			sectors[s->components.of[i]] |= sectors_at(s, i, z);
+	for (uint32_t i = 0; i < s->components.count; i++)
+		all |= __builtin_popcount(sectors[i]) >= SECTORS_LEAST ? sectors[i] : 0;
+	free(sectors);
+	return __builtin_popcount(all) >= SECTORS_HALF;
+}
+
+/* What is below the stem's foot only hangs there. */
+static bool only_hangs(const struct stance *s)
+{
+	double below = 0;
+
+	if (s->girth == 0 || s->wood_low - s->low > DEPTH_MOST * (s->high - s->low))
+		return false;
+	for (uint32_t i = 0; i < s->components.count; i++)
+		below += s->components.items[i].high[2] < s->wood_low ? s->components.items[i].area : 0;
+	return below <= HANGS_MOST * s->area && !stands_on_something(s);
+}
+
+static void find_ground(struct stance *s, const struct eco_model_frame *frame)
+{
+	double height = s->high - s->low, zero = -frame->base[2];
+	double aside = length_of(s->foot[0] + frame->base[0], s->foot[1] + frame->base[1]);
+
+	s->foot[2] = s->low;
+	if (s->wood_low > s->low && only_hangs(s))
+		s->foot[2] = s->wood_low;
+	if (s->girth > 0 && zero > s->foot[2] && zero <= s->wood_low + ROOTS_MOST * height && zero >= s->wood_low && aside <= ROOTS_MOST * height)
+		s->foot[2] = zero;
+}
+
+/* ---- Size ---- */
+
+struct known_unit { double metres; const char *name; };
+
+static const struct known_unit known_units[] = { { 1, "metres" }, { 0.01, "centimetres" }, { 0.001, "millimetres" }, { 0.0254, "inches" },
+	{ 0.3048, "feet" }, { 1200.0 / 3937, "US survey feet" } };
+
+const char *eco_unit_name(double metres)
+{
+	for (size_t i = 0; i < sizeof known_units / sizeof *known_units; i++)
+		if (fabs(metres / known_units[i].metres - 1) < 1e-6)
+			return known_units[i].name;
+	return NULL;
+}
+
+/* The largest of metres, centimetres and millimetres in which it is no higher than most trees grow. */
+static const struct known_unit *guess_unit(double height)
+{
+	for (int i = 0; i < 3; i++)
+		if (height * known_units[i].metres <= GUESS_MOST_M)
+			return &known_units[i];
+	return &known_units[2];
+}
+
+static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, const struct eco_model_options *options, const char *what,
+	struct eco_notes *notes, struct eco_error *error)
+{
+	const struct known_unit *guess = guess_unit(top);
+	struct eco_model_source *source = &m->source;
+
+	source->unit_m = options->unit_m > 0 ? options->unit_m : unit_m;
+	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED;
+	if (options->height_m > 0) {
+		if (!(top > 0))
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m high: leave height_m out, "
+				"or say which axis is \"up\"", what, options->height_m);
+		m->scale = options->height_m / top;
+		if (source->unit_how == ECO_HOW_GUESSED) {
+			source->unit_m = m->scale;
+			source->unit_how = ECO_HOW_HEIGHT;
+		}
+		return ECO_OK;
+	}
+	if (source->unit_how == ECO_HOW_GUESSED) {
+		source->unit_m = guess->metres;
+		eco_note(notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not", top, guess->name, top * guess->metres);
+	} else if (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M || top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M) {
+		eco_note(notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add \"height_m\" or another \"unit\"",
+			top * source->unit_m, source->unit_how == ECO_HOW_GIVEN ? "the given" : "its file's", top, source->unit_m);
+	}
+	m->scale = source->unit_m;
+	return ECO_OK;
+}
+
+/* ---- All ---- */
+
+static enum eco_code stand(struct stance *s, struct eco_model *m, const struct eco_model_frame *frame, const struct eco_model_options *options,
+	const char *what, struct eco_notes *notes, struct eco_error *error)
+{
+	enum eco_code code;
+
+	measure(s);
+	find_wood(s);
+	find_foot(s);
+	find_ground(s, frame);
+	code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
+	if (code != ECO_OK)
+		return code;
+	for (int k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+
+		for (uint32_t i = 0; i < s->components.count; i++) {
+			low = fmin(low, s->components.items[i].low[k]);
+			high = fmax(high, s->components.items[i].high[k]);
+		}
+		m->source.size[k] = high - low;
+		m->foot[k] = s->foot[k] + frame->base[k];
+	}
+	m->source.below = s->foot[2] - s->low;
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		for (int k = 0; k < 3; k++)
+			m->position[(size_t)i * 3 + (size_t)k] = (float)((m->position[(size_t)i * 3 + (size_t)k] - s->foot[k]) * m->scale);
+	return ECO_OK;
+}
+
+enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place, const struct eco_model_frame *frame,
+	const struct eco_model_options *options, const char *what, struct eco_notes *notes, struct eco_error *error)
+{
+	struct stance s = { .model = model };
+	enum eco_code code;
+
+	if (eco_components_find(&s.components, model, place, false) && (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)) != NULL)
+		code = stand(&s, model, frame, options, what, notes, error);
+	else
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
+	eco_components_free(&s.components);
+	free(s.wood);
+	return code;
+}

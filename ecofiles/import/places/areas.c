@@ -1,0 +1,489 @@
+/* Surfaces are asked by bands of y, each with the edges that cross it; many of them by a coarse grid of their boxes first; nearness by a
+ * grid of cells as wide as what counts as near, each with the edges that come within one cell of it. */
+#include "ecofiles/import/places/areas.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/room.h"
+
+#define DEPTH_MAX 16
+#define STRIPS_MAX (1u << 20)
+#define BOXES_SIDE_MAX 512u
+#define LINKS_MAX (1u << 27)
+
+enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6, WKB_COLLECTION = 7 };
+
+struct reading {
+	struct eco_areas *areas;
+	const uint8_t *bytes;
+	size_t size, at;
+	eco_area_convert *convert;
+	void *ctx;
+	bool kept, surfaces;         /* this pass takes surfaces, or else lines and points */
+	struct eco_error *error;
+};
+
+static enum eco_code damaged(const struct reading *r)
+{
+	return eco_fail(r->error, ECO_DAMAGED, "a geometry that does not hold together at byte %zu of %zu", r->at, r->size);
+}
+
+static bool take(struct reading *r, void *to, size_t size)
+{
+	if (size > r->size - r->at)
+		return false;
+	memcpy(to, r->bytes + r->at, size);
+	r->at += size;
+	return true;
+}
+
+static bool take_u32(struct reading *r, bool little, uint32_t *value)
+{
+	uint8_t b[4];
+
+	if (!take(r, b, sizeof b))
+		return false;
+	*value = little ? b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24
+		: b[3] | (uint32_t)b[2] << 8 | (uint32_t)b[1] << 16 | (uint32_t)b[0] << 24;
+	return true;
+}
+
+static bool take_double(struct reading *r, bool little, double *value)
+{
+	uint8_t b[8];
+	uint64_t bits = 0;
+
+	if (!take(r, b, sizeof b))
+		return false;
+	for (int i = 0; i < 8; i++)
+		bits = bits << 8 | b[little ? 7 - i : i];
+	memcpy(value, &bits, sizeof bits);
+	return true;
+}
+
+static enum eco_code add_edge(struct reading *r, const double a[2], const double b[2])
+{
+	struct eco_areas *s = r->areas;
+
+	if (s->edge_count == ECO_AREA_POINTS_MAX || !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
+		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for more than %u corners of areas",
+			s->edge_count);
+	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
+	return ECO_OK;
+}
+
+/* `count` corners; edges between them are kept in the pass that wants them. */
+static enum eco_code take_path(struct reading *r, bool little, uint32_t count, bool ring)
+{
+	double first[2] = { 0, 0 }, last[2] = { 0, 0 };
+	enum eco_code code = ECO_OK;
+
+	if (count > (r->size - r->at) / 16)
+		return damaged(r);
+	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
+		double at[2];
+
+		if (!take_double(r, little, &at[0]) || !take_double(r, little, &at[1]))
+			return damaged(r);
+		if (ring != r->surfaces)
+			continue;
+		r->kept = r->kept && isfinite(at[0]) && isfinite(at[1]) && r->convert(r->ctx, at, r->error) && isfinite(at[0]) && isfinite(at[1]);
+		if (!r->kept)
+			return r->error != NULL && r->error->code != ECO_OK ? r->error->code : ECO_OK;
+		if (i > 0 || count == 1)
+			code = add_edge(r, i > 0 ? last : at, at);
+		else
+			memcpy(first, at, sizeof first);
+		memcpy(last, at, sizeof last);
+	}
+	if (code == ECO_OK && ring && r->surfaces && count > 1 && (first[0] != last[0] || first[1] != last[1]))
+		code = add_edge(r, last, first);
+	return code;
+}
+
+static enum eco_code take_geometry(struct reading *r, int depth)
+{
+	uint8_t order;
+	uint32_t kind, count = 1;
+	bool little;
+	enum eco_code code = ECO_OK;
+
+	if (depth > DEPTH_MAX || !take(r, &order, 1) || order > 1 || !take_u32(r, order == 1, &kind) || kind < WKB_POINT || kind > WKB_COLLECTION)
+		return damaged(r);
+	little = order == 1;
+	if (kind != WKB_POINT && !take_u32(r, little, &count))
+		return damaged(r);
+	if (kind == WKB_POINT || kind == WKB_LINE)
+		return take_path(r, little, count, false);
+	if (count > r->size - r->at)
+		return damaged(r);
+	for (uint32_t i = 0; i < count && code == ECO_OK && r->kept; i++) {
+		uint32_t corners;
+
+		if (kind != WKB_POLYGON)
+			code = take_geometry(r, depth + 1);
+		else if (!take_u32(r, little, &corners))
+			code = damaged(r);
+		else
+			code = take_path(r, little, corners, true);
+	}
+	return code;
+}
+
+static void measure(const struct eco_areas *areas, struct eco_area *area)
+{
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+
+	for (int k = 0; k < 2; k++) {
+		area->low[k] = INFINITY;
+		area->high[k] = -INFINITY;
+	}
+	for (uint32_t i = 0; i < area->edge_count; i++)
+		for (int k = 0; k < 2; k++) {
+			area->low[k] = fmin(area->low[k], fmin(edges[i].a[k], edges[i].b[k]));
+			area->high[k] = fmax(area->high[k], fmax(edges[i].a[k], edges[i].b[k]));
+		}
+}
+
+enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size, eco_area_convert *convert, void *ctx,
+	bool *kept, struct eco_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	struct reading r = { .areas = areas, .bytes = wkb, .size = size, .convert = convert, .ctx = ctx, .kept = true,
+		.error = error != NULL ? error : &own };
+	struct eco_area area = { .edge_first = areas->edge_count };
+	enum eco_code code = ECO_OK;
+
+	for (int pass = 0; pass < 2 && code == ECO_OK && r.kept; pass++) {
+		r.at = 0;
+		r.surfaces = pass == 0;
+		code = take_geometry(&r, 0);
+		if (pass == 0)
+			area.ring_edges = areas->edge_count - area.edge_first;
+	}
+	area.edge_count = areas->edge_count - area.edge_first;
+	*kept = code == ECO_OK && r.kept && area.edge_count > 0;
+	if (code == ECO_OK && *kept && !eco_room(&areas->items, &areas->capacity, areas->count, sizeof *areas->items))
+		code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for more than %u areas", areas->count);
+	if (code != ECO_OK || !*kept) {
+		areas->edge_count = area.edge_first;
+		*kept = false;
+		return code;
+	}
+	measure(areas, &area);
+	areas->items[areas->count++] = area;
+	return ECO_OK;
+}
+
+/* ---- Surfaces ---- */
+
+static uint32_t strip_of(const struct eco_area *area, double y)
+{
+	double at = (y - area->low[1]) / (area->high[1] - area->low[1]) * area->strips;
+
+	return !(at > 0) ? 0 : at >= area->strips ? area->strips - 1 : (uint32_t)at;
+}
+
+/* An edge belongs to every band that it touches. */
+static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, struct eco_error *error)
+{
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+	uint64_t total = 0;
+
+	area->strips = area->ring_edges / 4 + 1;
+	area->strips = area->strips > STRIPS_MAX ? STRIPS_MAX : area->strips;
+	area->strip_first = calloc((size_t)area->strips + 2, sizeof *area->strip_first);
+	if (area->strip_first == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+	for (int pass = 0; pass < 2; pass++) {
+		for (uint32_t i = 0; i < area->ring_edges; i++) {
+			uint32_t first = strip_of(area, fmin(edges[i].a[1], edges[i].b[1])), last = strip_of(area, fmax(edges[i].a[1], edges[i].b[1]));
+
+			total += pass == 0 ? last - first + 1u : 0;
+			for (uint32_t s = first; s <= last; s++) {
+				if (pass == 0)
+					area->strip_first[s + 2]++;
+				else
+					area->strip[area->strip_first[s + 1]++] = i;
+			}
+			if (total > LINKS_MAX)
+				return eco_fail(error, ECO_TOO_LARGE, "an area with too many long edges");
+		}
+		if (pass > 0)
+			break;
+		for (uint32_t s = 0; s < area->strips; s++)
+			area->strip_first[s + 2] += area->strip_first[s + 1];
+		area->strip = malloc((total + 1) * sizeof *area->strip);
+		if (area->strip == NULL)
+			return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+	}
+	return ECO_OK;
+}
+
+/* Does a ray from (x, y) towards greater x cross the edge? */
+static bool crosses(const struct eco_edge *e, double x, double y)
+{
+	return (e->a[1] > y) != (e->b[1] > y) && x < e->a[0] + (y - e->a[1]) / (e->b[1] - e->a[1]) * (e->b[0] - e->a[0]);
+}
+
+bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, double y)
+{
+	const struct eco_area *area = &areas->items[index];
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+	uint32_t s;
+	bool inside = false;
+
+	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1] || y > area->high[1])
+		return false;
+	s = strip_of(area, y);
+	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
+		if (crosses(&edges[area->strip[i]], x, y))
+			inside = !inside;
+	return inside;
+}
+
+bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, double high_y, double span[2])
+{
+	const struct eco_area *area = &areas->items[index];
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+
+	span[0] = INFINITY;
+	span[1] = -INFINITY;
+	if (area->ring_edges == 0 || high_y < area->low[1] || low_y > area->high[1])
+		return false;
+	for (uint32_t i = area->strip_first[strip_of(area, low_y)]; i < area->strip_first[strip_of(area, high_y) + 1]; i++) {
+		const struct eco_edge *e = &edges[area->strip[i]];
+		double rise = e->b[1] - e->a[1], run = e->b[0] - e->a[0];
+		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0, to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
+		double first = fmax(fmin(from, to), 0), last = fmin(fmax(from, to), 1);
+
+		if (first > last)
+			continue;
+		span[0] = fmin(span[0], e->a[0] + fmin(first * run, last * run));
+		span[1] = fmax(span[1], e->a[0] + fmax(first * run, last * run));
+	}
+	return span[0] <= span[1];
+}
+
+/* By the even-odd rule orientation says nothing: a ring counts against the others if it lies within an odd number of them, which one
+ * of its points tells. */
+static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *area, uint32_t first, uint32_t end)
+{
+	const struct eco_edge *edges = areas->edges + area->edge_first;
+	double x = (edges[first].a[0] + edges[first].b[0]) / 2, y = (edges[first].a[1] + edges[first].b[1]) / 2;
+	uint32_t s = strip_of(area, y);
+	bool inside = false;
+
+	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
+		if ((area->strip[i] < first || area->strip[i] >= end) && crosses(&edges[area->strip[i]], x, y))
+			inside = !inside;
+	return inside;
+}
+
+static double surface_of(const struct eco_areas *areas, const struct eco_area *area)
+{
+	const struct eco_edge *e = areas->edges + area->edge_first;
+	double sum = 0;
+
+	for (uint32_t first = 0, end; first < area->ring_edges; first = end) {
+		const double *o = e[first].a;
+		double twice = 0;
+
+		for (end = first; end == first || (end < area->ring_edges && (e[end - 1].b[0] != o[0] || e[end - 1].b[1] != o[1])); end++)
+			twice += (e[end].a[0] - o[0]) * (e[end].b[1] - o[1]) - (e[end].b[0] - o[0]) * (e[end].a[1] - o[1]);
+		sum += (ring_is_hole(areas, area, first, end) ? -0.5 : 0.5) * fabs(twice);
+	}
+	return fmax(sum, 0);
+}
+
+/* ---- Many surfaces ---- */
+
+static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
+{
+	double column = (at - b->low[k]) / b->step[k];
+
+	return !(column > 0) ? 0 : column >= b->side ? b->side - 1 : (uint32_t)column;
+}
+
+/* Counts what each cell will hold, then fills it in. */
+static void fill_boxes(struct eco_areas *areas, uint32_t *at, bool count)
+{
+	struct eco_area_boxes *b = &areas->boxes;
+
+	for (uint32_t i = 0; i < areas->count; i++) {
+		const struct eco_area *area = &areas->items[i];
+		uint32_t x0 = box_column(b, 0, area->low[0]), x1 = box_column(b, 0, area->high[0]);
+		uint32_t y0 = box_column(b, 1, area->low[1]), y1 = box_column(b, 1, area->high[1]);
+
+		for (uint32_t y = y0; y <= y1 && area->ring_edges > 0; y++)
+			for (uint32_t x = x0; x <= x1; x++)
+				if (count)
+					at[y * b->side + x]++;
+				else
+					b->member[at[y * b->side + x]++] = i;
+	}
+}
+
+static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *error)
+{
+	struct eco_area_boxes *b = &areas->boxes;
+	double high[2] = { -INFINITY, -INFINITY };
+	uint32_t *at;
+
+	b->low[0] = b->low[1] = INFINITY;
+	for (uint32_t i = 0; i < areas->count; i++)
+		for (int k = 0; k < 2; k++) {
+			b->low[k] = fmin(b->low[k], areas->items[i].low[k]);
+			high[k] = fmax(high[k], areas->items[i].high[k]);
+		}
+	b->side = (uint32_t)fmin(sqrt(areas->count) + 1, BOXES_SIDE_MAX);
+	for (int k = 0; k < 2; k++)
+		b->step[k] = high[k] > b->low[k] ? (high[k] - b->low[k]) / b->side : 1;
+	b->first = calloc((size_t)b->side * b->side + 1, sizeof *b->first);
+	at = calloc((size_t)b->side * b->side + 1, sizeof *at);
+	if (b->first != NULL && at != NULL) {
+		fill_boxes(areas, b->first + 1, true);
+		for (uint32_t c = 0; c < b->side * b->side; c++)
+			at[c + 1] = b->first[c + 1] += b->first[c];
+		b->member = malloc(((size_t)b->first[b->side * b->side] + 1) * sizeof *b->member);
+		if (b->member != NULL)
+			fill_boxes(areas, at, false);
+	}
+	free(at);
+	return b->member != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+}
+
+bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
+{
+	const struct eco_area_boxes *b = &areas->boxes;
+	uint32_t cell;
+
+	if (areas->count == 0)
+		return false;
+	cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
+	for (uint32_t i = b->first[cell]; i < b->first[cell + 1]; i++)
+		if (eco_area_holds(areas, b->member[i], x, y))
+			return true;
+	return false;
+}
+
+/* ---- Nearness ---- */
+
+static uint32_t cell_hash(int64_t x, int64_t y)
+{
+	uint64_t h = (uint64_t)x * 0x9e3779b97f4a7c15u ^ (uint64_t)y * 0xc2b2ae3d27d4eb4fu;
+
+	h ^= h >> 29;
+	h *= 0xbf58476d1ce4e5b9u;
+	return (uint32_t)(h >> 32);
+}
+
+static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge, struct eco_error *error)
+{
+	if (s->link_count == LINKS_MAX || !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
+		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for what is to be kept clear of; simplify "
+			"it, or take a larger distance");
+	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
+	return ECO_OK;
+}
+
+/* Row by row of cells: those that the edge, widened by near_m, comes through. */
+static enum eco_code link_edge(struct eco_areas *s, uint32_t index, struct eco_error *error)
+{
+	const struct eco_edge *e = &s->edges[index];
+	const double *a = e->a[1] <= e->b[1] ? e->a : e->b, *b = e->a[1] <= e->b[1] ? e->b : e->a;
+	int64_t last = (int64_t)floor((b[1] + s->near_m) / s->cell_m);
+	enum eco_code code = ECO_OK;
+
+	for (int64_t row = (int64_t)floor((a[1] - s->near_m) / s->cell_m); row <= last && code == ECO_OK; row++) {
+		double low = fmax(a[1], row * s->cell_m - s->near_m), high = fmin(b[1], (row + 1) * s->cell_m + s->near_m);
+		double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0;
+		double x0 = b[1] > a[1] ? a[0] + slope * (low - a[1]) : a[0], x1 = b[1] > a[1] ? a[0] + slope * (high - a[1]) : b[0];
+		int64_t first = (int64_t)floor((fmin(x0, x1) - s->near_m) / s->cell_m), end = (int64_t)floor((fmax(x0, x1) + s->near_m) / s->cell_m);
+
+		for (int64_t x = first; x <= end && code == ECO_OK; x++)
+			code = add_link(s, x, row, index, error);
+	}
+	return code;
+}
+
+static enum eco_code index_near(struct eco_areas *s, struct eco_error *error)
+{
+	uint32_t size = 1024;
+	enum eco_code code = ECO_OK;
+
+	s->cell_m = fmax(s->near_m, 1);
+	for (uint32_t i = 0; i < s->edge_count && code == ECO_OK; i++)
+		code = link_edge(s, i, error);
+	if (code != ECO_OK)
+		return code;
+	while (size < 2 * s->link_count)
+		size *= 2;
+	s->cell_head = malloc(size * sizeof *s->cell_head);
+	if (s->cell_head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for what is to be kept clear of");
+	for (uint32_t i = 0; i < size; i++)
+		s->cell_head[i] = UINT32_MAX;
+	s->cell_mask = size - 1;
+	for (uint32_t i = 0; i < s->link_count; i++) {
+		uint32_t *head = &s->cell_head[cell_hash(s->links[i].x, s->links[i].y) & s->cell_mask];
+
+		s->links[i].next = *head;
+		*head = i;
+	}
+	return ECO_OK;
+}
+
+static double square_to(const struct eco_edge *e, double x, double y)
+{
+	double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], length = dx * dx + dy * dy;
+	double t = length > 0 ? ((x - e->a[0]) * dx + (y - e->a[1]) * dy) / length : 0;
+
+	t = t < 0 ? 0 : t > 1 ? 1 : t;
+	dx = e->a[0] + t * dx - x;
+	dy = e->a[1] + t * dy - y;
+	return dx * dx + dy * dy;
+}
+
+bool eco_areas_near(const struct eco_areas *s, double x, double y)
+{
+	int64_t column = (int64_t)floor(x / s->cell_m), row = (int64_t)floor(y / s->cell_m);
+
+	if (s->cell_head == NULL)
+		return false;
+	for (uint32_t i = s->cell_head[cell_hash(column, row) & s->cell_mask]; i != UINT32_MAX; i = s->links[i].next)
+		if (s->links[i].x == column && s->links[i].y == row && square_to(&s->edges[s->links[i].edge], x, y) < s->near_m * s->near_m)
+			return true;
+	return false;
+}
+
+enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+
+	areas->near_m = near_m;
+	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
+		code = index_area(areas, &areas->items[i], error);
+		areas->items[i].size_m2 = surface_of(areas, &areas->items[i]);
+	}
+	if (code == ECO_OK && areas->count > 0)
+		code = index_boxes(areas, error);
+	return code == ECO_OK && near_m > 0 ? index_near(areas, error) : code;
+}
+
+void eco_areas_free(struct eco_areas *areas)
+{
+	for (uint32_t i = 0; i < areas->count; i++) {
+		free(areas->items[i].strip_first);
+		free(areas->items[i].strip);
+	}
+	free(areas->boxes.first);
+	free(areas->boxes.member);
+	free(areas->items);
+	free(areas->edges);
+	free(areas->cell_head);
+	free(areas->links);
+	*areas = (struct eco_areas){ .items = NULL };
+}

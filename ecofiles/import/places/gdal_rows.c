@@ -1,0 +1,444 @@
+/* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs in the child process
+ * of rows_child.c. Points are places, each point of a multipoint a row of its own; surfaces and lines are handed over whole where areas
+ * are wanted, else named. */
+#include "ecofiles/import/places/rows.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <ctype.h>
+#include <gdal.h>
+#include <math.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "ecofiles/import/ground/gdal_module.h"
+#include "ecofiles/import/places/rows_formats.h"
+
+#define LOOKED_AT 64                 /* features, for what their numbers can be */
+#define AREA_BYTES_MAX (1u << 28)
+
+struct ogr_rows {
+	struct eco_rows rows;
+	GDALDatasetH data;
+	OGRLayerH layer;
+	OGRFeatureH feature;
+	OGRGeometryH points;             /* of the feature, if it has several; owned by it */
+	int point;
+	bool areas;
+	char *path;
+	uint8_t *wkb; size_t wkb_capacity;
+	char *text; size_t text_capacity;        /* fields that are no texts, of the row */
+	bool copied[ECO_COLUMNS_MAX];
+};
+
+static void quiet(void)
+{
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+	CPLSetConfigOption("OGR_GEOJSON_MAX_OBJ_SIZE", "512");
+	CPLSetConfigOption("OGR_XLSX_HEADERS", "FORCE");
+	CPLSetConfigOption("OGR_ODS_HEADERS", "FORCE");
+	GDALAllRegister();
+}
+
+bool gdal_rows_knows(const char *path)
+{
+	GDALDriverH driver;
+
+	quiet();
+	driver = GDALIdentifyDriverEx(path, GDAL_OF_VECTOR, NULL, NULL);
+	CPLPopErrorHandler();
+	return driver != NULL && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
+}
+
+static enum eco_code gdal_says(const char *path, enum eco_code code, const char *doing, struct eco_error *error)
+{
+	const char *why = CPLGetLastErrorMsg();
+
+	return eco_fail(error, code, "%.200s: %s%s%.220s", path, doing, *why != 0 ? ": " : "", why);
+}
+
+/* ---- The layer ---- */
+
+static bool is_point(OGRwkbGeometryType type)
+{
+	type = wkbFlatten(type);
+	return type == wkbPoint || type == wkbMultiPoint;
+}
+
+static bool is_surface(OGRwkbGeometryType type)
+{
+	type = wkbFlatten(type);
+	return type == wkbPolygon || type == wkbMultiPolygon || type == wkbCurvePolygon || type == wkbMultiSurface;
+}
+
+static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
+{
+	char names[300] = "";
+	size_t used = 0;
+	int count = GDALDatasetGetLayerCount(r->data);
+
+	for (int i = 0; i < count && used < sizeof names; i++) {
+		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
+
+		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s (%s)", i > 0 ? ", " : "", OGR_L_GetName(layer),
+			OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
+	}
+	if (wanted != NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path, wanted, names);
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; add \"layer\": \"%.60s\" or another of: %s", r->path,
+		OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
+}
+
+/* The one asked for; the only one; the only one whose geometries can be what is wanted. */
+static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
+{
+	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
+
+	if (count == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no layer, so no rows", r->path);
+	if (wanted != NULL) {
+		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
+		return r->layer != NULL ? ECO_OK : ask_for_layer(r, wanted, error);
+	}
+	for (int i = 0; i < count; i++) {
+		OGRwkbGeometryType type = OGR_L_GetGeomType(GDALDatasetGetLayer(r->data, i));
+		bool fits = r->areas ? is_surface(type) : is_point(type);
+
+		unknown += wkbFlatten(type) == wkbUnknown;
+		if (fits && fitting++ == 0)
+			found = i;
+	}
+	if (count > 1 && (fitting != 1 || unknown > 0))
+		return ask_for_layer(r, NULL, error);
+	r->layer = GDALDatasetGetLayer(r->data, found);
+	if (count > 1)
+		eco_rows_note(&r->rows, "of its %d layers \"%.60s\" is taken, the only one of %s; \"layer\" names another", count, OGR_L_GetName(r->layer),
+			r->areas ? "polygons" : "points");
+	return r->layer != NULL ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
+}
+
+/* ---- CRS ---- */
+
+static bool is_shapefile(const struct ogr_rows *r)
+{
+	GDALDriverH driver = GDALGetDatasetDriver(r->data);
+
+	return driver != NULL && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
+}
+
+static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
+{
+	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
+	const char *authority = crs != NULL ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs != NULL ? OSRGetAuthorityCode(crs, NULL) : NULL;
+	const char *options[] = { "FORMAT=WKT2_2019", NULL };
+	char *wkt = NULL, text[64];
+
+	if (crs == NULL) {
+		if (is_shapefile(r))
+			snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (there is no .prj beside it)");
+		return ECO_OK;
+	}
+	if (OSRIsLocal(crs) || (!OSRIsProjected(crs) && !OSRIsGeographic(crs))) {
+		snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (it names \"%.60s\", which has no place on Earth)",
+			OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
+		return ECO_OK;
+	}
+	if (authority != NULL && number != NULL && snprintf(text, sizeof text, "%s:%s", authority, number) < (int)sizeof text) {
+		r->rows.crs = strdup(text);
+	} else if (OSRExportToWktEx(crs, &wkt, options) == OGRERR_NONE && strlen(wkt) < ECO_ROWS_CRS_BYTES) {
+		r->rows.crs = strdup(wkt);
+	} else {
+		CPLFree(wkt);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: its CRS cannot be told; add \"crs\" to its entry", r->path);
+	}
+	CPLFree(wkt);
+	return r->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+}
+
+/* Do the numbers of the first features fit degrees, have they heights? Single absurd ones are single absurd rows. */
+static void look_at_some(struct ogr_rows *r)
+{
+	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
+	int beyond = 0, within = 0;
+
+	OGR_L_ResetReading(r->layer);
+	for (int i = 0; i < LOOKED_AT; i++) {
+		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
+		OGRGeometryH geometry = feature != NULL ? OGR_F_GetGeometryRef(feature) : NULL;
+		OGREnvelope box;
+
+		if (feature == NULL)
+			break;
+		if (geometry != NULL && !OGR_G_IsEmpty(geometry)) {
+			bool is_beyond;
+
+			OGR_G_GetEnvelope(geometry, &box);
+			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90 || fabs(box.MaxY) > 90;
+			beyond += is_beyond;
+			within += !is_beyond;
+			r->rows.has_z |= OGR_G_Is3D(geometry) != 0;
+		}
+		OGR_F_Destroy(feature);
+	}
+	OGR_L_ResetReading(r->layer);
+	r->rows.degrees_doubted = crs != NULL && OSRIsGeographic(crs) && beyond > within;
+}
+
+/* ---- Columns ---- */
+
+/* Fields that nobody asks for are not even read. */
+static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *source)
+{
+	char **ignored = NULL;
+
+	for (uint32_t i = 0; source->wanted != NULL && i < r->rows.column_count; i++) {
+		bool wanted = false;
+
+		for (uint32_t k = 0; k < source->wanted_count; k++)
+			wanted |= strcmp(source->wanted[k], r->rows.columns[i]) == 0;
+		if (!wanted)
+			ignored = CSLAddString(ignored, r->rows.columns[i]);
+	}
+	if (ignored != NULL && OGR_L_TestCapability(r->layer, OLCIgnoreFields))
+		OGR_L_SetIgnoredFields(r->layer, (const char **)ignored);
+	CSLDestroy(ignored);
+}
+
+static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
+{
+	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
+	int count = OGR_FD_GetFieldCount(definition);
+
+	if (count > (int)ECO_COLUMNS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path, count, ECO_COLUMNS_MAX);
+	r->rows.columns = calloc((size_t)count + 1, sizeof *r->rows.columns);
+	r->rows.fields = calloc((size_t)count + 1, sizeof *r->rows.fields);
+	if (r->rows.columns == NULL || r->rows.fields == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+	for (int i = 0; i < count; i++) {
+		r->rows.columns[i] = strdup(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
+		if (r->rows.columns[i] == NULL)
+			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+		r->rows.column_count++;
+	}
+	ignore_fields(r, source);
+	return ECO_OK;
+}
+
+/* ---- Rows ---- */
+
+static void take_point(struct eco_rows_place *place, OGRGeometryH point)
+{
+	place->kind = ECO_PLACE_POINT;
+	place->at[0] = OGR_G_GetX(point, 0);
+	place->at[1] = OGR_G_GetY(point, 0);
+	place->at[2] = OGR_G_Is3D(point) ? OGR_G_GetZ(point, 0) : NAN;
+}
+
+/* Straight edges in two dimensions, as well-known binary. */
+static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct eco_error *error)
+{
+	OGRGeometryH straight = OGR_G_GetLinearGeometry(geometry, 0, NULL);
+	size_t size;
+	enum eco_code code = ECO_OK;
+
+	if (straight == NULL)
+		return gdal_says(r->path, ECO_BAD_INPUT, "a geometry cannot be read", error);
+	OGR_G_FlattenTo2D(straight);
+	size = (size_t)OGR_G_WkbSize(straight);
+	if (size > AREA_BYTES_MAX) {
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: a geometry of %zu bytes, at most %u are possible; simplify it", r->path, size, AREA_BYTES_MAX);
+	} else if (size > r->wkb_capacity) {
+		free(r->wkb);
+		r->wkb_capacity = 2 * size;
+		r->wkb = malloc(r->wkb_capacity);
+		if (r->wkb == NULL)
+			code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+	}
+	if (code == ECO_OK && OGR_G_ExportToIsoWkb(straight, wkbNDR, r->wkb) != OGRERR_NONE)
+		code = gdal_says(r->path, ECO_BAD_INPUT, "a geometry cannot be read", error);
+	OGR_G_DestroyGeometry(straight);
+	r->rows.place.kind = ECO_PLACE_AREA;
+	r->rows.place.wkb = r->wkb;
+	r->rows.place.wkb_bytes = (uint32_t)size;
+	return code;
+}
+
+static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
+{
+	struct eco_rows_place *place = &r->rows.place;
+	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
+	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
+
+	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE, .yaw_deg = NAN, .scale = NAN };
+	r->points = NULL;
+	if (geometry == NULL || OGR_G_IsEmpty(geometry))
+		return ECO_OK;
+	if (r->areas)
+		return take_area(r, geometry, error);
+	if (type == wkbPoint) {
+		take_point(place, geometry);
+	} else if (type == wkbMultiPoint) {
+		r->points = geometry;
+		r->point = 0;
+		take_point(place, OGR_G_GetGeometryRef(geometry, 0));
+	} else {
+		place->kind = ECO_PLACE_OTHER;
+		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
+	}
+	return ECO_OK;
+}
+
+/* OGR formats every number into one buffer of its own, which the next one overwrites: they are copied, one behind the other. */
+static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
+{
+	size_t used = 0;
+
+	for (int i = 0; i < (int)r->rows.column_count; i++) {
+		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
+		const char *text = OGR_F_IsFieldSetAndNotNull(r->feature, i) ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		size_t size = strlen(text) + 1;
+
+		r->rows.fields[i] = text;
+		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
+		if (!r->copied[i])
+			continue;
+		if (size > r->text_capacity - used) {
+			char *grown = realloc(r->text, 2 * (used + size));
+
+			if (grown == NULL)
+				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+			r->text = grown;
+			r->text_capacity = 2 * (used + size);
+		}
+		memcpy(r->text + used, text, size);
+		used += size;
+	}
+	used = 0;
+	for (uint32_t i = 0; i < r->rows.column_count; i++)
+		if (r->copied[i]) {
+			r->rows.fields[i] = r->text + used;
+			used += strlen(r->text + used) + 1;
+		}
+	r->rows.field_count = r->rows.column_count;
+	return ECO_OK;
+}
+
+static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
+{
+	struct ogr_rows *r = (struct ogr_rows *)rows;
+	enum eco_code code;
+
+	*more = true;
+	if (r->points != NULL && ++r->point < OGR_G_GetGeometryCount(r->points)) {
+		take_point(&rows->place, OGR_G_GetGeometryRef(r->points, r->point));
+		rows->row++;
+		return ECO_OK;
+	}
+	if (r->feature != NULL)
+		OGR_F_Destroy(r->feature);
+	r->points = NULL;
+	CPLErrorReset();
+	r->feature = OGR_L_GetNextFeature(r->layer);
+	if (r->feature == NULL) {
+		*more = false;
+		return CPLGetLastErrorType() >= CE_Failure ? gdal_says(r->path, ECO_DAMAGED, "it breaks off", error) : ECO_OK;
+	}
+	rows->row++;
+	rows->line++;
+	code = take_fields(r, error);
+	return code == ECO_OK ? take_geometry(r, error) : code;
+}
+
+static void close_ogr(struct eco_rows *rows)
+{
+	struct ogr_rows *r = (struct ogr_rows *)rows;
+
+	if (r->feature != NULL)
+		OGR_F_Destroy(r->feature);
+	if (r->data != NULL)
+		GDALClose(r->data);
+	CPLPopErrorHandler();
+	eco_rows_free_texts(rows);
+	free(r->wkb);
+	free(r->text);
+	free(r->path);
+	free(r);
+}
+
+/* A Shapefile is several files, of which people send one. */
+static bool lacks_part(const char *path, const char *extension)
+{
+	size_t length = strlen(path);
+	char beside[4096];
+
+	if (length < 4 || length + 1 > sizeof beside || strcasecmp(path + length - 4, ".shp") != 0)
+		return false;
+	memcpy(beside, path, length - 3);
+	strcpy(beside + length - 3, extension);
+	if (access(beside, F_OK) == 0)
+		return false;
+	for (char *c = beside + length - 3; *c != 0; c++)
+		*c = (char)toupper((unsigned char)*c);
+	return access(beside, F_OK) != 0;
+}
+
+static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
+{
+	const char *options[] = { "AUTODETECT_TYPE=NO", NULL };
+
+	quiet();
+	CPLErrorReset();
+	if (lacks_part(source->path, "shx"))
+		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is not beside it; copy all of "
+			"them (.shp, .shx, .dbf, "
+			".prj, .cpg)", r->path);
+	if (lacks_part(source->path, "dbf"))
+		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
+	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
+	if (r->data == NULL)
+		return gdal_says(r->path, ECO_BAD_INPUT, "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
+			"glTF)", error);
+	return ECO_OK;
+}
+
+enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+{
+	struct ogr_rows *r = calloc(1, sizeof *r);
+	enum eco_code code;
+
+	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct ogr_rows");
+	*rows = NULL;
+	if (r == NULL || (r->path = strdup(source->path)) == NULL) {
+		free(r);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
+	}
+	r->rows.next = next;
+	r->rows.close = close_ogr;
+	r->rows.where = "feature";
+	r->areas = source->areas;
+	code = open_data(r, source, error);
+	if (code == ECO_OK)
+		code = find_layer(r, source->layer, error);
+	if (code == ECO_OK) {
+		r->rows.has_geometry = OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(r->layer)) > 0
+			&& OGR_L_GetGeomType(r->layer) != wkbNone;
+		code = take_crs(r, error);
+	}
+	if (code == ECO_OK)
+		code = take_columns(r, source, error);
+	if (code == ECO_OK) {
+		look_at_some(r);
+		*rows = &r->rows;
+	} else {
+		close_ogr(&r->rows);
+	}
+	return code;
+}

@@ -1,0 +1,244 @@
+/* What is scattered where: areas come as rows with geometry, through the same child process, columns and filters as inventories; a
+ * raster is read as ground is, and then its heights are shares. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/ground/ground.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/scatter_parts.h"
+
+#define MASK_SIDE_MAX 8192u
+#define BYTE_FULL 255.0
+#define DISTANCE_MAX_M 1e7           /* as of inventories */
+
+static void note(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void note(void *ctx, const char *format, ...)
+{
+	struct eco_scatter_input *input = ctx;
+	va_list arguments;
+
+	va_start(arguments, format);
+	eco_rows_add_note(input->notes, &input->note_count, format, arguments);
+	va_end(arguments);
+}
+
+/* ---- Areas ---- */
+
+struct reading {
+	struct eco_scatter_input *input;
+	const struct eco_scatter_spec *spec;
+	const char *path;
+	struct eco_rows *rows;
+	struct eco_crs *crs;
+	uint32_t number_column, filter_column[ECO_FILTERS_MAX];
+	bool converted, near;        /* so far of this feature */
+};
+
+static bool convert(void *ctx, double xy[2], struct eco_error *error)
+{
+	struct reading *r = ctx;
+	double xyz[3] = { xy[0], xy[1], 0 };
+	const char *why;
+
+	if (eco_crs_convert(r->crs, xyz, &r->converted, &why, error) != ECO_OK)
+		return false;
+	xy[0] = xyz[0];
+	xy[1] = xyz[1];
+	r->near = fabs(xy[0]) <= DISTANCE_MAX_M && fabs(xy[1]) <= DISTANCE_MAX_M;
+	return r->converted && r->near;
+}
+
+static void skip(struct reading *r, enum eco_scatter_why why)
+{
+	if (r->input->skipped[why]++ == 0)
+		r->input->first_line[why] = r->rows->line;
+}
+
+static bool passes(const struct reading *r)
+{
+	for (uint32_t i = 0; i < r->spec->filter_count; i++)
+		if (!eco_filter_passes(&r->spec->filters[i], r->rows->fields[r->filter_column[i]], '.'))
+			return false;
+	return true;
+}
+
+/* Keeps the number of the area that was added last. */
+static enum eco_code keep_number(struct reading *r, double number, struct eco_error *error)
+{
+	const struct eco_areas *areas = &r->input->areas;
+	double *grown = realloc(r->input->number, areas->capacity * sizeof *grown);
+
+	if (grown == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+	r->input->number = grown;
+	grown[areas->count - 1] = number;
+	return ECO_OK;
+}
+
+static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool surfaces, struct eco_error *error)
+{
+	const struct eco_rows_place *place = &r->rows->place;
+	double number = 0;
+	bool kept;
+	enum eco_code code;
+
+	r->input->features += surfaces;
+	if (surfaces && !passes(r))
+		return skip(r, ECO_AREA_FILTERED), ECO_OK;
+	if (place->kind != ECO_PLACE_AREA)
+		return surfaces ? skip(r, ECO_AREA_NO_GEOMETRY) : (void)0, ECO_OK;
+	if (r->number_column != ECO_NONE && (!eco_text_number(r->rows->fields[r->number_column], '.', &number) || !(number >= 0)))
+		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
+	r->converted = r->near = true;
+	code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
+	if (code != ECO_OK)
+		return code;
+	if (!kept)
+		return surfaces ? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY : ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
+	if (surfaces && areas->items[areas->count - 1].ring_edges == 0) {
+		areas->edge_count = areas->items[--areas->count].edge_first;
+		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
+	}
+	return surfaces && r->number_column != ECO_NONE ? keep_number(r, number, error) : ECO_OK;
+}
+
+static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool surfaces, struct eco_error *error)
+{
+	const struct eco_scatter_spec *s = r->spec;
+	enum eco_code code = ECO_OK;
+	bool more = true;
+
+	r->number_column = ECO_NONE;
+	if (surfaces)
+		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column : s->count_column, &r->number_column, error);
+	for (uint32_t i = 0; surfaces && i < s->filter_count && code == ECO_OK; i++)
+		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i], error);
+	while (code == ECO_OK && more) {
+		code = r->rows->next(r->rows, &more, error);
+		if (code == ECO_OK && more)
+			code = take_row(r, areas, surfaces, error);
+	}
+	for (uint32_t i = 0; i < r->rows->note_count; i++)
+		note(r->input, "%s", r->rows->notes[i]);
+	return code;
+}
+
+static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_areas *areas, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, struct eco_error *error)
+{
+	bool surfaces = areas == &input->areas;
+	struct reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path : spec->clear_of };
+	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer, .areas = true };
+	enum eco_code code = eco_rows_open(&r.rows, &source, error);
+
+	if (code == ECO_OK)
+		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces ? spec->crs : spec->clear_crs,
+			.of_file = r.rows->crs, .local = r.rows->local, .frame = frame, .note = note, .ctx = input }, error);
+	if (code == ECO_OK && r.rows->degrees_doubted && (surfaces ? spec->crs : spec->clear_crs) == NULL)
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format says; add \"%s\": \"EPSG:...\", the CRS "
+			"that they are in", r.path, surfaces ? "crs" : "clear_crs");
+	if (code == ECO_OK)
+		code = read_rows(&r, areas, surfaces, error);
+	if (code == ECO_OK)
+		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
+	eco_crs_close(r.crs);
+	eco_rows_close(r.rows);
+	return code;
+}
+
+/* ---- A mask ---- */
+
+static void mask_note(void *ctx, const char *text)
+{
+	note(ctx, "%s", text);
+}
+
+/* No data is no plants. Bytes are shares of 255, as programs that paint masks write them. */
+static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground *raster, const struct eco_scatter_spec *spec,
+	struct eco_scatter_input *input, struct eco_error *error)
+{
+	size_t count = (size_t)raster->columns * raster->rows;
+	double most = 0, full = spec->full;
+
+	for (size_t i = 0; i < count; i++)
+		most = fmax(most, raster->height_m[i]);
+	if (full == 0 && most > BYTE_FULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the value that means the whole "
+			"density", spec->path, most,
+			most);
+	if (full == 0 && most > 1)
+		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states another", most);
+	if (full == 0)
+		full = most > 1 ? BYTE_FULL : 1;
+	mask->share = malloc(count * sizeof *mask->share);
+	if (mask->share == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", spec->path);
+	for (uint32_t row = 0; row < raster->rows; row++)
+		for (uint32_t column = 0; column < raster->columns; column++) {
+			double share = raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns + column] / full;
+
+			mask->share[(size_t)row * raster->columns + column] = (float)(share > 0 ? share < 1 ? share : 1 : 0);
+		}
+	return ECO_OK;
+}
+
+static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
+	struct eco_error *error)
+{
+	char *paths[] = { spec->path };
+	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs,
+		/* what stands out is not a hole here, and what the file calls no data is */
+		.nodata = -1e30, .has_nodata = true };
+	struct eco_ground raster = { .columns = 0 };
+	struct eco_mask *mask = &input->mask;
+	enum eco_code code;
+
+	code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
+		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note,
+		.ctx = input }, error);
+	if (code != ECO_OK)
+		return code;
+	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows, .west_m = raster.x_m - raster.step_x_m / 2,
+		.north_m = raster.y_m + (raster.rows - 0.5) * raster.step_y_m, .step_x_m = raster.step_x_m, .step_y_m = raster.step_y_m };
+	code = make_shares(mask, &raster, spec, input, error);
+	eco_ground_free(&raster);
+	return code;
+}
+
+/* ---- Both ---- */
+
+/* What it is only its readers know, each in a child of its own: a table with areas, else a raster. Where it is neither, the first says
+ * what is wrong with it. */
+enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
+	struct eco_error *error)
+{
+	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
+	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
+	bool columns = spec->density_column != NULL || spec->count_column != NULL || spec->filter_count > 0 || spec->layer != NULL;
+
+	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
+		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
+			code = ECO_OK;
+		else if (strstr(no_mask.text, "not a raster") == NULL)
+			no_areas = no_mask;
+	}
+	if (code != ECO_OK)
+		return eco_fail(error, no_areas.code, "%s", no_areas.text);
+	return spec->clear_of != NULL ? read_areas(input, &input->clear, spec, frame, error) : ECO_OK;
+}
+
+void eco_scatter_input_free(struct eco_scatter_input *input)
+{
+	eco_areas_free(&input->areas);
+	eco_areas_free(&input->clear);
+	free(input->number);
+	free(input->mask.share);
+	for (uint32_t i = 0; i < input->note_count; i++)
+		free(input->notes[i]);
+}

@@ -1,0 +1,610 @@
+/* From rows of texts to plants in the scene: what a row is (filters, species), where it stands (columns or geometry, through
+ * positions_crs.c), how large it is (positions_size.c). Each step counts what it leaves out, with the first line of each reason.
+ * Formats are behind rows.h. */
+#include "ecofiles/import/places/positions.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/base/mix.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/positions_parts.h"
+
+#define DISTANCE_MAX_M 1e7
+#define HEIGHT_MIN_M 0.01
+#define HEIGHT_MAX_M 300.0
+#define HEIGHT_PLAUSIBLE_M 150.0
+#define CROWN_MAX_M 100.0
+#define CROWN_PLAUSIBLE_M 60.0
+#define SCALE_MIN 0.001
+#define SCALE_MAX 1000.0
+#define FAR_M 100000.0
+#define ROW_NAME 280
+
+/* ---- What is said ---- */
+
+/* A note of the reader itself, kept once. */
+__attribute__((format(printf, 2, 3))) static void add_note(void *reader, const char *format, ...)
+{
+	struct eco_positions *p = reader;
+	va_list arguments;
+
+	va_start(arguments, format);
+	eco_rows_add_note(p->notes, &p->note_count, format, arguments);
+	va_end(arguments);
+}
+
+/* Counts into one of `skipped` or `filtered`, with the first line and text. */
+static void count_in(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
+{
+	if (counter->count++ > 0)
+		return;
+	counter->first_line = p->rows->line;
+	snprintf(counter->first_text, sizeof counter->first_text, "%.47s", text);
+	for (char *c = counter->first_text; *c != 0; c++)
+		if (iscntrl((unsigned char)*c))
+			*c = ' ';
+}
+
+static void count(struct eco_positions *p, enum eco_skip why, const char *text)
+{
+	count_in(p, &p->skipped[why], text);
+}
+
+/* ---- Fields ---- */
+
+/* Without the spaces in front of it. */
+static const char *field(const struct eco_positions *p, uint32_t column)
+{
+	const char *text = p->rows->fields[column];
+
+	while (isspace((unsigned char)*text))
+		text++;
+	return text;
+}
+
+/* Of a text without the spaces at its ends, short enough for a message. */
+static const char *shown(const char *text, char *buffer, size_t size)
+{
+	size_t length = strlen(text);
+
+	while (length > 0 && isspace((unsigned char)text[length - 1]))
+		length--;
+	snprintf(buffer, size, "%.*s", (int)(length < size ? length : size - 1), text);
+	return buffer;
+}
+
+static char decimal_of(const struct eco_positions *p)
+{
+	return p->spec->decimal != 0 ? p->spec->decimal : '.';
+}
+
+/* ---- Filters ---- */
+
+static bool passes_filters(struct eco_positions *p)
+{
+	char text[64];
+
+	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
+		const char *value = field(p, p->filter_column[i]);
+
+		if (eco_filter_passes(&p->spec->filters[i], value, decimal_of(p)))
+			continue;
+		count_in(p, &p->filtered[i], shown(value, text, sizeof text));
+		count(p, ECO_SKIP_FILTERED, text);
+		return false;
+	}
+	return true;
+}
+
+/* ---- Species ---- */
+
+static bool read_plant(struct eco_positions *p, struct eco_position *record)
+{
+	const struct eco_species *species = &p->spec->fallback;
+	char text[256] = "";
+
+	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
+		uint32_t key;
+
+		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof text);
+		key = eco_species_find(p->species, text, p->rows->line);
+		if (key < p->spec->map_count)
+			species = &p->spec->map[key];
+	}
+	record->plant = record->variant_first = species->plant;
+	record->variant_count = species->variant_count;
+	if (species->plant == ECO_NONE)
+		count(p, species->name != NULL ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
+	return species->plant != ECO_NONE;
+}
+
+/* ---- Places ---- */
+
+enum verdict { GOOD, SKIPPED, FAILED };
+
+/* The row being read, as errors name it: FILE:LINE, or FILE, feature NUMBER where a file has no lines that anyone would count. */
+static const char *row_name(const struct eco_positions *p, char *text, size_t size)
+{
+	unsigned long long number = p->rows->line;
+
+	if (strcmp(p->rows->where, "line") == 0)
+		snprintf(text, size, "%.200s:%llu", p->spec->path, number);
+	else
+		snprintf(text, size, "%.200s, %s %llu", p->spec->path, p->rows->where, number);
+	return text;
+}
+
+/* Before any good row a text tells what the whole file is like: with the other decimal sign, or in minutes and seconds. */
+static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
+{
+	double number;
+	char row[ROW_NAME];
+
+	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry",
+			row_name(p, row, sizeof row), text);
+		return FAILED;
+	}
+	if (strstr(text, "\u00b0") != NULL && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
+			row_name(p, row, sizeof row), text);
+		return FAILED;
+	}
+	return GOOD;
+}
+
+static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number, struct eco_error *error)
+{
+	const char *text = field(p, column);
+	char buffer[48];
+
+	if (eco_text_number(text, decimal_of(p), number))
+		return GOOD;
+	shown(text, buffer, sizeof buffer);
+	if (eco_text_is_missing(text)) {
+		count(p, ECO_SKIP_NO_COORDINATES, buffer);
+		return SKIPPED;
+	}
+	if (p->good_places == 0 && refuse_notation(p, buffer, error) == FAILED)
+		return FAILED;
+	count(p, ECO_SKIP_BAD_NUMBER, buffer);
+	return SKIPPED;
+}
+
+static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	enum verdict verdict = GOOD;
+
+	for (int k = 0; k < 3 && verdict == GOOD; k++)
+		if (p->column[k] != ECO_NONE)
+			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
+	return verdict;
+}
+
+static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const struct eco_rows_place *place = &p->rows->place;
+
+	if (place->kind == ECO_PLACE_EMPTY || place->kind == ECO_PLACE_NONE)
+		count(p, ECO_SKIP_NO_GEOMETRY, place->what);
+	else if (place->kind == ECO_PLACE_OTHER)
+		count(p, ECO_SKIP_NOT_A_POINT, place->what);
+	if (place->kind != ECO_PLACE_POINT)
+		return SKIPPED;
+	memcpy(xyz, place->at, sizeof place->at);
+	if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2]))) {
+		count(p, ECO_SKIP_BAD_NUMBER, "not finite");
+		return SKIPPED;
+	}
+	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2], error) : GOOD;
+}
+
+static bool sounds_like_degrees(const char *x, const char *y)
+{
+	static const char *const longitudes[] = { "lon", "lon*", "lng", "*longitude*", "*_lon", "*länge*", "lng*", "*_lng" };
+	static const char *const latitudes[] = { "lat", "*latitude*", "*_lat", "lat_*", "*breite*", "lati*" };
+	char fx[64], fy[64];
+	bool is_x = false, is_y = false;
+
+	eco_text_fold(x, fx, sizeof fx);
+	eco_text_fold(y, fy, sizeof fy);
+	for (size_t i = 0; i < sizeof longitudes / sizeof *longitudes; i++)
+		is_x |= eco_text_fits(fx, longitudes[i]) && strstr(fx, "_m") == NULL;
+	for (size_t i = 0; i < sizeof latitudes / sizeof *latitudes; i++)
+		is_y |= eco_text_fits(fy, latitudes[i]) && strstr(fy, "_m") == NULL;
+	return is_x && is_y;
+}
+
+/* A scene in plain metres that is fed with degrees would become a heap of a few millimetres. */
+static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3], struct eco_error *error)
+{
+	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
+
+	if (p->frame.crs != NULL || p->spec->crs != NULL || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
+		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
+		return GOOD;
+	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in plain metres; add \"crs\": \"EPSG:4326\" to its "
+		"entry, and \"crs\": \"EPSG:%d\" (the UTM zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x, p->spec->y,
+		(xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
+	return FAILED;
+}
+
+static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const double was[3] = { xyz[0], xyz[1], xyz[2] };
+	const char *why;
+	bool converted;
+	char text[80];
+
+	if (p->good_places == 0 && refuse_degrees(p, xyz, error) == FAILED)
+		return FAILED;
+	if (p->frame.crs != NULL && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local) {
+		count(p, ECO_SKIP_NO_COORDINATES, "0, 0");
+		return SKIPPED;
+	}
+	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
+		return FAILED;
+	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
+	if (!converted) {
+		count(p, ECO_SKIP_NO_CONVERSION, text);
+		return SKIPPED;
+	}
+	for (int k = 0; k < 3; k++)
+		if (!(fabs(xyz[k]) <= DISTANCE_MAX_M)) {
+			count(p, ECO_SKIP_OUTSIDE, text);
+			return SKIPPED;
+		}
+	p->nearest_m = fmin(p->nearest_m, hypot(xyz[0], xyz[1]));
+	if (p->good_places == 0)
+		memcpy(p->first, was, sizeof was);
+	return GOOD;
+}
+
+/* Swapped columns, degrees taken for metres and the wrong zone give coordinates that are valid, and far from everything. */
+static void note_far(struct eco_positions *p)
+{
+	double swapped[3] = { p->first[1], p->first[0], p->first[2] };
+	struct eco_error error = { .code = ECO_OK };
+	const char *why;
+	bool converted;
+
+	if (p->good_places == 0 || p->nearest_m <= FAR_M)
+		return;
+	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
+		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their "
+			"coordinates swapped: x is easting "
+			"or longitude, y is northing or latitude", p->nearest_m / 1000);
+	else
+		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
+			p->nearest_m / 1000);
+}
+
+/* At the place of an earlier plant? */
+static enum verdict find_duplicate(struct eco_positions *p, const double at[3], struct eco_error *error)
+{
+	char text[80];
+	bool known;
+
+	if (!eco_place_set_add(p->places, at, &known)) {
+		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants", p->spec->path, (unsigned long long)p->plants);
+		return FAILED;
+	}
+	if (!known)
+		return GOOD;
+	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
+	count(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE, text);
+	return p->spec->skip_duplicates ? SKIPPED : GOOD;
+}
+
+static enum verdict read_place(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+{
+	double xyz[3] = { 0, 0, 0 };
+	enum verdict verdict = p->from_geometry ? read_geometry(p, xyz, error) : read_columns(p, xyz, error);
+
+	record->absolute = p->use_z;
+	if (!p->use_z)
+		xyz[2] = 0;
+	if (verdict == GOOD)
+		verdict = convert(p, xyz, error);
+	if (verdict == GOOD)
+		verdict = find_duplicate(p, xyz, error);
+	if (verdict != GOOD)
+		return verdict;
+	p->good_places++;
+	memcpy(record->at, xyz, sizeof xyz);
+	for (int k = 0; k < 2; k++) {
+		p->low[k] = fmin(p->low[k], xyz[k]);
+		p->high[k] = fmax(p->high[k], xyz[k]);
+	}
+	return GOOD;
+}
+
+/* ---- Sizes ---- */
+
+static void remark(struct eco_positions *p, const struct eco_size_remarks *remarks, const char *text)
+{
+	char buffer[48];
+
+	shown(text, buffer, sizeof buffer);
+	if (remarks->range)
+		count(p, ECO_KEPT_RANGE, buffer);
+	if (remarks->open)
+		count(p, ECO_KEPT_OPEN, buffer);
+	if (remarks->other_unit)
+		count(p, ECO_KEPT_OTHER_UNIT, buffer);
+	if (remarks->unread)
+		count(p, ECO_KEPT_UNREAD, buffer);
+	if (remarks->implausible)
+		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
+}
+
+/* A size with a decimal comma, before there was any size: all of them would get lost. */
+static bool refuse_size(const struct eco_positions *p, const char *text, struct eco_error *error)
+{
+	double number, unit_m;
+	char buffer[48], row[ROW_NAME];
+
+	if (p->sized || p->spec->decimal != 0 || strchr(text, ',') == NULL || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
+		|| eco_text_size(text, ',', &number, &unit_m) == ECO_FORM_NONE)
+		return false;
+	eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
+		row_name(p, row, sizeof row), shown(text, buffer, sizeof buffer));
+	return true;
+}
+
+static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error)
+{
+	if (p->column[ECO_COLUMN_CROWN] != ECO_NONE && refuse_size(p, field(p, p->column[ECO_COLUMN_CROWN]), error))
+		return FAILED;
+	for (uint32_t i = 0; i < p->spec->height_count; i++)
+		if (p->height_column[i] != ECO_NONE && refuse_size(p, field(p, p->height_column[i]), error))
+			return FAILED;
+	return GOOD;
+}
+
+static double read_crown(struct eco_positions *p)
+{
+	struct eco_size_remarks remarks = { .range = false };
+	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? field(p, p->column[ECO_COLUMN_CROWN]) : "";
+	double radius = p->spec->crown.kind == ECO_SIZE_NONE ? NAN
+		: eco_size_read(&p->spec->crown, text, decimal_of(p), ECO_NONE, HEIGHT_MIN_M, CROWN_MAX_M, &remarks);
+
+	remarks.implausible |= radius > CROWN_PLAUSIBLE_M;
+	remark(p, &remarks, text);
+	p->sized |= !isnan(radius);
+	return radius;
+}
+
+static double read_height(struct eco_positions *p, uint32_t plant, double crown_radius_m)
+{
+	const struct eco_positions_spec *s = p->spec;
+	char buffer[48];
+
+	for (uint32_t i = 0; i < s->height_count; i++) {
+		struct eco_size_remarks remarks = { .range = false };
+		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
+		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M, HEIGHT_MAX_M, &remarks);
+
+		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
+		remark(p, &remarks, text);
+		if (isnan(height))
+			continue;
+		p->sized = true;
+		return height;
+	}
+	if (s->height_count > 0)
+		count(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
+			p->height_column[0] != ECO_NONE ? shown(field(p, p->height_column[0]), buffer, sizeof buffer) : "");
+	return NAN;
+}
+
+static double read_yaw(struct eco_positions *p)
+{
+	double yaw;
+
+	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]), decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
+		return yaw;
+	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
+		return p->rows->place.yaw_deg;
+	return eco_mix_turn(p->spec->seed, p->rows->row) * (360.0 / 65536);
+}
+
+static double read_scale(struct eco_positions *p)
+{
+	double scale = p->from_geometry ? p->rows->place.scale : NAN;
+
+	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]), decimal_of(p), &scale))
+		return 1;
+	return scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
+}
+
+/* ---- Records ---- */
+
+static enum verdict read_row(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+{
+	enum verdict verdict;
+
+	if (p->rows->field_count < p->fields_needed) {
+		count(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
+		return SKIPPED;
+	}
+	if (!passes_filters(p) || !read_plant(p, record))
+		return SKIPPED;
+	verdict = read_place(p, record, error);
+	if (verdict == GOOD)
+		verdict = check_sizes(p, error);
+	if (verdict != GOOD)
+		return verdict;
+	record->crown_radius_m = read_crown(p);
+	record->height_m = read_height(p, record->plant, record->crown_radius_m);
+	record->yaw_deg = read_yaw(p);
+	record->scale = read_scale(p);
+	record->row = p->rows->row;
+	record->line = p->rows->line;
+	p->plants++;
+	return GOOD;
+}
+
+/* The next usable row, its plant the first of its variants. */
+static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+{
+	while (!p->ended) {
+		bool more = false;
+		enum eco_code code = p->rows->next(p->rows, &more, error);
+		enum verdict verdict;
+
+		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
+		if (code != ECO_OK)
+			return code;
+		if (!more) {
+			p->ended = true;
+			note_far(p);
+			break;
+		}
+		verdict = read_row(p, record, error);
+		if (verdict == FAILED)
+			return error != NULL ? error->code : ECO_BAD_INPUT;
+		if (verdict == GOOD)
+			return ECO_OK;
+	}
+	*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
+	return ECO_OK;
+}
+
+static enum eco_code start_places(struct eco_positions *p, struct eco_error *error)
+{
+	eco_place_set_close(p->places);
+	p->places = eco_place_set_open();
+	p->low[0] = p->low[1] = INFINITY;
+	p->high[0] = p->high[1] = -INFINITY;
+	p->plants = p->good_places = 0;
+	p->nearest_m = INFINITY;
+	p->ended = false;
+	return p->places != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+}
+
+/* ---- Levels ---- */
+
+static bool wants_levels(const struct eco_positions *p)
+{
+	return p->spec->levels > 0 && p->levels == NULL;
+}
+
+static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)
+{
+	struct eco_position record;
+	enum eco_code code;
+
+	p->levels = eco_levels_open();
+	if (p->levels == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", p->spec->path);
+	do {
+		code = read_record(p, &record, error);
+		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
+			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path, error);
+	} while (code == ECO_OK && record.plant != ECO_NONE);
+	if (code != ECO_OK)
+		return code;
+	eco_levels_make(p->levels, p->spec->levels);
+	memset(p->skipped, 0, sizeof p->skipped);
+	memset(p->filtered, 0, sizeof p->filtered);
+	eco_species_reset(p->species);
+	code = start_places(p, error);
+	return code == ECO_OK ? eco_positions_open_rows(p, error) : code;
+}
+
+/* ---- The reader ---- */
+
+static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
+{
+	const struct eco_rows *rows = p->rows;
+	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs, .vertical = p->spec->vertical,
+		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs : NULL,
+		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
+		.note = add_note, .ctx = p };
+
+	if (p->from_geometry && rows->degrees_doubted && p->spec->crs == NULL)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this format means unless it says otherwise; add "
+			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path, p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
+	return eco_crs_open(&p->crs, &request, error);
+}
+
+enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
+	const struct eco_frame *frame, struct eco_error *error)
+{
+	struct eco_positions *p = calloc(1, sizeof *p);
+	enum eco_code code;
+
+	*reader = NULL;
+	if (p == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	p->spec = spec;
+	p->frame = *frame;
+	p->species = eco_species_open(spec);
+	code = start_places(p, error);
+	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	if (code == ECO_OK)
+		code = eco_positions_open_rows(p, error);
+	if (code == ECO_OK)
+		code = open_crs(p, error);
+	if (code == ECO_OK)
+		*reader = p;
+	else
+		eco_positions_close(p);
+	return code;
+}
+
+enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record, struct eco_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	enum eco_code code;
+
+	if (error == NULL)
+		error = &own;
+	code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
+	if (code == ECO_OK)
+		code = read_record(reader, record, error);
+	if (code != ECO_OK || record->plant == ECO_NONE)
+		return code;
+	if (reader->levels != NULL && !isnan(record->height_m))
+		record->height_m = eco_levels_height(reader->levels, record->plant, record->height_m);
+	record->plant += eco_mix_variant(reader->spec->seed, record->row, record->variant_count);
+	return ECO_OK;
+}
+
+const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows)
+{
+	if (rows != NULL)
+		*rows = reader->rows != NULL ? reader->rows->row : 0;
+	return reader->skipped;
+}
+
+void eco_positions_counted(const struct eco_positions *reader, struct eco_positions_counts *counts)
+{
+	*counts = (struct eco_positions_counts){ .plants = reader->plants, .skipped = reader->skipped, .filters = reader->filtered,
+		.low = { reader->low[0], reader->low[1] }, .high = { reader->high[0], reader->high[1] },
+		.where = reader->rows != NULL ? reader->rows->where : "line", .rows = reader->rows != NULL ? reader->rows->row : 0 };
+	eco_species_counted(reader->species, counts);
+}
+
+void eco_positions_close(struct eco_positions *reader)
+{
+	if (reader == NULL)
+		return;
+	eco_rows_close(reader->rows);
+	eco_crs_close(reader->crs);
+	eco_species_close(reader->species);
+	eco_place_set_close(reader->places);
+	eco_levels_close(reader->levels);
+	for (uint32_t i = 0; i < reader->note_count; i++)
+		free(reader->notes[i]);
+	free(reader);
+}

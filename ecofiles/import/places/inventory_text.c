@@ -1,0 +1,341 @@
+/* Small readers of texts in tables. No locale decides anything, so that a table means the same on every machine. */
+#include "ecofiles/import/places/inventory_text.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define NUMBER_BYTES 64u
+
+/* Bytes of the space that text begins with, 0 if none: ASCII, no-break (U+00A0), and thin spaces (U+2000 to U+200A, U+202F). */
+static size_t space_bytes(const char *text)
+{
+	const unsigned char *t = (const unsigned char *)text;
+
+	if (t[0] == ' ' || (t[0] >= '\t' && t[0] <= '\r'))
+		return 1;
+	if (t[0] == 0xc2 && t[1] == 0xa0)
+		return 2;
+	if (t[0] == 0xe2 && t[1] == 0x80 && ((t[2] >= 0x80 && t[2] <= 0x8a) || t[2] == 0xaf))
+		return 3;
+	return 0;
+}
+
+static const char *skip_spaces(const char *text)
+{
+	size_t bytes;
+
+	while ((bytes = space_bytes(text)) > 0)
+		text += bytes;
+	return text;
+}
+
+bool eco_text_is_missing(const char *text)
+{
+	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none", "-", "--", "?", ".", "(null)", "<null>",
+		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido", "desconhecido" };
+	char folded[16];
+
+	if (eco_text_fold(text, folded, sizeof folded) + 1 == sizeof folded)
+		return false;
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (strcmp(words[i], folded) == 0)
+			return true;
+	return false;
+}
+
+/* ---- Comparing ---- */
+
+/* The small letter of a code point of two UTF-8 bytes: blocks whose capitals lie at a fixed distance, or at even numbers. */
+static unsigned small_letter(unsigned c)
+{
+	if ((c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
+		return c + 0x20;
+	if (c >= 0x400 && c <= 0x40f)
+		return c + 0x50;
+	if ((c >= 0x100 && c <= 0x137 && c != 0x130) || (c >= 0x14a && c <= 0x177))
+		return c | 1;
+	if ((c >= 0x139 && c <= 0x148) || (c >= 0x179 && c <= 0x17e))
+		return c + (c & 1);
+	return c == 0x178 ? 0xff : c;
+}
+
+size_t eco_text_fold(const char *text, char *folded, size_t size)
+{
+	size_t used = 0;
+	bool gap = false;
+
+	for (text = skip_spaces(text); *text != 0 && used + 1 < size;) {
+		size_t space = space_bytes(text);
+		unsigned char c = (unsigned char)*text, next = (unsigned char)text[1];
+
+		if (space > 0) {
+			gap = true;
+			text += space;
+			continue;
+		}
+		if (gap && used + 2 < size)
+			folded[used++] = ' ';
+		gap = false;
+		if (c >= 0xc3 && c <= 0xdf && (next & 0xc0) == 0x80) {
+			unsigned letter = small_letter((c & 0x1fu) << 6 | (next & 0x3fu));
+
+			if (used + 2 >= size)
+				break;
+			folded[used++] = (char)(0xc0 | letter >> 6);
+			folded[used++] = (char)(0x80 | (letter & 0x3f));
+			text += 2;
+			continue;
+		}
+		folded[used++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
+		text++;
+	}
+	folded[used] = 0;
+	return used;
+}
+
+bool eco_text_fits(const char *text, const char *pattern)
+{
+	const char *star = NULL, *from = NULL;
+
+	while (*text != 0) {
+		if (*pattern == '*') {
+			star = pattern++;
+			from = text;
+		} else if (*pattern == *text) {
+			pattern++;
+			text++;
+		} else if (star != NULL) {
+			pattern = star + 1;
+			text = ++from;
+		} else {
+			return false;
+		}
+	}
+	while (*pattern == '*')
+		pattern++;
+	return *pattern == 0;
+}
+
+/* ---- Numbers ---- */
+
+/* Copies a number that text begins with, with '.' as its decimal sign and without group signs; returns the bytes it took, 0 if it is
+ * none. Groups are three digits wide, and have the sign that is not the decimal one (or a space); that sign alone, once, is ambiguous. */
+static size_t plain_number(const char *text, char decimal, char *plain)
+{
+	char group = decimal == ',' ? '.' : ',';
+	size_t at = 0, used = 0, digits = 0, groups = 0, in_group = 0;
+	bool fraction = false, lone = false;
+
+	if (text[at] == '+' || text[at] == '-')
+		plain[used++] = text[at++];
+	for (; used + 1 < NUMBER_BYTES; at++) {
+		char c = text[at];
+
+		if (c >= '0' && c <= '9') {
+			plain[used++] = c;
+			digits++;
+			in_group++;
+		} else if (c == decimal && !fraction && text[at + 1] != c) {
+			if (groups > 0 && in_group != 3)
+				return 0;
+			plain[used++] = '.';
+			fraction = true;
+		} else if (c == group && !fraction && digits > 0 && text[at + 1] >= '0' && text[at + 1] <= '9') {
+			if (in_group > 3 || (groups > 0 && in_group != 3))
+				break;
+			groups++;
+			in_group = 0;
+		} else {
+			break;
+		}
+	}
+	if (groups == 1 && !fraction)
+		lone = true;
+	if (digits == 0 || (lone && group == ',') || (!fraction && groups > 1 && in_group != 3))
+		return 0;
+	if (lone) {                          /* a decimal point though commas are told */
+		plain[used] = 0;
+		memmove(plain + used - in_group + 1, plain + used - in_group, in_group + 1);
+		plain[used - in_group] = '.';
+		used++;
+	}
+	if ((text[at] == 'e' || text[at] == 'E') && used + 8 < NUMBER_BYTES) {
+		size_t sign = text[at + 1] == '+' || text[at + 1] == '-', n = strspn(text + at + 1 + sign, "0123456789");
+
+		if (n > 0 && n < 4) {
+			memcpy(plain + used, text + at, 1 + sign + n);
+			used += 1 + sign + n;
+			at += 1 + sign + n;
+		}
+	}
+	plain[used] = 0;
+	return at;
+}
+
+/* Also with a lone sign of the other kind that cannot be a group: decimal ',' and "565123.45". */
+static size_t number_at(const char *text, char decimal, double *number)
+{
+	char plain[NUMBER_BYTES + 8];
+	size_t bytes = plain_number(text, decimal == ',' ? ',' : '.', plain);
+
+	if (decimal == ',' && (bytes == 0 || text[bytes] == '.'))
+		bytes = plain_number(text, '.', plain);
+	if (bytes == 0)
+		return 0;
+	*number = strtod(plain, NULL);
+	return isfinite(*number) ? bytes : 0;
+}
+
+bool eco_text_number(const char *text, char decimal, double *number)
+{
+	size_t bytes;
+
+	text = skip_spaces(text);
+	bytes = number_at(text, decimal, number);
+	return bytes > 0 && *skip_spaces(text + bytes) == 0;
+}
+
+/* ---- Sizes ---- */
+
+struct word { const char *text; double metres; };
+
+static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 }, { "metres", 1 }, { "meter", 1 }, { "metre", 1 },
+	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m.", 1 }, { "m", 1 },
+	{ "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 }, { "pies", 0.3048 },
+	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 }, { "\"", 0.0254 }, { "\u2033", 0.0254 },
+	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
+
+static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.", "environ", "etwa", "c.",
+	"~", "\u2248", "between", "zwischen",
+	"entre", "from", "von", "de", "(", "[" };
+static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
+static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least", "plus de", "mehr als", "über", "ab", ">=", ">",
+	"\u2265" };
+static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als",
+	"unter", "bis", "tot", "<=", "<",
+	"\u2264" };
+static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus", "und mehr" };
+
+static const char *const closing_words[] = { ")", "]" };
+
+/* Takes one of the words off *text, letters only where the word ends. */
+static bool take(const char **text, const char *const *words, size_t count)
+{
+	const char *at = skip_spaces(*text);
+
+	for (size_t i = 0; i < count; i++) {
+		size_t length = strlen(words[i]);
+		char last = words[i][length - 1], next;
+
+		if (strncmp(at, words[i], length) != 0)
+			continue;
+		next = at[length];
+		if (last >= 'a' && last <= 'z' && next >= 'a' && next <= 'z')
+			continue;
+		*text = at + length;
+		return true;
+	}
+	return false;
+}
+#define TAKE(text, words) take(text, words, sizeof(words) / sizeof *(words))
+
+static double take_unit(const char **text)
+{
+	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+		if (take(text, &units[i].text, 1))
+			return units[i].metres;
+	return 0;
+}
+
+static bool take_number(const char **text, char decimal, double *number)
+{
+	const char *at = skip_spaces(*text);
+	size_t bytes = *at == '-' || *at == '+' ? 0 : number_at(at, decimal, number);
+
+	*text = at + bytes;
+	return bytes > 0;
+}
+
+/* "5 ft 6 in", "5'6\"": the second number is a part of the first; in units of the first. */
+static void take_inches(const char **text, char decimal, double unit_m, double *number)
+{
+	const char *at = *text;
+	double inches;
+
+	if (unit_m == 0.3048 && take_number(&at, decimal, &inches) && inches < 12 && take_unit(&at) == 0.0254) {
+		*number += inches / 12;
+		*text = at;
+	}
+}
+
+static bool take_measure(const char **text, char decimal, double *number, double *unit_m)
+{
+	double unit;
+
+	if (!take_number(text, decimal, number))
+		return false;
+	unit = take_unit(text);
+	take_inches(text, decimal, unit, number);
+	if (unit != 0 && *unit_m != 0 && unit != *unit_m)
+		return false;
+	if (unit != 0)
+		*unit_m = unit;
+	return true;
+}
+
+static enum eco_size_form size_at(const char *at, char decimal, double *number, double *unit_m)
+{
+	enum eco_size_form form = ECO_FORM_EXACT;
+	double high;
+
+	*unit_m = 0;
+	TAKE(&at, about_words);
+	if (TAKE(&at, above_words))
+		form = ECO_FORM_OPEN;
+	else if (TAKE(&at, below_words))
+		form = ECO_FORM_RANGE;
+	if (!take_measure(&at, decimal, number, unit_m))
+		return ECO_FORM_NONE;
+	if (form == ECO_FORM_RANGE) {
+		*number /= 2;
+	} else if (form == ECO_FORM_EXACT && TAKE(&at, more_words)) {
+		form = ECO_FORM_OPEN;
+	} else if (form == ECO_FORM_EXACT && TAKE(&at, to_words)) {
+		if (!take_measure(&at, decimal, &high, unit_m) || high < *number)
+			return ECO_FORM_NONE;
+		*number = (*number + high) / 2;
+		form = ECO_FORM_RANGE;
+	}
+	TAKE(&at, closing_words);
+	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
+}
+
+/* Behind the name of a class, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL where there is none. */
+static const char *behind_class(const char *folded)
+{
+	size_t sign = strspn(folded, "abcdefghijklmnopqrstuvwxyz");
+	const char *bracket = strchr(folded, '(');
+
+	if (sign == 0)
+		sign = strspn(folded, "0123456789");
+	if (sign > 0 && sign <= 2 && folded[sign] != 0 && strchr(".:)", folded[sign]) != NULL && folded[sign + 1] == ' ')
+		return folded + sign + 2;
+	return bracket != NULL && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
+}
+
+enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
+{
+	char folded[80];
+	const char *behind;
+	enum eco_size_form form;
+
+	*unit_m = 0;
+	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
+		return ECO_FORM_NONE;
+	form = size_at(folded, decimal, number, unit_m);
+	behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
+	return behind != NULL ? size_at(behind, decimal, number, unit_m) : form;
+}

@@ -1,0 +1,176 @@
+/* What is said about an inventory after it was read: what was guessed, then one table, so that a forester can see at a glance which rows
+ * are in the scene and why the others are not. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/positions_parts.h"
+
+#define LINE_BYTES 480u
+#define KEYS_NAMED 6u
+#define HEAP_M 1.0
+
+const char *const eco_skip_names[ECO_SKIP_COUNT] = {
+	[ECO_SKIP_NO_COORDINATES] = "no coordinates",
+	[ECO_SKIP_BAD_NUMBER] = "a coordinate that is not a number",
+	[ECO_SKIP_NO_GEOMETRY] = "no geometry",
+	[ECO_SKIP_NOT_A_POINT] = "not a point",
+	[ECO_SKIP_NO_CONVERSION] = "not convertible to the scene's CRS",
+	[ECO_SKIP_OUTSIDE] = "too far from the origin",
+	[ECO_SKIP_UNKNOWN_SPECIES] = "a species that the map does not have",
+	[ECO_SKIP_LEFT_OUT] = "left out by the map",
+	[ECO_SKIP_FILTERED] = "left out by \"only\" or \"skip\"",
+	[ECO_SKIP_DUPLICATE] = "at the place of an earlier plant",
+	[ECO_SKIP_SHORT_ROW] = "too few fields",
+	[ECO_KEPT_NO_HEIGHT] = "no usable height",
+	[ECO_KEPT_BY_CROWN] = "no usable height but a crown",
+	[ECO_KEPT_RANGE] = "a size as a range",
+	[ECO_KEPT_OPEN] = "a size as a bound",
+	[ECO_KEPT_OTHER_UNIT] = "a size with a unit of its own",
+	[ECO_KEPT_UNREAD] = "a size that is not understood",
+	[ECO_KEPT_IMPLAUSIBLE] = "an implausible size",
+	[ECO_KEPT_DUPLICATE] = "kept at the place of an earlier plant",
+};
+
+/* The lines of the table; those that have lines of their own (per key, per filter) are NULL. */
+static const char *const lines[ECO_SKIP_COUNT] = {
+	[ECO_SKIP_NO_COORDINATES] = "left out: no coordinates",
+	[ECO_SKIP_BAD_NUMBER] = "left out: a coordinate that is not a number",
+	[ECO_SKIP_NO_GEOMETRY] = "left out: no geometry",
+	[ECO_SKIP_NOT_A_POINT] = "left out: not a point (areas with many plants: see \"scatter\")",
+	[ECO_SKIP_NO_CONVERSION] = "left out: not convertible to the scene's CRS",
+	[ECO_SKIP_OUTSIDE] = "left out: more than 10,000 km from the origin",
+	[ECO_SKIP_DUPLICATE] = "left out: at the place of an earlier plant, to the millimetre",
+	[ECO_SKIP_SHORT_ROW] = "left out: too few fields",
+	[ECO_KEPT_NO_HEIGHT] = "kept at their plant's own height: no usable one",
+	[ECO_KEPT_BY_CROWN] = "kept, scaled to their crown: no usable height",
+	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
+	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
+	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
+	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is taken",
+	[ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" another?",
+	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
+};
+
+struct report {
+	const struct eco_positions *reader;
+	void (*say)(void *ctx, const char *text);
+	void *ctx;
+};
+
+static void line(const struct report *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void line(const struct report *r, const char *format, ...)
+{
+	char text[LINE_BYTES];
+	va_list arguments;
+
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	r->say(r->ctx, text);
+}
+
+static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
+	__attribute__((format(printf, 4, 5)));
+static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
+{
+	char reason[300], number[32];
+	va_list arguments;
+
+	if (s->count == 0)
+		return;
+	va_start(arguments, format);
+	vsnprintf(reason, sizeof reason, format, arguments);
+	va_end(arguments);
+	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where, (unsigned long long)s->first_line,
+		s->first_text[0] != 0 ? ": \"" : "", s->first_text, s->first_text[0] != 0 ? "\"" : "");
+}
+
+static void head_line(const struct report *r, const struct eco_positions_counts *c)
+{
+	const char *path = r->reader->spec->path;
+	char rows[32], plants[32], extent[80] = "";
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1];
+
+	if (c->plants > 1 && (wide >= 1000 || deep >= 1000))
+		snprintf(extent, sizeof extent, " within %.3g x %.3g km", wide / 1000, deep / 1000);
+	else if (c->plants > 1)
+		snprintf(extent, sizeof extent, " within %.3g x %.3g m", wide, deep);
+	line(r, "%s: %s row%s, %s plant%s%s", path, eco_phrase_count(c->rows, rows), c->rows == 1 ? "" : "s", eco_phrase_count(c->plants, plants),
+		c->plants == 1 ? "" : "s", extent);
+	if (c->plants > 1 && wide == 0 && deep == 0)
+		line(r, "%s: all of them stand at one point; are x, y the right columns?", path);
+	else if (c->plants > 9 && wide < HEAP_M && deep < HEAP_M)
+		line(r, "%s: all of them stand within a metre; are x, y in degrees? Then add \"crs\": \"EPSG:4326\"", path);
+}
+
+static void filter_lines(const struct report *r, const struct eco_positions_counts *c)
+{
+	for (uint32_t i = 0; i < r->reader->spec->filter_count; i++) {
+		const struct eco_filter *f = &r->reader->spec->filters[i];
+
+		count_line(r, &c->filters[i], c->where, f->only ? "left out: \"%.60s\" is none of \"only\"" : "left out: \"skip\" of \"%.60s\"", f->column);
+	}
+}
+
+static void key_lines(const struct report *r, const struct eco_positions_counts *c)
+{
+	const struct eco_positions_spec *s = r->reader->spec;
+	char names[300] = "";
+	uint32_t unused = 0;
+	size_t used = 0;
+
+	if (s->species == NULL)
+		return;
+	for (uint32_t i = 0; i < s->map_count; i++) {
+		if (s->map[i].plant == ECO_NONE)
+			count_line(r, &c->keys[i], c->where, "left out by the map: %.80s", s->map[i].name);
+		if (c->keys[i].count == 0 && unused++ < KEYS_NAMED && used < sizeof names)
+			used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%.40s\"", used > 0 ? ", " : "", s->map[i].name);
+	}
+	if (s->fallback.name != NULL && s->fallback.plant == ECO_NONE)
+		count_line(r, &c->keys[s->map_count], c->where, "left out by the map: *");
+	if (unused > 0 && c->rows > 0)
+		line(r, "%12s  %u key%s of the map fit no row: %s%s", "", unused, unused == 1 ? "" : "s", names, unused > KEYS_NAMED ? ", ..." : "");
+}
+
+static void unknown_lines(const struct report *r, const struct eco_positions_counts *c)
+{
+	const struct eco_skipped *all = &c->skipped[ECO_SKIP_UNKNOWN_SPECIES];
+	char number[32];
+
+	count_line(r, all, c->where, "left out: %u species that the map does not have; add them, or \"*\"", c->unknown_species);
+	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && all->count > 0; i++)
+		if (c->unknown[i].count > 0)
+			line(r, "%12s    of these %s: \"%s\"", "", eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
+}
+
+void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text), void *ctx)
+{
+	const struct report r = { reader, say, ctx };
+	struct eco_positions_counts c;
+
+	eco_positions_counted(reader, &c);
+	for (uint32_t i = 0; reader->rows != NULL && i < reader->rows->note_count; i++)
+		line(&r, "%s: %s", reader->spec->path, reader->rows->notes[i]);
+	for (uint32_t i = 0; i < reader->note_count; i++)
+		line(&r, "%s: %s", reader->spec->path, reader->notes[i]);
+	if (c.rows == 0) {
+		line(&r, "%s: it has no rows", reader->spec->path);
+		return;
+	}
+	head_line(&r, &c);
+	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
+		if (lines[i] != NULL)
+			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);
+		else if (i == ECO_SKIP_UNKNOWN_SPECIES)
+			unknown_lines(&r, &c);
+		else if (i == ECO_SKIP_LEFT_OUT)
+			key_lines(&r, &c);
+		else if (i == ECO_SKIP_FILTERED)
+			filter_lines(&r, &c);
+	}
+}

@@ -1,0 +1,24 @@
+/* Inside ecoproj.so: what its table names, and what its parts share. */
+#ifndef ECO_PROJ_MODULE_H
+#define ECO_PROJ_MODULE_H
+
+#include <proj.h>
+
+#include "ecofiles/base/module.h"
+
+/* A projected CRS in metres, alone or as the map of a compound one. */
+bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs);
+
+/* As in struct eco_proj_module. */
+enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error);
+enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
+void proj_crs_close(struct eco_crs_path *path);
+void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size);
+enum eco_code proj_track_open(struct eco_track_path **path, const struct eco_track *track, const struct eco_track_frame *frame,
+	struct eco_error *error);
+bool proj_track_convert(struct eco_track_path *path, const double from[2], double to[2]);
+void proj_track_close(struct eco_track_path *path);
+
+extern const struct eco_proj_module eco_proj_module;
+
+#endif

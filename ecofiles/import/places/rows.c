@@ -1,0 +1,179 @@
+/* Which reader a file needs: by its first bytes, and where these say nothing, by the name's extension. */
+#include "ecofiles/import/places/rows.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/rows_formats.h"
+
+#define HEAD_BYTES 65536u
+
+struct head { unsigned char bytes[HEAD_BYTES + 1]; size_t size; };
+
+void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
+{
+	*text = 0;
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		eco_phrase_add(text, size, rows->columns[i]);
+}
+
+enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
+	struct eco_error *error)
+{
+	char there[300];
+
+	*column = ECO_NONE;
+	for (uint32_t i = 0; name != NULL && i < rows->column_count; i++) {
+		if (strcmp(rows->columns[i], name) != 0)
+			continue;
+		if (*column != ECO_NONE)
+			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", path, name);
+		*column = i;
+	}
+	if (name == NULL || *column != ECO_NONE)
+		return ECO_OK;
+	eco_rows_list_columns(rows, there, sizeof there);
+	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name, there,
+		rows->column_count == 1 ? " (is \"separator\" another?)" : "");
+}
+
+static bool has_extension(const char *path, const char *const *extensions)
+{
+	const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+
+	for (; *extensions != NULL; extensions++)
+		if (dot != NULL ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)
+			return true;
+	return false;
+}
+
+static bool holds(const struct head *head, const char *text)
+{
+	return memmem(head->bytes, head->size, text, strlen(text)) != NULL;
+}
+
+static enum eco_code read_head(const char *path, struct head *head, struct eco_error *error)
+{
+	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL }, *const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
+	struct stat file;
+	FILE *in;
+
+	if (stat(path, &file) != 0)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
+	if (S_ISDIR(file.st_mode)) {         /* a file geodatabase */
+		head->size = 0;
+		return has_extension(path, (const char *const[]){ "gdb", NULL }) ? ECO_OK
+			: eco_fail(error, ECO_BAD_INPUT, "%.300s: it is a folder; name a file in it", path);
+	}
+	if (!S_ISREG(file.st_mode))
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it is not a file", path);
+	in = fopen(path, "rb");
+	if (in == NULL)
+		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
+	head->bytes[head->size] = 0;
+	fclose(in);
+	if (head->size > 8 && memcmp(head->bytes, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", 8) == 0)
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: a workbook of an old Excel (.xls); save it as \"CSV UTF-8\" or .xlsx", path);
+	if (!has_extension(path, zips) && head->size > 4 && memcmp(head->bytes, "PK\3\4", 4) == 0 && holds(head, "[Content_Types].xml"))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: an Excel workbook; give it its name .xlsx, or save it as \"CSV UTF-8\"", path);
+	if (has_extension(path, shapes))
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a part of a Shapefile; name the one that ends in .shp", path);
+	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips), "a table", error);
+}
+
+/* The first byte that is no space and no byte order mark. */
+static unsigned char first_sign(const struct head *head)
+{
+	size_t at = head->size >= 3 && memcmp(head->bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+
+	while (at < head->size && strchr(" \t\r\n", head->bytes[at]) != NULL && head->bytes[at] != 0)
+		at++;
+	return at < head->size ? head->bytes[at] : 0;
+}
+
+static bool is_utf16(const struct head *head)
+{
+	if (head->size >= 2 && (memcmp(head->bytes, "\xff\xfe", 2) == 0 || memcmp(head->bytes, "\xfe\xff", 2) == 0))
+		return true;
+	return head->size >= 4 && ((head->bytes[1] == 0 && head->bytes[3] == 0 && head->bytes[0] >= ' ' && head->bytes[2] >= ' ' && head->bytes[0] < 127)
+		|| (head->bytes[0] == 0 && head->bytes[2] == 0 && head->bytes[1] >= ' ' && head->bytes[1] < 127));
+}
+
+static bool is_text(const struct head *head)
+{
+	return head->size > 0 && memchr(head->bytes, 0, head->size) == NULL;
+}
+
+/* Without GDAL a text that nobody knows is a CSV. */
+static bool ogr_knows(const char *path)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, NULL);
+
+	return gdal != NULL && gdal->rows_knows(path);
+}
+
+static enum eco_code open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+
+	return gdal == NULL ? ECO_NOT_FOUND : gdal->rows_open(rows, source, error);
+}
+
+enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+{
+	static const char *const csv_names[] = { "csv", "tsv", "txt", "psv", "dat", "asc", "", NULL }, *const tab[] = { "tab", NULL };
+	static const char *const gltf_names[] = { "gltf", "glb", NULL };
+	struct head *head = malloc(sizeof *head);
+	enum eco_code code;
+	unsigned char sign;
+
+	*rows = NULL;
+	if (head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
+	code = read_head(source->path, head, error);
+	sign = first_sign(head);
+	if (code != ECO_OK)
+		;
+	else if (has_extension(source->path, gltf_names))
+		code = eco_rows_open_gltf(rows, source->path, error);
+	else if (is_utf16(head))
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in Excel)", source->path);
+	else if (sign == '{' && (holds(head, "\"CityJSON\"") || holds(head, "\"CityJSONFeature\"")))
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to CityGML, or its trees to GeoJSON or CSV", source->path);
+	else if ((sign == '{' || sign == '[') && !holds(head, "\"type\"") && !holds(head, "\"esri"))
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say \"type\": \"Feature\"; export GeoJSON or CSV",
+			source->path);
+	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
+		code = eco_rows_open_citygml(rows, source->path, error);
+	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
+		code = open_ogr(rows, source, error);
+	else if (has_extension(source->path, csv_names) || (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
+		|| !ogr_knows(source->path))
+		code = eco_rows_open_csv(rows, source->path, source->separator, error);
+	else
+		code = open_ogr(rows, source, error);
+	free(head);
+	if (code == ECO_OK && source->layer != NULL && strcmp((*rows)->where, "feature") != 0)
+		eco_rows_note(*rows, "it is one table; \"layer\" says nothing");
+	if (code == ECO_OK && source->areas && (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
+		eco_rows_close(*rows);
+		*rows = NULL;
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no polygons in it; take GeoJSON, a GeoPackage or a Shapefile", source->path);
+	}
+	return code;
+}
+
+void eco_rows_close(struct eco_rows *rows)
+{
+	if (rows != NULL)
+		rows->close(rows);
+}

@@ -1,0 +1,427 @@
+/* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, fields are offsets into it. A row that is not
+ * UTF-8 is taken for Windows-1252 as a whole, which contains Latin-1: files are mixed more often than one would think. */
+#include "ecofiles/import/places/rows.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/rows_formats.h"
+
+#define SNIFF_BYTES 65536u
+
+struct csv {
+	struct eco_rows rows;
+	FILE *file;
+	char *path, separator;
+	char line_end;               /* '\n', with or without a '\r' before it; or '\r', where there is no other */
+	char *text;
+	size_t used, capacity;
+	size_t *start;               /* of each field in text */
+	char *converted;             /* the row in UTF-8, where it was not */
+	uint64_t first_converted;    /* line; 0: none */
+	uint64_t line;               /* of the next byte */
+	uint32_t wkt;                /* column with points as text, if rows.has_geometry */
+};
+
+static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
+{
+	if (csv->used == csv->capacity) {
+		size_t capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
+		char *grown;
+
+		if (csv->used >= ECO_ROW_BYTES_MAX)
+			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is a quote not closed?", csv->path,
+				(unsigned long long)csv->rows.line, ECO_ROW_BYTES_MAX);
+		grown = realloc(csv->text, capacity);
+		if (grown == NULL)
+			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+		csv->text = grown;
+		csv->capacity = capacity;
+	}
+	csv->text[csv->used++] = c;
+	return ECO_OK;
+}
+
+static int get(struct csv *csv)
+{
+	int c = getc_unlocked(csv->file);
+
+	if (c == csv->line_end)
+		c = '\n';
+	csv->line += c == '\n';
+	return c;
+}
+
+static int peek(struct csv *csv)
+{
+	int c = getc_unlocked(csv->file);
+
+	ungetc(c, csv->file);
+	return c;
+}
+
+static enum eco_code begin_field(struct csv *csv, struct eco_error *error)
+{
+	if (csv->rows.field_count == ECO_COLUMNS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u fields", csv->path, (unsigned long long)csv->rows.line,
+			ECO_COLUMNS_MAX);
+	csv->start[csv->rows.field_count++] = csv->used;
+	return ECO_OK;
+}
+
+/* One field; *c is the byte after it: separator, '\n' or EOF. */
+static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error)
+{
+	bool quoted = false;
+	enum eco_code code = begin_field(csv, error);
+
+	*c = get(csv);
+	if (*c == '"') {
+		quoted = true;
+		*c = get(csv);
+	}
+	for (; code == ECO_OK && *c != EOF; *c = get(csv)) {
+		if (*c == 0)
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (a spreadsheet, "
+				"UTF-16?), save it as CSV in UTF-8",
+				csv->path, (unsigned long long)csv->line);
+		if (quoted && *c == '"') {
+			if (peek(csv) == '"')
+				code = put(csv, (char)get(csv), error);
+			else
+				quoted = false;
+			continue;
+		}
+		if (!quoted && (*c == csv->separator || *c == '\n'))
+			break;
+		if (!quoted && *c == '\r' && peek(csv) == '\n')
+			continue;
+		code = put(csv, (char)*c, error);
+	}
+	if (code == ECO_OK && quoted)
+		return eco_fail(error, ECO_DAMAGED, "%.300s:%llu: a quoted field of the row that begins here does not end", csv->path,
+			(unsigned long long)csv->rows.line);
+	return code == ECO_OK ? put(csv, 0, error) : code;
+}
+
+/* ---- Text that is not UTF-8 ---- */
+
+/* Bytes of the character that text begins with, 0 if it is not UTF-8. */
+static size_t utf8_bytes(const unsigned char *t)
+{
+	size_t bytes = t[0] < 0x80 ? 1 : t[0] >= 0xc2 && t[0] < 0xe0 ? 2 : t[0] >= 0xe0 && t[0] < 0xf0 ? 3 : t[0] >= 0xf0 && t[0] < 0xf5 ? 4 : 0;
+
+	for (size_t i = 1; i < bytes; i++)
+		if ((t[i] & 0xc0) != 0x80)
+			return 0;
+	return bytes;
+}
+
+/* Ends in 0, so that no character runs over the end. */
+static bool is_utf8(const char *text, size_t size)
+{
+	for (size_t i = 0, bytes; i < size; i += bytes)
+		if ((bytes = utf8_bytes((const unsigned char *)text + i)) == 0)
+			return false;
+	return true;
+}
+
+static unsigned windows_1252(unsigned char c)
+{
+	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6, 0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d,
+		0x8f, 0x90, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014, 0x2dc, 0x2122, 0x161, 0x203a, 0x153, 0x9d, 0x17e, 0x178 };
+
+	return c >= 0x80 && c < 0xa0 ? high[c - 0x80] : c;
+}
+
+static size_t put_utf8(char *to, unsigned c)
+{
+	if (c < 0x80) {
+		to[0] = (char)c;
+		return 1;
+	}
+	if (c < 0x800) {
+		to[0] = (char)(0xc0 | c >> 6);
+		to[1] = (char)(0x80 | (c & 0x3f));
+		return 2;
+	}
+	to[0] = (char)(0xe0 | c >> 12);
+	to[1] = (char)(0x80 | (c >> 6 & 0x3f));
+	to[2] = (char)(0x80 | (c & 0x3f));
+	return 3;
+}
+
+static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
+{
+	char *grown = realloc(csv->converted, 3 * csv->used + 1);
+	size_t used = 0;
+
+	if (grown == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+	csv->converted = grown;
+	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
+		size_t at = csv->start[i];
+
+		csv->rows.fields[i] = grown + used;
+		do {
+			used += put_utf8(grown + used, windows_1252((unsigned char)csv->text[at]));
+		} while (csv->text[at++] != 0);
+	}
+	if (csv->first_converted == 0) {
+		csv->first_converted = csv->rows.line;
+		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as Windows-1252, which contains Latin-1",
+			(unsigned long long)csv->rows.line);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code set_fields(struct csv *csv, struct eco_error *error)
+{
+	if (!is_utf8(csv->text, csv->used))
+		return convert_fields(csv, error);
+	for (uint32_t i = 0; i < csv->rows.field_count; i++)
+		csv->rows.fields[i] = csv->text + csv->start[i];
+	return ECO_OK;
+}
+
+/* ---- Rows ---- */
+
+static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *error)
+{
+	int c = '\n';
+
+	csv->used = 0;
+	csv->rows.field_count = 0;
+	while ((c = peek(csv)) == '\n' || c == '\r')
+		get(csv);
+	*more = c != EOF;
+	csv->rows.line = csv->line;
+	while (*more) {
+		enum eco_code code = read_field(csv, &c, error);
+
+		if (code != ECO_OK)
+			return code;
+		if (c != csv->separator)
+			break;
+	}
+	if (ferror(csv->file))
+		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+	return *more ? set_fields(csv, error) : ECO_OK;
+}
+
+/* ---- Points as text ---- */
+
+/* "POINT (11.5 48.1)", "SRID=4326;POINT Z (11.5 48.1 520)". False if it is another geometry. */
+static bool read_wkt_point(const char *text, double at[3])
+{
+	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
+	char number[3][40];
+	int count;
+
+	text = semicolon != NULL ? semicolon + 1 : text;
+	text += strspn(text, " ");
+	if (strncasecmp(text, "POINT", 5) != 0)
+		return false;
+	text += 5 + strspn(text + 5, " ZzMm");
+	count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1], number[2]);
+	for (int k = 0; k < 3; k++)
+		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
+			at[k] = NAN;
+	return count >= 2 && !isnan(at[0]) && !isnan(at[1]);
+}
+
+static void take_wkt(struct csv *csv)
+{
+	struct eco_rows_place *place = &csv->rows.place;
+	const char *text = csv->wkt < csv->rows.field_count ? csv->rows.fields[csv->wkt] : "";
+
+	text += strspn(text, " ");
+	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY") != NULL) {
+		place->kind = ECO_PLACE_EMPTY;
+	} else if (read_wkt_point(text, place->at)) {
+		place->kind = ECO_PLACE_POINT;
+		csv->rows.has_z |= !isnan(place->at[2]);
+	} else {
+		place->kind = ECO_PLACE_OTHER;
+		snprintf(place->what, sizeof place->what, "%.*s", (int)strcspn(text, " ("), text);
+	}
+}
+
+static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
+{
+	struct csv *csv = (struct csv *)rows;
+	enum eco_code code = read_row(csv, more, error);
+
+	rows->row += code == ECO_OK && *more;
+	if (code == ECO_OK && *more && rows->has_geometry)
+		take_wkt(csv);
+	return code;
+}
+
+/* Looks into the first row for a column with points, and goes back. What is wrong with the row is said when it is its turn. */
+static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	long from = ftell(csv->file);
+	uint64_t line = csv->line;
+	double at[3];
+	bool more;
+
+	if (from >= 0 && read_row(csv, &more, &own) == ECO_OK && more)
+		for (uint32_t i = csv->rows.field_count; i-- > 0;)
+			if (i < csv->rows.column_count && read_wkt_point(csv->rows.fields[i], at)) {
+				csv->wkt = i;
+				csv->rows.has_geometry = true;
+				csv->rows.has_z = !isnan(at[2]);
+			}
+	csv->line = line;
+	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
+		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+	return ECO_OK;
+}
+
+static void close_csv(struct eco_rows *rows)
+{
+	struct csv *csv = (struct csv *)rows;
+
+	eco_rows_free_texts(rows);
+	free(csv->start);
+	free(csv->text);
+	free(csv->converted);
+	free(csv->path);
+	if (csv->file != NULL)
+		fclose(csv->file);
+	free(csv);
+}
+
+/* Without the spaces around it, malloc'ed. */
+static char *trimmed(const char *name)
+{
+	size_t size;
+
+	name += strspn(name, " \t\r");
+	size = strlen(name);
+	while (size > 0 && strchr(" \t\r", name[size - 1]) != NULL)
+		size--;
+	return strndup(name, size);
+}
+
+/* ---- The beginning of the file ---- */
+
+/* Excel's "sep=;" line. */
+static bool excel_separator(const char *text, char *separator)
+{
+	if (strncmp(text, "sep=", 4) != 0 || text[4] == 0 || (text[5] != '\n' && text[5] != '\r' && text[5] != 0))
+		return false;
+	*separator = text[4];
+	return true;
+}
+
+/* The sign that stands most often outside of quotes in the first line; ',' of equals. */
+static char count_separators(const char *text)
+{
+	static const char signs[] = { ',', ';', '\t', '|' };
+	uint32_t counts[sizeof signs] = { 0 };
+	size_t best = 0;
+	bool quoted = false;
+
+	for (; *text != 0 && (quoted || (*text != '\n' && *text != '\r')); text++) {
+		quoted ^= *text == '"';
+		for (size_t i = 0; !quoted && i < sizeof signs; i++)
+			counts[i] += *text == signs[i];
+	}
+	for (size_t i = 1; i < sizeof signs; i++)
+		if (counts[i] > counts[best])
+			best = i;
+	return signs[best];
+}
+
+/* Passes over the byte order mark and a "sep=" line, and settles the separator. */
+static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
+{
+	char *head = malloc(SNIFF_BYTES + 1);
+	const char *text = head;
+	size_t size;
+	bool good;
+
+	if (head == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+	size = fread(head, 1, SNIFF_BYTES, csv->file);
+	head[size] = 0;
+	if (size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0)
+		text += 3;
+	if (excel_separator(text, &csv->separator)) {
+		text += strcspn(text, "\r\n");
+		text += *text == '\r';
+		text += *text == '\n';
+		csv->line = 2;
+	}
+	if (csv->separator == 0) {
+		csv->separator = count_separators(text + strspn(text, "\r\n"));
+		if (csv->separator != ',')
+			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs" : "its columns are separated by \"%c\"",
+				csv->separator);
+	}
+	if (memchr(head, '\n', size) == NULL && memchr(head, '\r', size) != NULL)
+		csv->line_end = '\r';
+	good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
+	free(head);
+	return good ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+}
+
+static enum eco_code read_header(struct csv *csv, struct eco_error *error)
+{
+	bool more;
+	enum eco_code code = begin_file(csv, error);
+
+	if (code == ECO_OK)
+		code = read_row(csv, &more, error);
+	if (code == ECO_OK && !more)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the columns", csv->path);
+	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
+		csv->rows.columns[i] = trimmed(csv->rows.fields[i]);
+		if (csv->rows.columns[i] == NULL)
+			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+		csv->rows.column_count++;
+	}
+	return code == ECO_OK ? find_wkt(csv, error) : code;
+}
+
+enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error)
+{
+	struct csv *csv = calloc(1, sizeof *csv);
+	enum eco_code code;
+
+	_Static_assert(offsetof(struct csv, rows) == 0, "struct eco_rows is the start of struct csv");
+	*rows = NULL;
+	if (csv == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+	csv->rows.next = next;
+	csv->rows.close = close_csv;
+	csv->separator = separator;
+	csv->rows.where = "line";
+	csv->rows.place.yaw_deg = csv->rows.place.scale = NAN;
+	csv->line = 1;
+	csv->line_end = '\n';
+	csv->path = strdup(path);
+	csv->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
+	csv->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.fields);
+	csv->start = calloc(ECO_COLUMNS_MAX, sizeof *csv->start);
+	if (csv->path == NULL || csv->rows.columns == NULL || csv->rows.fields == NULL || csv->start == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+	else if ((csv->file = fopen(path, "rb")) == NULL)
+		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+	else
+		code = read_header(csv, error);
+	if (code == ECO_OK)
+		*rows = &csv->rows;
+	else
+		close_csv(&csv->rows);
+	return code;
+}

@@ -1,0 +1,561 @@
+#include "ecofiles/import/places/scatter.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/places/blue_noise.h"
+#include "ecofiles/base/mix.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/room.h"
+#include "ecofiles/import/places/scatter_parts.h"
+
+#define HECTARE_M2 10000.0
+#define LATTICE_CELLS 64u
+#define SPARE 1.2                    /* the set has so many times the places that are wanted, and up to four times that */
+#define SIDE_EXPONENT_MIN -10        /* of the set's square: a millimetre to a thousand kilometres */
+#define SIDE_EXPONENT_MAX 20
+#define TRIES 3                      /* sets four times as dense, each, where places are short */
+#define SPREAD 0.5                   /* of the mean spacing: as near as places of a second set may come to others */
+#define NEAREST_M 0.001
+
+struct lattice {                     /* the set, by cells of its square */
+	uint16_t point[ECO_BLUE_NOISE_POINTS][2];
+	uint32_t cell_first[LATTICE_CELLS * LATTICE_CELLS + 1], member[ECO_BLUE_NOISE_POINTS];
+};
+
+struct candidate { uint32_t rank, tie; double at[2]; };
+
+struct candidates { struct candidate *items; uint32_t count, capacity; bool failed; };
+
+struct near_grid { uint32_t *head, *next; uint32_t mask; double cell_m; };
+
+struct eco_scatter {
+	const struct eco_scatter_spec *spec;
+	struct eco_scatter_input input;
+	struct lattice *lattice;
+	struct candidates candidates;
+	struct near_grid grid;
+	struct eco_scatter_place *places; uint64_t count, capacity, at;
+	uint64_t wanted, short_areas;
+	double hectares;
+	bool (*progress)(void *ctx, double share);
+	void *ctx;
+	struct eco_error *error;
+};
+
+static enum eco_code no_memory(struct eco_scatter *s)
+{
+	return eco_fail(s->error, ECO_NO_MEMORY, "%.200s: no memory for %llu plants", s->spec->path, (unsigned long long)s->count);
+}
+
+static enum eco_code too_many(struct eco_scatter *s)
+{
+	return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; take lower densities, split it, or nest eco files", s->spec->path,
+		ECO_SCATTER_PLANTS_MAX);
+}
+
+/* ---- The set, over the plane ---- */
+
+static struct lattice *make_lattice(void)
+{
+	struct lattice *l = calloc(1, sizeof *l);
+
+	if (l == NULL || !eco_blue_noise(l->point)) {
+		free(l);
+		return NULL;
+	}
+	for (int pass = 0; pass < 2; pass++) {
+		for (uint32_t i = ECO_BLUE_NOISE_POINTS; i-- > 0;) {
+			uint32_t cell = l->point[i][1] / (65536 / LATTICE_CELLS) * LATTICE_CELLS + l->point[i][0] / (65536 / LATTICE_CELLS);
+
+			if (pass == 0)
+				l->cell_first[cell]++;
+			else
+				l->member[--l->cell_first[cell]] = i;
+		}
+		for (uint32_t c = 1; pass == 0 && c <= LATTICE_CELLS * LATTICE_CELLS; c++)
+			l->cell_first[c] += l->cell_first[c - 1];
+	}
+	return l;
+}
+
+/* Side of the square at which the set has at least SPARE times the density: a power of two, so that areas of like density share
+ * places along their borders. */
+static double side_for(double density_m2)
+{
+	int exponent;
+
+	frexp(sqrt(ECO_BLUE_NOISE_POINTS / (SPARE * density_m2)), &exponent);
+	exponent = exponent < SIDE_EXPONENT_MIN + 1 ? SIDE_EXPONENT_MIN + 1 : exponent > SIDE_EXPONENT_MAX + 1 ? SIDE_EXPONENT_MAX + 1 : exponent;
+	return ldexp(0.5, exponent);
+}
+
+struct sweep {
+	struct eco_scatter *scatter;
+	double side, low[2], high[2];
+	uint32_t rank_end;
+	/* false: not wanted */
+	bool (*wants)(const struct sweep *sweep, uint32_t rank, double x, double y);
+	uint32_t area;               /* ECO_NONE: the mask */
+	double full;                 /* density of the whole set, plants a m2 */
+};
+
+static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x, double y)
+{
+	if (!eco_room(&c->items, &c->capacity, c->count, sizeof *c->items)) {
+		c->failed = true;
+		return;
+	}
+	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_mix((uint64_t)column, (uint64_t)row), { x, y } };
+}
+
+static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint32_t cell)
+{
+	const struct lattice *l = w->scatter->lattice;
+
+	for (uint32_t i = l->cell_first[cell]; i < l->cell_first[cell + 1]; i++) {
+		uint32_t rank = l->member[i];
+		double x = w->side * ((double)column + l->point[rank][0] / 65536.0), y = w->side * ((double)row + l->point[rank][1] / 65536.0);
+
+		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1] && y <= w->high[1] && w->wants(w, rank, x, y))
+			add_candidate(&w->scatter->candidates, rank, column, row, x, y);
+	}
+}
+
+static int64_t square_of(int64_t cell)
+{
+	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
+}
+
+/* All places of the box with ranks below rank_end, cell row by cell row; in an area only as far as it reaches there, a cell to spare: a road
+ * across the country is a small part of its box. */
+static bool sweep_box(const struct sweep *w)
+{
+	double cell = w->side / LATTICE_CELLS;
+
+	w->scatter->candidates.count = 0;
+	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
+		double span[2] = { w->low[0], w->high[0] };
+		int64_t row = square_of(y);
+
+		if (w->area != ECO_NONE && !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
+			continue;
+		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1; x++) {
+			int64_t column = square_of(x);
+
+			sweep_cell(w, column, row, (uint32_t)((y - row * LATTICE_CELLS) * LATTICE_CELLS + (x - column * LATTICE_CELLS)));
+		}
+	}
+	return !w->scatter->candidates.failed;
+}
+
+static int candidate_order(const void *a, const void *b)
+{
+	const struct candidate *p = a, *q = b;
+
+	if (p->rank != q->rank)
+		return p->rank < q->rank ? -1 : 1;
+	if (p->tie != q->tie)
+		return p->tie < q->tie ? -1 : 1;
+	return p->at[1] != q->at[1] ? (p->at[1] < q->at[1] ? -1 : 1) : (p->at[0] > q->at[0]) - (p->at[0] < q->at[0]);
+}
+
+/* ---- Distances ---- */
+
+static uint32_t *grid_head(const struct near_grid *g, int64_t x, int64_t y)
+{
+	return &g->head[(uint32_t)(eco_mix((uint64_t)x, (uint64_t)y) >> 32) & g->mask];
+}
+
+static void grid_put(struct near_grid *g, const struct eco_scatter_place *places, uint32_t place)
+{
+	uint32_t *head = grid_head(g, (int64_t)floor(places[place].at[0] / g->cell_m), (int64_t)floor(places[place].at[1] / g->cell_m));
+
+	g->next[place] = *head;
+	*head = place;
+}
+
+static bool grid_grow(struct eco_scatter *s)
+{
+	struct near_grid *g = &s->grid;
+	uint32_t *head = malloc(2 * s->capacity * sizeof *head), *next = realloc(g->next, s->capacity * sizeof *next);
+
+	if (next != NULL)
+		g->next = next;
+	if (head == NULL || next == NULL) {
+		free(head);
+		return false;
+	}
+	free(g->head);
+	g->head = head;
+	g->mask = (uint32_t)(2 * s->capacity - 1);
+	memset(head, 0xff, 2 * s->capacity * sizeof *head);
+	for (uint32_t i = 0; i < s->count; i++)
+		grid_put(g, s->places, i);
+	return true;
+}
+
+/* Is a place nearer than `distance`, which is at most the grid's cell? */
+static bool is_near(const struct eco_scatter *s, const double at[2], double distance)
+{
+	const struct near_grid *g = &s->grid;
+	int64_t x = (int64_t)floor(at[0] / g->cell_m), y = (int64_t)floor(at[1] / g->cell_m);
+
+	if (g->head == NULL)
+		return false;
+	for (int64_t row = y - 1; row <= y + 1; row++)
+		for (int64_t column = x - 1; column <= x + 1; column++)
+			for (uint32_t i = *grid_head(g, column, row); i != UINT32_MAX; i = g->next[i]) {
+				double dx = s->places[i].at[0] - at[0], dy = s->places[i].at[1] - at[1];
+
+				if (dx * dx + dy * dy < distance * distance)
+					return true;
+			}
+	return false;
+}
+
+static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32_t plant)
+{
+	const struct eco_scatter_spec *spec = s->spec;
+	uint64_t key = eco_mix((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(at[1] * 1000 + 0.5));
+	uint64_t bits = eco_mix(spec->seed, key);
+	double share = (double)(bits >> 40) / (1 << 24);
+
+	if (s->count == s->capacity) {
+		uint64_t wanted = s->capacity ? 2 * s->capacity : 1024;
+		struct eco_scatter_place *grown;
+
+		if (s->count >= ECO_SCATTER_PLANTS_MAX)
+			return too_many(s);
+		grown = realloc(s->places, wanted * sizeof *grown);
+		if (grown == NULL)
+			return no_memory(s);
+		s->places = grown;
+		s->capacity = wanted;
+		if (!grid_grow(s))
+			return no_memory(s);
+	}
+	s->places[s->count] = (struct eco_scatter_place){
+		.plant = spec->plants[plant].plant + eco_mix_variant(spec->seed, key, spec->plants[plant].variant_count), .at = { at[0], at[1] },
+		.yaw_deg = (uint16_t)bits * (360.0 / 65536),
+		.height_m = spec->height_low_m + (spec->height_high_m - spec->height_low_m) * share };
+	grid_put(&s->grid, s->places, (uint32_t)s->count++);
+	return ECO_OK;
+}
+
+/* ---- Areas ---- */
+
+static bool area_wants(const struct sweep *w, uint32_t rank, double x, double y)
+{
+	(void)rank;
+	return eco_area_holds(&w->scatter->input.areas, w->area, x, y);
+}
+
+static bool is_clear(const struct eco_scatter *s, const double at[2])
+{
+	return !eco_areas_near(&s->input.clear, at[0], at[1]) && !eco_areas_hold(&s->input.clear, at[0], at[1]);
+}
+
+/* Which plant the next place gets: the one that is furthest behind its share. */
+static uint32_t next_plant(const struct eco_scatter_spec *spec, double total, const uint64_t *given, uint64_t placed)
+{
+	uint32_t best = 0;
+	double most = -INFINITY;
+
+	for (uint32_t i = 0; i < spec->plant_count; i++) {
+		double behind = spec->plants[i].weight / total * (double)(placed + 1) - (double)given[i];
+
+		if (behind > most) {
+			most = behind;
+			best = i;
+		}
+	}
+	return best;
+}
+
+struct filling { uint32_t area; uint64_t wanted, placed, *given; double total, distance; };
+
+static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
+{
+	struct candidates *c = &s->candidates;
+
+	qsort(c->items, c->count, sizeof *c->items, candidate_order);
+	for (size_t i = 0; i < c->count && f->placed < f->wanted; i++) {
+		uint32_t plant;
+		enum eco_code code;
+
+		if (!is_clear(s, c->items[i].at) || is_near(s, c->items[i].at, f->distance))
+			continue;
+		plant = next_plant(s->spec, f->total, f->given, f->placed);
+		code = add_place(s, c->items[i].at, plant);
+		if (code != ECO_OK)
+			return code;
+		f->given[plant]++;
+		f->placed++;
+	}
+	return ECO_OK;
+}
+
+/* A density counts where plants may stand: of an area that is kept clear in part, only the rest. A number counts for the whole. */
+static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
+{
+	const struct eco_area *area = &s->input.areas.items[f->area];
+	const struct candidates *c = &s->candidates;
+	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2), .wants = area_wants, .area = f->area,
+		.rank_end = ECO_BLUE_NOISE_POINTS };
+	size_t clear = 0;
+
+	if (s->input.clear.count == 0 || s->spec->count_column != NULL)
+		return ECO_OK;
+	memcpy(w.low, area->low, sizeof w.low);
+	memcpy(w.high, area->high, sizeof w.high);
+	if (!sweep_box(&w))
+		return no_memory(s);
+	for (size_t i = 0; i < c->count; i++)
+		clear += is_clear(s, c->items[i].at);
+	if (c->count > 0)
+		f->wanted = (uint64_t)((double)f->wanted * (double)clear / (double)c->count + 0.5);
+	return ECO_OK;
+}
+
+/* In the set's order, from sets ever denser where one does not suffice. */
+static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
+{
+	const struct eco_area *area = &s->input.areas.items[f->area];
+	double density = (double)f->wanted / area->size_m2, side = side_for(density), spacing = 1 / sqrt(density);
+	enum eco_code code = ECO_OK;
+
+	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK; attempt++, side /= 2) {
+		double full = ECO_BLUE_NOISE_POINTS / (side * side), expected = full * area->size_m2;
+		struct sweep w = { .scatter = s, .side = side, .wants = area_wants, .area = f->area, .full = full };
+
+		memcpy(w.low, area->low, sizeof w.low);
+		memcpy(w.high, area->high, sizeof w.high);
+		/* most areas find enough among little more ranks than they need; then all are looked at */
+		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M, s->spec->distance_m);
+		f->distance = fmin(f->distance, s->grid.cell_m);
+		for (int all = 0; all < 2 && code == ECO_OK && f->placed < f->wanted; all++) {
+			double need = 1.1 * (double)(f->wanted - f->placed) / expected * ECO_BLUE_NOISE_POINTS + 64;
+
+			w.rank_end = all || attempt > 0 || need >= ECO_BLUE_NOISE_POINTS ? ECO_BLUE_NOISE_POINTS : (uint32_t)need;
+			code = sweep_box(&w) ? take_candidates(s, f) : no_memory(s);
+			all += w.rank_end == ECO_BLUE_NOISE_POINTS;
+		}
+	}
+	return code;
+}
+
+static int area_order(const void *a, const void *b, void *ctx)
+{
+	const struct eco_area *items = ctx, *p = &items[*(const uint32_t *)a], *q = &items[*(const uint32_t *)b];
+
+	if (p->size_m2 != q->size_m2)
+		return p->size_m2 > q->size_m2 ? -1 : 1;
+	if (p->low[1] != q->low[1])
+		return p->low[1] < q->low[1] ? -1 : 1;
+	return p->low[0] != q->low[0] ? (p->low[0] < q->low[0] ? -1 : 1) : (p->edge_first > q->edge_first) - (p->edge_first < q->edge_first);
+}
+
+static double total_weight(const struct eco_scatter_spec *spec)
+{
+	double total = 0;
+
+	for (uint32_t i = 0; i < spec->plant_count; i++)
+		total += spec->plants[i].weight;
+	return total;
+}
+
+/* What an area is to have; the fraction of a plant decides by chance, which depends on where the area is. */
+static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
+{
+	const struct eco_area *area = &s->input.areas.items[index];
+	double hectares = area->size_m2 / HECTARE_M2, number = total_weight(s->spec) * hectares;
+	uint64_t key = eco_mix((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(area->low[1] * 1000 + 0.5));
+
+	if (s->spec->count_column != NULL)
+		number = s->input.number[index];
+	else if (s->spec->density_column != NULL)
+		number = s->input.number[index] * hectares;
+	number = fmin(number, 2.0 * ECO_SCATTER_PLANTS_MAX);
+	return (uint64_t)(number + eco_mix_unit(eco_mix(s->spec->seed, key)));
+}
+
+static enum eco_code place_in_areas(struct eco_scatter *s)
+{
+	struct eco_areas *areas = &s->input.areas;
+	uint32_t *order = malloc((areas->count + 1u) * sizeof *order);
+	uint64_t *given = malloc((s->spec->plant_count + 1u) * sizeof *given);
+	enum eco_code code = order != NULL && given != NULL ? ECO_OK : no_memory(s);
+
+	for (uint32_t i = 0; code == ECO_OK && i < areas->count; i++)
+		order[i] = i;
+	if (code == ECO_OK)
+		qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
+	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
+		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given, .total = total_weight(s->spec) };
+
+		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
+		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
+			code = clear_share(s, &f);
+		s->wanted += f.wanted;
+		if (code == ECO_OK && s->wanted > ECO_SCATTER_PLANTS_MAX)
+			code = too_many(s);
+		if (f.wanted == 0 || code != ECO_OK)
+			continue;
+		memset(given, 0, s->spec->plant_count * sizeof *given);
+		if (areas->items[order[i]].size_m2 > 0)
+			code = fill_area(s, &f);
+		s->short_areas += f.placed < f.wanted;
+		if (code == ECO_OK && s->progress != NULL && !s->progress(s->ctx, (double)i / areas->count))
+			code = eco_fail(s->error, ECO_INTERRUPTED, "interrupted");
+	}
+	free(order);
+	free(given);
+	return code;
+}
+
+/* ---- A mask ---- */
+
+static double share_at(const struct eco_mask *mask, double x, double y)
+{
+	double column = floor((x - mask->west_m) / mask->step_x_m), row = floor((mask->north_m - y) / mask->step_y_m);
+
+	return column >= 0 && column < mask->columns && row >= 0 && row < mask->rows
+		? (double)mask->share[(size_t)row * mask->columns + (size_t)column] : 0;
+}
+
+static bool mask_wants(const struct sweep *w, uint32_t rank, double x, double y)
+{
+	const struct eco_scatter *s = w->scatter;
+	double density = share_at(&s->input.mask, x, y) * total_weight(s->spec) / HECTARE_M2;
+
+	return (rank + 0.5) / ECO_BLUE_NOISE_POINTS * w->full < density;
+}
+
+static enum eco_code place_by_mask(struct eco_scatter *s)
+{
+	const struct eco_mask *mask = &s->input.mask;
+	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants, .area = ECO_NONE,
+		.low = { mask->west_m, mask->north_m - mask->rows * mask->step_y_m },
+		.high = { mask->west_m + mask->columns * mask->step_x_m, mask->north_m } };
+	uint64_t *given = calloc(s->spec->plant_count + 1u, sizeof *given);
+	struct filling f = { .given = given, .total = total_weight(s->spec), .wanted = UINT64_MAX, .distance = fmax(NEAREST_M, s->spec->distance_m) };
+	double most = 0, sum = 0;
+	enum eco_code code;
+
+	for (size_t i = 0; i < (size_t)mask->columns * mask->rows; i++) {
+		most = fmax(most, mask->share[i]);
+		sum += mask->share[i];
+	}
+	s->hectares = sum * mask->step_x_m * mask->step_y_m / HECTARE_M2;
+	s->wanted = (uint64_t)(fmin(s->hectares * f.total, 2.0 * ECO_SCATTER_PLANTS_MAX) + 0.5);
+	if (given == NULL)
+		return no_memory(s);
+	if (s->wanted > ECO_SCATTER_PLANTS_MAX)
+		code = too_many(s);
+	else if (most <= 0)
+		code = ECO_OK;
+	else {
+		w.side = side_for(most * f.total / HECTARE_M2);
+		w.full = ECO_BLUE_NOISE_POINTS / (w.side * w.side);
+		code = sweep_box(&w) ? take_candidates(s, &f) : no_memory(s);
+	}
+	free(given);
+	return code;
+}
+
+/* ---- The whole ---- */
+
+enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
+	bool (*progress)(void *ctx, double share), void *ctx, struct eco_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	struct eco_scatter *s = calloc(1, sizeof *s);
+	enum eco_code code;
+
+	*scatter = NULL;
+	if (s == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
+	assert(spec->plant_count > 0);
+	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx, .error = error != NULL ? error : &own };
+	s->grid.cell_m = fmax(spec->distance_m, 1);
+	code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
+	if (code == ECO_OK)
+		code = s->input.mask.share != NULL ? place_by_mask(s) : place_in_areas(s);
+	free(s->candidates.items);
+	s->candidates = (struct candidates){ .items = NULL };
+	s->error = NULL;
+	if (code == ECO_OK)
+		*scatter = s;
+	else
+		eco_scatter_close(s);
+	return code;
+}
+
+enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
+{
+	struct eco_scatter_input input = { .number = NULL };
+	enum eco_code code = eco_scatter_read(&input, spec, frame, error);
+
+	eco_scatter_input_free(&input);
+	return code;
+}
+
+bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place)
+{
+	if (scatter->at == scatter->count)
+		return false;
+	*place = scatter->places[scatter->at++];
+	return true;
+}
+
+void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, const char *text), void *ctx)
+{
+	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon", [ECO_AREA_NO_GEOMETRY] = "no geometry",
+		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS", [ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
+		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
+		[ECO_AREA_FILTERED] = "left out by only or skip" };
+	char line[512];
+
+	for (uint32_t i = 0; i < s->input.note_count; i++)
+		say(ctx, s->input.notes[i]);
+	if (s->input.mask.share != NULL)
+		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected", s->input.mask.columns, s->input.mask.rows,
+			(unsigned long long)s->count, (unsigned long long)s->wanted);
+	else
+		snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count, s->input.areas.count == 1 ? "" : "s",
+			s->hectares, (unsigned long long)s->count, (unsigned long long)s->wanted);
+	say(ctx, line);
+	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
+		if (s->input.skipped[i] > 0) {
+			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)", (unsigned long long)s->input.skipped[i],
+				s->input.skipped[i] == 1 ? "" : "s", why[i], (unsigned long long)s->input.first_line[i]);
+			say(ctx, line);
+		}
+	if (s->short_areas > 0) {
+		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m from each other%s",
+			(unsigned long long)s->short_areas, s->short_areas == 1 ? " has" : "s have", s->spec->distance_m,
+			s->spec->clear_of != NULL ? " and clear of what is to be kept clear of" : "");
+		say(ctx, line);
+	}
+}
+
+const struct eco_areas *eco_scatter_areas(const struct eco_scatter *s) { return &s->input.areas; }
+
+const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *s) { return &s->input.clear; }
+
+void eco_scatter_close(struct eco_scatter *s)
+{
+	if (s == NULL)
+		return;
+	eco_scatter_input_free(&s->input);
+	free(s->lattice);
+	free(s->candidates.items);
+	free(s->grid.head);
+	free(s->grid.next);
+	free(s->places);
+	free(s);
+}

@@ -1,0 +1,90 @@
+/* The scene source: SCENE.json, as written by people and scripts (every field, unit and default: ecofiles/README.md).
+ *
+ *   eco_sources_load(&sources, "scene.json", &error);      the file and all files it nests, each once
+ *   for each plant of each source                          eco_model_import(source.plants[i].models)
+ *   for each source.instances                              plants one by one
+ *   for each source.positions                              eco_positions_open, eco_positions_next (positions.h)
+ *   for each source.children                               sources.items[child.source], placed
+ *   eco_sources_free(&sources);
+ *
+ * Everything is checked when it is read: types, ranges, names, files, cycles. Errors say FILE:LINE:COLUMN. */
+#ifndef ECO_SCENE_H
+#define ECO_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/import/ground/ground.h"
+#include "ecofiles/import/model/model_import.h"
+#include "ecofiles/format/pack.h"
+#include "ecofiles/import/places/positions.h"
+#include "ecofiles/import/places/scatter.h"
+#include "ecofiles/base/status.h"
+
+#define ECO_SOURCE_BYTES_MAX (64u << 20)
+#define ECO_SOURCES_MAX 4096u
+#define ECO_TILE_INSTANCES 128u          /* default of "tile": {"instances": N} */
+
+/* A plant with several variants is several of these in a row with one name: an instance takes one of them, by a hash of its
+ * position in the file. References name the first; the records and instances handed out name the one taken. */
+struct eco_source_plant {
+	char name[64];
+	char **models; uint32_t model_count; /* paths of the files that make up one plant, resolved against the file that names them */
+	double height_m;                     /* the model is scaled to it; 0: by its unit */
+	double unit_m;                       /* metres per unit of the files; 0: as the file says, else guessed */
+	enum eco_up up;
+	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, the same for all */
+	float importance[ECO_ORGAN_COUNT];   /* 1 where others are given; all 0 where none is: found from colours */
+	uint32_t variant, variant_count;     /* 0..variant_count-1 */
+};
+
+struct eco_source_instance {
+	uint32_t plant;
+	double at[3];                        /* metres from the file's origin, z above the ground */
+	double yaw_deg, scale;
+	double height_m;                     /* NaN: `scale` alone; else scale * height_m / the plant's height as imported */
+};
+
+struct eco_source_child {
+	uint32_t source;                     /* in eco_sources.items; ECO_NONE after eco_source_parse */
+	char *eco;                           /* path */
+	double at[3], yaw_deg, scale;
+};
+
+struct eco_source {
+	char *path;                          /* as opened */
+	char name[64];
+	char *crs;                           /* NULL: none, coordinates are plain metres */
+	double origin[3];
+	char *vertical;                      /* datum of all heights; NULL: not stated */
+	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
+	uint32_t tile_instances;             /* a tile is split above this many */
+	struct eco_source_plant *plants;                uint32_t plant_count;
+	uint32_t *plants_by_name;            /* first variants, in the order of their names; name_count of them */
+	uint32_t name_count;
+	bool on_disk;                        /* files named were looked for */
+	struct eco_source_instance *instances;          uint32_t instance_count;
+	struct eco_positions_spec *positions;           uint32_t positions_count;
+	struct eco_scatter_spec *scatters;              uint32_t scatter_count;
+	struct eco_source_child *children;              uint32_t child_count;
+};
+
+/* [0] is the outermost file; a child's index is always greater than that of every file that names it. */
+struct eco_sources {
+	struct eco_source *items;
+	uint32_t count;
+};
+
+enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error);
+void eco_sources_free(struct eco_sources *sources);
+
+/* One document from memory, `path` its name in messages and the base of its relative paths. No file is touched. */
+enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
+	struct eco_error *error);
+void eco_source_free(struct eco_source *source);
+
+/* What inventories are converted to; lives as long as the source. */
+struct eco_frame eco_source_frame(const struct eco_source *source);
+
+#endif

@@ -1,0 +1,110 @@
+/* What several parts of a scene file have: paths, CRSs, units, texts to keep. */
+#include "ecofiles/scene/scene_parse.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char *path_beside(const char *base, const char *relative)
+{
+	const char *slash = strrchr(base, '/');
+	size_t folder = slash != NULL && *relative != '/' ? (size_t)(slash - base) + 1 : 0;
+	char *path = malloc(folder + strlen(relative) + 1);
+
+	if (path != NULL) {
+		memcpy(path, base, folder);
+		strcpy(path + folder, relative);
+	}
+	return path;
+}
+
+bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
+{
+	if (!eco_json_is_text(at, ECO_PATH_BYTES))
+		return false;
+	*path = path_beside(source->path, json_string_value(at->value));
+	if (*path == NULL)
+		return eco_json_no_memory(at);
+	if (!source->on_disk || access(*path, R_OK) == 0)
+		return true;
+	eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path, strerror(errno));
+	return false;
+}
+
+bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs)
+{
+	struct eco_json node = eco_json_member(at, key);
+
+	if (!eco_scene_copy_text(at, key, ECO_PATH_BYTES, crs))
+		return false;
+	if (*crs == NULL || source->crs != NULL)
+		return true;
+	eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this "
+		"one out", *crs);
+	return false;
+}
+
+bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
+{
+	const char *text = NULL;
+
+	if (!eco_json_text(at, key, bytes_max, &text))
+		return false;
+	if (text == NULL)
+		return true;
+	*out = strdup(text);
+	return *out != NULL || eco_json_no_memory(at);
+}
+
+bool eco_up_of(const char *name, enum eco_up *up)
+{
+	static const struct { const char *name; enum eco_up up; } axes[] = { { "x", ECO_UP_X }, { "y", ECO_UP_Y }, { "z", ECO_UP_Z } };
+
+	for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
+		if (strcmp(name, axes[i].name) == 0) {
+			*up = axes[i].up;
+			return true;
+		}
+	return false;
+}
+
+bool eco_unit_metres(const char *name, double *metres)
+{
+	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
+		{ "ft", 0.3048 }, { "US survey ft", 1200.0 / 3937 } };
+
+	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+		if (strcmp(name, units[i].name) == 0) {
+			*metres = units[i].metres;
+			return true;
+		}
+	return false;
+}
+
+bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m)
+{
+	struct eco_json unit = eco_json_member(at, "unit");
+	const char *name = NULL;
+
+	if (!eco_json_text(at, "unit", 16, &name))
+		return false;
+	if (name == NULL || eco_unit_metres(name, unit_m))
+		return true;
+	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
+	return false;
+}
+
+bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
+{
+	for (size_t i = 0; i < bytes; i++)
+		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f) {
+			eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
+			return false;
+		}
+	if (bytes == 0 || bytes > 63) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
+		return false;
+	}
+	return true;
+}

@@ -1,0 +1,77 @@
+/* "only" and "skip" of entries in "instances": which rows are wanted. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/scene/scene_parse.h"
+
+#define VALUE_BYTES 200u
+#define VALUES_MAX 4096u
+#define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* of "only" and of "skip" */
+
+static bool parse_value(const struct eco_json *at, struct eco_value *value)
+{
+	char folded[VALUE_BYTES + 1];
+
+	if (json_is_number(at->value)) {
+		value->number = json_number_value(at->value);
+		return true;
+	}
+	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES) {
+		eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
+		return false;
+	}
+	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
+	value->text = strdup(folded);
+	return value->text != NULL || eco_json_no_memory(at);
+}
+
+static bool parse_filter(const struct eco_json *at, const char *column, struct eco_filter *filter)
+{
+	bool several = json_is_array(at->value);
+	size_t count = several ? json_array_size(at->value) : 1;
+
+	if (several && !eco_json_array(at, VALUES_MAX))
+		return false;
+	filter->column = strdup(column);
+	filter->values = calloc(count + 1, sizeof *filter->values);
+	if (filter->column == NULL || filter->values == NULL)
+		return eco_json_no_memory(at);
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = several ? eco_json_item(at, i) : *at;
+
+		filter->value_count++;
+		if (!parse_value(&item, &filter->values[i]))
+			return false;
+	}
+	return true;
+}
+
+static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters, uint32_t *count)
+{
+	struct eco_json columns = eco_json_member(at, name), entry = { .file = at->file, .parent = &columns };
+	const char *key;
+	json_t *value;
+
+	if (columns.value == NULL)
+		return true;
+	if (!eco_json_names(&columns, COLUMNS_MAX))
+		return false;
+	json_object_foreach((json_t *)columns.value, key, value) {
+		struct eco_filter *filter = &filters[(*count)++];
+
+		filter->only = strcmp(name, "only") == 0;
+		entry.key = key;
+		entry.value = value;
+		if (!parse_filter(&entry, key, filter))
+			return false;
+		entry.index++;
+	}
+	return true;
+}
+
+bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
+{
+	*filters = calloc(ECO_FILTERS_MAX, sizeof **filters);
+	return *filters != NULL ? parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count) : eco_json_no_memory(at);
+}

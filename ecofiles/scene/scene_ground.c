@@ -1,0 +1,99 @@
+/* "ground" of a scene file: which rasters, and what they do not say of themselves. */
+#include "ecofiles/import/ground/ground.h"
+#include "ecofiles/scene/scene_parse.h"
+
+#include <stdlib.h>
+
+static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit", "nodata", "north_west",
+	"pixel", NULL };
+
+static bool parse_heights(struct eco_source *source, const struct eco_json *ground)
+{
+	struct eco_json node = eco_json_member(ground, "heights");
+	bool many = json_is_array(node.value);
+	size_t count = many ? json_array_size(node.value) : 1;
+
+	if (many && !eco_json_array(&node, ECO_GROUND_FILES_MAX))
+		return false;
+	if (count == 0) {
+		eco_json_fail(&node, ECO_BAD_INPUT, "\"heights\" names no raster");
+		return false;
+	}
+	source->ground.heights = calloc(count, sizeof *source->ground.heights);
+	if (source->ground.heights == NULL)
+		return eco_json_no_memory(&node);
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = many ? eco_json_item(&node, i) : node;
+
+		if (!eco_scene_parse_path(source, &item, &source->ground.heights[source->ground.height_count++]))
+			return false;
+	}
+	return true;
+}
+
+static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
+{
+	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
+	uint64_t band = 1;
+
+	ground->no_holes = json_is_null(nodata.value);
+	ground->has_nodata = nodata.value != NULL && !ground->no_holes;
+	ground->has_offset = eco_json_member(at, "offset").value != NULL;
+	if (!eco_json_whole(at, "band", 1, 65535, &band) || !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)
+		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset) || !eco_scene_parse_unit(at, &ground->unit_m)
+		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
+		return false;
+	ground->band = (uint32_t)band;
+	if (ground->scale == 0 && scale.value != NULL) {
+		eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
+		return false;
+	}
+	return true;
+}
+
+/* Where a picture lies that does not say so. */
+static bool parse_place(struct eco_ground_source *ground, const struct eco_json *at)
+{
+	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
+
+	if ((corner.value == NULL) != (pixel.value == NULL)) {
+		eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' size) go together");
+		return false;
+	}
+	if (corner.value == NULL)
+		return true;
+	if (ground->height_count > 1) {
+		eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give each a world file");
+		return false;
+	}
+	ground->has_place = true;
+	if (json_is_array(pixel.value)) {
+		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, ground->pixel))
+			return false;
+	} else {
+		if (!eco_json_number(at, "pixel", 1e-9, 1e6, &ground->pixel[0]))
+			return false;
+		ground->pixel[1] = ground->pixel[0];
+	}
+	return eco_json_numbers(at, "north_west", 2, 2, -1e9, 1e9, ground->corner);
+}
+
+bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
+{
+	struct eco_json node = eco_json_member(top, "ground");
+	struct eco_ground_source *ground = &source->ground;
+
+	return node.value == NULL || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights") && parse_heights(source, &node)
+		&& eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) && parse_meaning(ground, &node)
+		&& parse_place(ground, &node) && eco_scene_parse_crs(source, &node, "crs", &ground->crs));
+}
+
+void eco_ground_source_free(struct eco_ground_source *ground)
+{
+	for (uint32_t i = 0; i < ground->height_count; i++)
+		free(ground->heights[i]);
+	free(ground->heights);
+	free(ground->crs);
+	free(ground->vertical);
+	*ground = (struct eco_ground_source){ .heights = NULL };
+}

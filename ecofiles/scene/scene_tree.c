@@ -1,0 +1,241 @@
+/* A scene file and the files it nests. Each file is read once, however often it is placed (a hectare planted a million times is
+ * one hectare), and told apart by its real path. The list that comes out has every file before the files it names: the reverse
+ * of the order in which a depth-first walk finishes. */
+#include "ecofiles/scene/scene.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "ecofiles/scene/scene_parse.h"
+
+#define DEPTH_MAX 64u
+
+struct walk {
+	struct eco_sources *sources;
+	char **real;                         /* real path of each source; owned */
+	bool *open;                          /* being walked: naming it again is a cycle */
+	uint32_t *finished, finished_count;
+	uint32_t chain[DEPTH_MAX], depth;
+	struct eco_error *error;
+};
+
+static enum eco_code read_text(const char *path, char **text, size_t *size, struct eco_error *error)
+{
+	FILE *file = fopen(path, "rb");
+	struct stat status;
+	enum eco_code code = ECO_OK;
+
+	*text = NULL;
+	if (file == NULL)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode)) {
+		code = eco_fail(error, ECO_IO, "%s: not a regular file", path);
+	} else if (status.st_size > (off_t)ECO_SOURCE_BYTES_MAX) {
+		code = eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible; keep many plants in a CSV file (\"from\")", path,
+			(long long)status.st_size, ECO_SOURCE_BYTES_MAX);
+	} else if ((*text = malloc((size_t)status.st_size + 1)) == NULL) {
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
+	} else {
+		*size = fread(*text, 1, (size_t)status.st_size, file);
+		if (ferror(file))
+			code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	}
+	fclose(file);
+	return code;
+}
+
+/* Reads the naming file once more to say where in it child number `child` is. */
+static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code, const char *text)
+{
+	struct eco_error unread = { .code = ECO_OK };
+	struct eco_json_file file = { .name = walk->sources->items[source].path, .error = walk->error };
+	char *json;
+
+	if (read_text(file.name, &json, &file.size, &unread) == ECO_OK) {
+		json_t *root;
+		struct eco_json top, children, item, eco;
+
+		file.text = json;
+		root = eco_json_open(&file);
+		top = eco_json_root(&file, root);
+		if (root != NULL) {
+			children = eco_json_member(&top, "children");
+			item = eco_json_item(&children, child);
+			eco = eco_json_member(&item, "eco");
+			eco_json_fail(&eco, code, "%s", text);
+		}
+		json_decref(root);
+	}
+	free(json);
+	return eco_fail(walk->error, code, "%s: %s", file.name, text);
+}
+
+/* "a.json -> b.json -> a.json", from the file that is named again. */
+static void chain_text(const struct walk *walk, uint32_t again, char *text, size_t size)
+{
+	size_t used = (size_t)snprintf(text, size, "a file cannot be inside itself: ");
+	uint32_t i = 0;
+
+	while (walk->chain[i] != again)
+		i++;
+	for (; i < walk->depth && used < size; i++)
+		used += (size_t)snprintf(text + used, size - used, "%s -> ", walk->sources->items[walk->chain[i]].path);
+	if (used < size)
+		snprintf(text + used, size - used, "%s", walk->sources->items[again].path);
+}
+
+static enum eco_code add_source(struct walk *walk, const char *path, char *real, uint32_t *index)
+{
+	struct eco_sources *sources = walk->sources;
+	enum eco_code code;
+	char *text;
+	size_t size = 0;
+
+	*index = sources->count;
+	code = read_text(path, &text, &size, walk->error);
+	if (code == ECO_OK)
+		code = eco_source_parse_as(&sources->items[*index], text, size, path, true, walk->error);
+	free(text);
+	if (code != ECO_OK) {
+		free(real);
+		return code;
+	}
+	walk->real[sources->count++] = real;
+	return ECO_OK;
+}
+
+static enum eco_code walk_source(struct walk *walk, uint32_t index);
+
+static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t number)
+{
+	struct eco_sources *sources = walk->sources;
+	struct eco_source_child *child = &sources->items[parent].children[number];
+	char *real = realpath(child->eco, NULL), text[360];
+	uint32_t index = 0;
+	enum eco_code code;
+
+	if (real == NULL)
+		return fail_at_child(walk, parent, number, ECO_IO, strerror(errno));
+	while (index < sources->count && strcmp(walk->real[index], real) != 0)
+		index++;
+	if (index < sources->count) {
+		free(real);
+		child->source = index;
+		if (!walk->open[index])
+			return ECO_OK;
+		chain_text(walk, index, text, sizeof text);
+		return fail_at_child(walk, parent, number, ECO_BAD_INPUT, text);
+	}
+	if (walk->depth >= DEPTH_MAX || sources->count >= ECO_SOURCES_MAX) {
+		free(real);
+		snprintf(text, sizeof text, "more than %u files, or nested more than %u deep", ECO_SOURCES_MAX, DEPTH_MAX);
+		return fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
+	}
+	code = add_source(walk, child->eco, real, &index);
+	if (code != ECO_OK)
+		return code;
+	child->source = index;
+	if (sources->items[index].ground.height_count > 0) {
+		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested file stands where it is placed", child->eco);
+		return fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);
+	}
+	return walk_source(walk, index);
+}
+
+static enum eco_code walk_source(struct walk *walk, uint32_t index)
+{
+	const struct eco_source *source = &walk->sources->items[index];
+
+	walk->open[index] = true;
+	walk->chain[walk->depth++] = index;
+	for (uint32_t i = 0; i < source->child_count; i++) {
+		struct eco_source_child *child = &source->children[i];
+		enum eco_code code;
+
+		if (i > 0 && strcmp(child->eco, child[-1].eco) == 0) {
+			child->source = child[-1].source;
+			continue;
+		}
+		code = walk_child(walk, index, i);
+		if (code != ECO_OK)
+			return code;
+	}
+	walk->depth--;
+	walk->open[index] = false;
+	walk->finished[walk->finished_count++] = index;
+	return ECO_OK;
+}
+
+/* Puts the source that finished last first, and so on. */
+static enum eco_code order_sources(struct walk *walk)
+{
+	struct eco_sources *sources = walk->sources;
+	uint32_t count = sources->count, *place = calloc(count, sizeof *place);
+	struct eco_source *items = calloc(count, sizeof *items);
+
+	if (place == NULL || items == NULL) {
+		free(place);
+		free(items);
+		return eco_fail(walk->error, ECO_NO_MEMORY, "out of memory");
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		place[walk->finished[i]] = count - 1 - i;
+		items[count - 1 - i] = sources->items[walk->finished[i]];
+	}
+	for (uint32_t i = 0; i < count; i++)
+		for (uint32_t j = 0; j < items[i].child_count; j++)
+			items[i].children[j].source = place[items[i].children[j].source];
+	free(place);
+	free(sources->items);
+	sources->items = items;
+	return ECO_OK;
+}
+
+static enum eco_code load(struct walk *walk, const char *path)
+{
+	char *real = realpath(path, NULL);
+	uint32_t root;
+	enum eco_code code;
+
+	if (real == NULL)
+		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+	code = add_source(walk, path, real, &root);
+	if (code == ECO_OK)
+		code = walk_source(walk, root);
+	return code == ECO_OK ? order_sources(walk) : code;
+}
+
+enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error)
+{
+	struct walk walk = { .sources = sources, .error = error };
+	enum eco_code code;
+
+	*sources = (struct eco_sources){ calloc(ECO_SOURCES_MAX, sizeof *sources->items), 0 };
+	walk.real = calloc(ECO_SOURCES_MAX, sizeof *walk.real);
+	walk.open = calloc(ECO_SOURCES_MAX, sizeof *walk.open);
+	walk.finished = calloc(ECO_SOURCES_MAX, sizeof *walk.finished);
+	if (sources->items == NULL || walk.real == NULL || walk.open == NULL || walk.finished == NULL)
+		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	else
+		code = load(&walk, path);
+	for (uint32_t i = 0; walk.real != NULL && i < sources->count; i++)
+		free(walk.real[i]);
+	free(walk.real);
+	free(walk.open);
+	free(walk.finished);
+	if (code != ECO_OK)
+		eco_sources_free(sources);
+	return code;
+}
+
+void eco_sources_free(struct eco_sources *sources)
+{
+	for (uint32_t i = 0; i < sources->count; i++)
+		eco_source_free(&sources->items[i]);
+	free(sources->items);
+	*sources = (struct eco_sources){ .items = NULL };
+}

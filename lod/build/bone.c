@@ -1,0 +1,293 @@
+#include "lod/build/bone.h"
+
+#include <string.h>
+
+#include "lod/light.h"
+#include "lod/sort.h"
+#include "lod/build/tube.h"
+
+#define SIMILAR 1.6              /* widths that may differ along one line */
+#define RING_SLACK 1.25          /* by which a line may be wider than its widest ring */
+#define CHAIN_MAX 64u            /* joints that one line may pass over */
+
+static double distance_to(struct lod_v3 p, struct lod_v3 a, struct lod_v3 b)
+{
+	struct lod_v3 ab = lod_v3_sub(b, a), ap = lod_v3_sub(p, a);
+	double l2 = lod_v3_dot(ab, ab), t = l2 > 0 ? lod_v3_dot(ap, ab) / l2 : 0;
+	t = t < 0 ? 0 : t > 1 ? 1 : t;
+	return lod_v3_distance(p, lod_v3_add(a, lod_v3_scale(ab, t)));
+}
+
+static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone *b)
+{
+	return lod_v3_distance(tube->joints[b->joint[0]].place, tube->joints[b->joint[1]].place);
+}
+
+/* Width of area over a length: a tube's diameter, or a strip's width. At most about what the rings say, since the area of a swelling,
+ * a cap or a fork may come with next to no length. */
+static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint32_t bones, double area, double length, bool strip)
+{
+	double ring = 0;
+	for (uint32_t i = 0; i <= bones; i++)
+		ring = fmax(ring, tube->joints[chain[i]].ring);
+	double most = ring > 0 ? RING_SLACK * (strip ? ring : ring / LOD_PI) : sqrt(area);
+	return length > 0 ? fmin(area / (strip ? length : LOD_PI * length), most) : most;
+}
+
+/* May one line replace the joints of chain[0 .. bones]? Nothing passes by more than half its radius, and widths are similar. */
+static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
+{
+	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
+	double low = INFINITY, high = 0;
+	for (uint32_t i = 0; i < bones; i++) {
+		const struct lod_raw_bone *raw = &tube->bones[bone[i]];
+		double length = bone_length(tube, raw), width = width_of(tube, chain + i, 1, raw->area, length, strip);
+		double ring = fmax(tube->joints[chain[i]].ring, tube->joints[chain[i + 1]].ring) / (strip ? 1 : LOD_PI);
+		if (bones > 1 && lod_v3_distance(a, b) < 0.5 * length)
+			return false;
+		if (length < ring)           /* shorter than wide: rings that tilt make its length, and so its width, a matter of chance */
+			width = ring;
+		low = fmin(low, width);
+		high = fmax(high, width);
+	}
+	for (uint32_t i = 1; i < bones; i++)
+		if (distance_to(tube->joints[chain[i]].place, a, b) > 0.5 * low)
+			return false;
+	return high <= SIMILAR * low;
+}
+
+struct lines { struct lod_bones *bones; uint32_t capacity; struct lod_arena *arena; };
+
+static struct lod_bone *add(struct lines *lines)
+{
+	struct lod_bones *out = lines->bones;
+	if (out->count == lines->capacity) {
+		uint32_t wanted = lines->capacity ? 2 * lines->capacity : 1024;
+		struct lod_bone *bigger = lod_arena_take(lines->arena, wanted, sizeof *bigger);
+		if (out->count)
+			memcpy(bigger, out->items, out->count * sizeof *bigger);
+		out->items = bigger;
+		lines->capacity = wanted;
+	}
+	return &out->items[out->count++];
+}
+
+static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
+	uint32_t bones, bool strip)
+{
+	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
+	double area = 0, length = lod_v3_distance(a, b);
+	for (uint32_t i = 0; i < bones; i++) {
+		area += tube->bones[bone[i]].area;
+		tube->bones[bone[i]].line = lines->bones->count;
+	}
+	double width = width_of(tube, chain, bones, area, length, strip);
+	*add(lines) = (struct lod_bone){ .end = { a, b }, .width = width, .component = component };
+}
+
+/* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as they may be. */
+static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t component, uint32_t start, uint32_t next, bool strip)
+{
+	uint32_t chain[CHAIN_MAX + 2] = { start }, bone[CHAIN_MAX + 1], n = 0;
+	for (;;) {
+		if (next != ECO_NONE) {
+			const struct lod_raw_bone *raw = &tube->bones[next];
+			bone[n++] = next;
+			chain[n] = raw->joint[0] == chain[n - 1] ? raw->joint[1] : raw->joint[0];
+			tube->bones[next].line = UINT32_MAX - 1;         /* walked */
+		}
+		bool fits = next != ECO_NONE && n <= CHAIN_MAX && straight(tube, chain, bone, n, strip);
+		if (!fits && n > 1) {
+			uint32_t keep = next == ECO_NONE ? n : n - 1;
+			add_line(lines, tube, component, chain, bone, keep, strip);
+			memmove(chain, chain + keep, (n - keep + 1) * sizeof *chain);
+			memmove(bone, bone + keep, (n - keep) * sizeof *bone);
+			n -= keep;
+		} else if (!fits && n == 1 && next == ECO_NONE) {
+			add_line(lines, tube, component, chain, bone, 1, strip);
+			n = 0;
+		}
+		if (next == ECO_NONE)
+			return;
+		const struct lod_joint *last = &tube->joints[chain[n]];
+		next = ECO_NONE;
+		if (last->degree == 2)
+			for (int k = 1; k >= 0; k--)
+				next = tube->bones[last->bone[k]].line == ECO_NONE ? last->bone[k] : next;
+	}
+}
+
+static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t component)
+{
+	double open = 0, rings = 0;
+	for (uint32_t j = 0; j < tube->joint_count; j++) {
+		rings += tube->joints[j].ring > 0;
+		open += tube->joints[j].open > 0;
+	}
+	bool strip = open > 0.5 * rings;
+	/* Chains start at ends and forks; what is left afterwards are closed loops. */
+	for (int loops = 0; loops < 2; loops++)
+		for (uint32_t b = 0; b < tube->bone_count; b++)
+			for (int k = 0; k < 2; k++) {
+				const struct lod_raw_bone *bone = &tube->bones[b];
+				if (bone->merged == ECO_NONE && bone->line == ECO_NONE && (loops || tube->joints[bone->joint[k]].degree != 2))
+					lay_chain(tube, lines, component, bone->joint[k], b, strip);
+			}
+}
+
+/* Each vertex counts for the nearest of the lines through its piece; lines from `own` on are this component's. */
+static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own, const struct lod_organs *organs, struct lod_arena *arena)
+{
+	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
+	uint32_t most = tube->offset[tube->triangle_count], *first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
+	uint32_t *through = lod_arena_take(arena, tube->bone_count, sizeof *through);
+	for (uint32_t b = 0; b < tube->bone_count; b++)
+		first[tube->bones[b].piece + 2]++;
+	for (uint32_t p = 2; p <= most + 1; p++)
+		first[p] += first[p - 1];
+	for (uint32_t b = 0; b < tube->bone_count; b++) {
+		uint32_t into = b;
+		while (tube->bones[into].merged != ECO_NONE)
+			into = tube->bones[into].merged;
+		through[first[tube->bones[b].piece + 1]++] = tube->bones[into].line;
+	}
+	for (uint32_t t = 0; t < tube->triangle_count; t++)
+		for (uint32_t k = 0; k < 3; k++) {
+			uint32_t v = tube->corner[3 * t + k], piece = lod_tube_piece(tube, t, k);
+			struct lod_bone *nearest = NULL;
+			double best = INFINITY;
+			for (uint32_t i = first[piece]; i < first[piece + 1]; i++) {
+				struct lod_bone *line = &bones->items[through[i]];
+				double d = distance_to(lod_tube_place(tube, v), line->end[0], line->end[1]) - line->width / 2;
+				if (d < best) {
+					best = d;
+					nearest = line;
+				}
+			}
+			if (!nearest)
+				continue;
+			nearest->error = fmax(nearest->error, best);
+			lod_light_add(&light[nearest - bones->items - own], organs->rgb[tube->member[t]], organs->area[tube->member[t]]);
+		}
+	for (uint32_t i = own; i < bones->count; i++) {
+		memcpy(bones->items[i].rgb, organs->components[bones->items[i].component].rgb, 3);
+		lod_light_mean(&light[i - own], bones->items[i].rgb);
+	}
+}
+
+/* ---- Things ---- */
+
+/* A triangle's area, with a trace for one that has none, so that sums of areas divide. */
+static double area_of(const struct lod_mesh *mesh, uint32_t t)
+{
+	return lod_v3_length(lod_mesh_area_normal(mesh, t)) + 1e-30;
+}
+
+/* The straight line that the middle of a thing follows from end to end of its box along an axis: stems lean. By least squares. */
+static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const struct lod_component *c, int axis)
+{
+	double area = 0, along = 0, square = 0;
+	struct lod_v3 place = { 0, 0, 0 }, product = { 0, 0, 0 };
+	for (uint32_t i = mesh->member_first[line->component]; i < mesh->member_first[line->component + 1]; i++) {
+		uint32_t t = mesh->member[i];
+		struct lod_v3 sum = lod_v3_add(lod_mesh_corner(mesh, t, 0), lod_v3_add(lod_mesh_corner(mesh, t, 1), lod_mesh_corner(mesh, t, 2)));
+		struct lod_v3 weighed = lod_v3_scale(sum, area_of(mesh, t) / 3);
+		double at = lod_v3_axis(sum, axis) / 3;
+		area += area_of(mesh, t);
+		along += area_of(mesh, t) * at;
+		square += area_of(mesh, t) * at * at;
+		place = lod_v3_add(place, weighed);
+		product = lod_v3_add(product, lod_v3_scale(weighed, at));
+	}
+	struct lod_v3 middle = lod_v3_scale(place, 1 / area);
+	double spread = square - along * along / area;
+	struct lod_v3 slope = lod_v3_scale(lod_v3_sub(product, lod_v3_scale(place, along / area)), spread > 0 ? 1 / spread : 0);
+	for (int k = 0; k < 2; k++)
+		line->end[k] = lod_v3_add(middle, lod_v3_scale(slope, (k ? c->high : c->low)[axis] - along / area));
+}
+
+static struct lod_v3 away(struct lod_v3 p, const struct lod_bone *line)
+{
+	struct lod_v3 ab = lod_v3_sub(line->end[1], line->end[0]), ap = lod_v3_sub(p, line->end[0]);
+	double l2 = lod_v3_dot(ab, ab);
+	return lod_v3_sub(ap, lod_v3_scale(ab, l2 > 0 ? lod_v3_dot(ap, ab) / l2 : 0));
+}
+
+/* What is no tube has no skeleton: one line along the longest side of its box, as far from which its surface is as a tube's of its width. */
+static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c, uint32_t component)
+{
+	int axis = 0;
+	double area = 0, square = 0;
+	for (int a = 1; a < 3; a++)
+		axis = c->high[a] - c->low[a] > c->high[axis] - c->low[axis] ? a : axis;
+	struct lod_bone *line = add(lines);
+	*line = (struct lod_bone){ .component = component };
+	memcpy(line->rgb, c->rgb, 3);
+	fit_line(line, mesh, c, axis);
+	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
+		uint32_t t = mesh->member[i];
+		struct lod_v3 a = away(lod_mesh_corner(mesh, t, 0), line), b = away(lod_mesh_corner(mesh, t, 1), line), d = away(lod_mesh_corner(mesh, t, 2), line);
+		struct lod_v3 sum = lod_v3_add(a, lod_v3_add(b, d));
+		area += area_of(mesh, t);
+		square += area_of(mesh, t) * (lod_v3_dot(a, a) + lod_v3_dot(b, b) + lod_v3_dot(d, d) + lod_v3_dot(sum, sum)) / 12;
+	}
+	line->width = 2 * sqrt(square / area);
+	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
+		for (uint32_t k = 0; k < 3; k++)
+			line->error = fmax(line->error, distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0], line->end[1]) - line->width / 2);
+}
+
+/* ---- All ---- */
+
+static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *scratch)
+{
+	uint32_t *local = lod_arena_take(lines->arena, mesh->vertex_count, sizeof *local);
+	for (uint32_t c = 0; c < mesh->component_count; c++) {
+		if (organs->components[c].organ != ECO_ORGAN_WOOD)
+			continue;
+		struct lod_tube tube;
+		uint32_t own = lines->bones->count;
+		if (organs->components[c].stout) {
+			lay_thing(lines, mesh, &organs->components[c], c);
+			continue;
+		}
+		lod_tube_make(&tube, mesh, organs, c, local, scratch);
+		lay_lines(&tube, lines, c);
+		measure(&tube, lines->bones, own, organs, scratch);
+		lod_arena_free(scratch);
+	}
+}
+
+/* Lines accumulate in the caller's arena while each component's work is given back at once: so that work has an arena of its own. */
+void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *arena)
+{
+	*bones = (struct lod_bones){ 0 };
+	struct lod_arena *scratch = lod_arena_take(arena, 1, sizeof *scratch);
+	struct lines *lines = lod_arena_take(arena, 1, sizeof *lines);
+	*lines = (struct lines){ .bones = bones, .arena = arena };
+	arena->inner = scratch;
+	if (setjmp(scratch->failed))
+		longjmp(arena->failed, 1);       /* whoever frees the arena frees the inner one */
+	make_guarded(lines, mesh, organs, scratch);
+	arena->inner = NULL;
+}
+
+void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *by = lod_arena_take(arena, bones->count, sizeof *by);
+	struct lod_bone *copy = lod_arena_take(arena, bones->count, sizeof *copy);
+	for (uint32_t i = 0; i < bones->count; i++) {
+		const struct lod_bone *b = &bones->items[i];
+		double size = lod_v3_distance(b->end[0], b->end[1]) * b->width;
+		/* Exponent and first bit of the fraction of a double: half octaves, in order. Descending by complement. */
+		uint64_t octave = ~lod_sort_key(size) >> 51;
+		by[i] = (struct lod_keyed){ octave << 32 | (uint32_t)lod_mix(lod_mix(seed) + i), i };
+	}
+	lod_sort(arena, by, bones->count);
+	for (uint32_t i = 0; i < bones->count; i++)
+		copy[i] = bones->items[by[i].value];
+	if (bones->count)
+		memcpy(bones->items, copy, bones->count * sizeof *copy);
+	lod_arena_release(arena, mark);
+}

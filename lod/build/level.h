@@ -1,0 +1,30 @@
+/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of them.
+ *
+ * Wood is never pruned into holes (a missing piece of branch is seen at once), so its detail is exchanged as a whole. Where a cell
+ * cuts a component, the cut's border stays as it is, so that cells of different levels meet. */
+#ifndef LOD_LEVEL_H
+#define LOD_LEVEL_H
+
+#include "lod/build/weld.h"
+
+#define LOD_LEVELS_SIMPLE 2u
+
+struct lod_corner { uint32_t vertex, component; int32_t uv[2]; };        /* vertex of the mesh */
+
+struct lod_levels {
+	uint32_t count;              /* simplified levels that pay, coarse first; the full detail is not among them */
+	uint32_t triangle_count[LOD_LEVELS_SIMPLE];
+	struct lod_corner *corner[LOD_LEVELS_SIMPLE];    /* 3 per triangle */
+};
+
+struct lod_levels_input {
+	const uint32_t *whole, *cut; /* triangles of the mesh: of components that lie here as a whole, and of others */
+	uint32_t whole_count, cut_count;
+	double reach;                /* metres by which the surface may move; a tube's radius is where it becomes another thing */
+};
+
+/* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from `arena`. */
+void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, const struct lod_levels_input *input,
+	struct lod_arena *arena);
+
+#endif

@@ -1,0 +1,419 @@
+/* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor s_opt that minimises the
+ * distance of (Precision, Recall) to (1, 1) (and keeps the wrong pixels in bounds: curve_ways.c), and the wrong pixels that are left.
+ *
+ * What is measured is what will be drawn: the cut sets of lod/ladder.h, over views all around (probe.h), against the organ's own
+ * full detail. Scales are kept relative to Cook's 1/lambda, whose singularity at 0 is thus taken out: s/s_Cook is a slow function
+ * of log lambda, so the search starts from the neighbouring share's answer, walks in strides down to an eighth of an octave and ends
+ * with a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
+ *
+ * Leaves come in several forms, and the same vertices show many elements as points or few as they are. At each share some reaches
+ * between these ends are tried, the same numbers of elements at all shares, so that a way may stay at one while vertices go into
+ * finer forms; and the way through them is the one of least loss in all on which nothing that was drawn is dropped or coarsened
+ * again (dynamic programming over the shares): what a ladder draws at a share is then what was measured there.
+ *
+ * A complex plant's organ is a coarse list for the whole plant and the rest of the same order in cells. Its curve is measured over
+ * the whole: each ladder draws its part of the elements that the share reaches, as when all cells stand at one distance. All these
+ * ladders share the curve.
+ *
+ * Two touches make curves fit for a planner. The scales are smoothed over neighbouring shares, as a scale that jumps would be seen;
+ * and the error is made non-increasing by the least-squares monotone fit (pool adjacent violators), as more vertices must never
+ * look worse to it. All arithmetic is +, -, *, / and sqrt in fixed order: the same curves on every machine.
+ *
+ * Here: which shares, and from their samples a curve for all ladders that share one. What a sample takes is in curve_ways.c. */
+#include "lod/build/measure/curve.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/measure/curve_ways.h"
+#include "lod/build/grid.h"
+#include "lod/ladder.h"
+
+#define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the rest is for levels */
+
+/* ---- Which shares ---- */
+
+static void add_sample(struct lod_curve_organ *curve, double share, bool scale_is_free)
+{
+	struct lod_curve_sample *last = curve->sample_count ? &curve->samples[curve->sample_count - 1] : NULL;
+	scale_is_free &= share < 1;
+	if (!(share > 0 && share <= 1) || curve->sample_count == LOD_CURVE_SAMPLES_MAX || (last && !((float)share > (float)last->share)))
+		return;
+	curve->samples[curve->sample_count++] = (struct lod_curve_sample){ .share = share, .free = scale_is_free, .reach = 1 };
+}
+
+static double grown(double n, double factor)
+{
+	return n * factor > n + 1 ? n * factor : n + 1;
+}
+
+/* Shares of the numbers of primitives from one to `all`, four an octave, or fewer where that were too many; `per`: share of one. */
+static void sample_geometrically(struct lod_curve_organ *curve, double all, double per)
+{
+	static const double factors[] = { 1.189207115002721, 1.2599210498948732, 1.4142135623730951, 2 };
+	size_t f = 0;
+	for (; f + 1 < sizeof factors / sizeof factors[0]; f++) {
+		uint32_t count = 1;
+		for (double n = 1; n < all; count++)
+			n = grown(n, factors[f]);
+		if (count <= SAMPLES_MOST)
+			break;
+	}
+	for (double n = 1; n < all; n = grown(n, factors[f]))
+		if ((double)(uint64_t)(n + 0.5) < all)
+			add_sample(curve, (double)(uint64_t)(n + 0.5) * per, curve->scaled);
+}
+
+/* Lines or points one by one, then where each level of the largest ladder begins. */
+static void sample_levels(struct lod_curve_organ *curve)
+{
+	const struct eco_scene *scene = &curve->probe->scene;
+	const struct eco_ladder *largest = lod_curve_member(curve, 0);
+	for (uint32_t i = 1; i < curve->member_count; i++)
+		if (lod_ladder_full(scene, lod_curve_member(curve, i)) > lod_ladder_full(scene, largest))
+			largest = lod_curve_member(curve, i);
+	uint64_t first = lod_ladder_stage_end(scene, largest), full = lod_ladder_full(scene, largest), unit = lod_ladder_next(scene, largest, 0);
+	if (first)
+		sample_geometrically(curve, (double)first / (double)unit, lod_ladder_share(scene, largest, unit));
+	add_sample(curve, lod_ladder_share(scene, largest, first), curve->scaled);
+	for (uint64_t v = first; v < full;) {
+		v = lod_ladder_next(scene, largest, v);
+		add_sample(curve, lod_ladder_share(scene, largest, v), false);
+	}
+	add_sample(curve, 1, false);
+}
+
+static void choose_samples(struct lod_curve_organ *curve)
+{
+	curve->sample_count = 0;
+	if (!curve->forms) {
+		sample_levels(curve);
+		return;
+	}
+	sample_geometrically(curve, curve->full / curve->unit[0], curve->unit[0] / curve->full);
+	add_sample(curve, 1, false);
+}
+
+/* ---- Smoothing ---- */
+
+/* Twice [1 2 1]/4 over the samples whose scale is free, as far as each has play: where leaves turn into another form the best scale may
+ * change fast. The samples are evenly spaced in log share but for the first few. */
+static void smooth_steps(struct lod_curve_organ *curve)
+{
+	double best[LOD_CURVE_SAMPLES_MAX];
+	uint32_t n = 0;
+	for (; n < curve->sample_count && curve->samples[n].free; n++)
+		best[n] = curve->samples[n].step;
+	for (int round = 0; round < 2; round++) {
+		double before = n ? curve->samples[0].step : 0;
+		for (uint32_t i = 0; i + 1 < n; i++) {
+			struct lod_curve_sample *sample = &curve->samples[i];
+			double here = sample->step, smooth = (before + 2 * here + curve->samples[i + 1].step) / 4;
+			smooth = smooth < best[i] + sample->play ? smooth : best[i] + sample->play;
+			sample->step = smooth > best[i] - sample->play ? smooth : best[i] - sample->play;
+			before = here;
+		}
+	}
+}
+
+/* Pool adjacent violators: the non-increasing sequence of errors nearest to the measured one. fp and fn keep their ratio. */
+static void make_monotone(struct lod_curve_organ *curve)
+{
+	double mean[LOD_CURVE_SAMPLES_MAX], weight[LOD_CURVE_SAMPLES_MAX];
+	uint32_t ends[LOD_CURVE_SAMPLES_MAX], pools = 0;
+	for (uint32_t i = 0; i < curve->sample_count; i++) {
+		mean[pools] = curve->samples[i].fp + curve->samples[i].fn;
+		weight[pools] = 1;
+		ends[pools++] = i + 1;
+		while (pools > 1 && mean[pools - 2] < mean[pools - 1]) {
+			double both = weight[pools - 2] + weight[pools - 1];
+			mean[pools - 2] = (mean[pools - 2] * weight[pools - 2] + mean[pools - 1] * weight[pools - 1]) / both;
+			weight[pools - 2] = both;
+			ends[pools - 2] = ends[pools - 1];
+			pools--;
+		}
+	}
+	for (uint32_t pool = 0, i = 0; pool < pools; pool++) {
+		for (; i < ends[pool]; i++) {
+			struct lod_curve_sample *sample = &curve->samples[i];
+			double error = sample->fp + sample->fn;
+			if (error > 0)
+				sample->fp *= mean[pool] / error, sample->fn *= mean[pool] / error;
+			else
+				sample->fn = mean[pool];
+		}
+	}
+}
+
+/* ---- One curve ---- */
+
+static enum eco_code keep_reference(struct lod_curve_organ *curve, bool *any, struct eco_error *error)
+{
+	const struct lod_plant *plant = curve->probe->plant;
+	enum eco_code code = ECO_OK;
+	if (!curve->far_only) {
+		code = lod_curve_draw(curve, 1, 1, 0, error);
+	} else {
+		const struct eco_ladder *far = lod_curve_member(curve, 0);
+		const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
+		lod_probe_clear(curve->probe);
+		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+			const struct eco_ladder *ladder = &plant->ladders[i];
+			if (ladder->organ == far->organ && !(ladder->flags & ECO_LADDER_FAR))
+				code = lod_curve_add(curve, ladder, &all, error);
+		}
+	}
+	*any = !code && lod_probe_keep(curve->probe);
+	return code;
+}
+
+/* Progress of the whole: `done` of `all` samples. */
+struct progress { const struct lod_plant_options *options; uint32_t done, all; };
+
+static enum eco_code advance(struct progress *progress, struct eco_error *error)
+{
+	progress->done++;
+	if (progress->options->progress && !progress->options->progress(progress->options->ctx, (double)progress->done / progress->all))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted while measuring curves");
+	return ECO_OK;
+}
+
+static enum eco_code measure_ways(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	double step = 0;
+	uint32_t chosen = 0;
+	bool several = curve->forms && curve->units > 1;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
+		struct lod_curve_sample *sample = &curve->samples[i];
+		if (sample->free && several) {
+			code = lod_curve_try_ways(curve, i, chosen ? &curve->samples[i + 1] : NULL, error);
+			chosen = chosen ? chosen : i + 1;
+		} else if (sample->free) {
+			struct lod_curve_way way = { .reach = sample->share };
+			code = lod_curve_try_way(curve, sample->share, &way, step, chosen > 0, 1e30, error);
+			chosen = chosen ? chosen : i + 1;
+			sample->step = step = way.step;
+			sample->play = way.play;
+			sample->reach = curve->forms ? way.reach : 1;
+		}
+		if (!code)
+			code = advance(progress, error);
+	}
+	return code || !several ? code : lod_curve_settle(curve, chosen, error);
+}
+
+static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < curve->sample_count && !code; i++) {
+		struct lod_curve_sample *sample = &curve->samples[i];
+		if (!sample->free)
+			sample->step = 0;
+		code = lod_curve_draw(curve, sample->share, sample->reach, sample->step, error);
+		if (code)
+			break;
+		struct lod_probe_result result;
+		lod_probe_compare(curve->probe, 1, &result);
+		sample->fp = result.fp;
+		sample->fn = result.fn;
+		code = advance(progress, error);
+	}
+	return code;
+}
+
+/* From other views: what is drawn is the same, but for its scale. */
+static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
+		struct lod_curve_sample *sample = &curve->samples[i];
+		struct lod_curve_way way = { .reach = sample->reach };
+		if (sample->free) {
+			code = lod_curve_try_way(curve, sample->share, &way, sample->step, true, 1e30, error);
+			sample->step = way.step;
+			sample->play = way.play;
+		}
+		if (!code)
+			code = advance(progress, error);
+	}
+	return code;
+}
+
+/* One after the other: from all around, which says what is drawn, too, and from above. */
+static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress, struct eco_error *error)
+{
+	bool any;
+	enum eco_code code = keep_reference(curve, &any, error);
+	if (!code && !any)
+		curve->sample_count = 0;
+	if (!code)
+		code = above ? measure_scales(curve, progress, error) : measure_ways(curve, progress, error);
+	for (uint32_t i = 0; i < curve->sample_count; i++)
+		if (curve->samples[i].free)
+			lod_solved_add(&curve->solved, curve->samples[i].step > LOD_CURVE_STEP_LOW && curve->samples[i].step < LOD_CURVE_STEP_HIGH);
+	smooth_steps(curve);
+	if (!code)
+		code = measure_errors(curve, progress, error);
+	make_monotone(curve);
+	return code;
+}
+
+/* ---- Which ladders share a curve ---- */
+
+static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder *ladder)
+{
+	uint32_t list = ladder->triangles != ECO_NONE ? ladder->triangles : ladder->lines != ECO_NONE ? ladder->lines : ladder->points;
+	return list == ECO_NONE ? ECO_NONE : plant->lists[list].list.image;
+}
+
+static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
+{
+	bool far = a->flags & ECO_LADDER_FAR;
+	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR) && (far || image_of(plant, a) == image_of(plant, b));
+}
+
+static bool is_form(const struct lod_curve_organ *curve, uint32_t list)
+{
+	return lod_curve_primitives(curve, list) && curve->probe->lists[list].coder == ECO_CODER_FORM;
+}
+
+static void add_unit(struct lod_curve_organ *curve, uint32_t list)
+{
+	const struct eco_list *l = &curve->probe->lists[list];
+	curve->unit[curve->units++] = eco_list_vertices(l) * (double)l->primitive_count / l->element_count;
+}
+
+static void sum_up(struct lod_curve_organ *curve)
+{
+	const struct eco_ladder *first = lod_curve_member(curve, 0);
+	curve->forms = first->organ != ECO_ORGAN_WOOD && first->level_count == 0 && lod_curve_primitives(curve, first->triangles);
+	for (uint32_t i = 0; i < curve->member_count; i++) {
+		const struct eco_ladder *ladder = lod_curve_member(curve, i);
+		curve->full += (double)lod_ladder_full(&curve->probe->scene, ladder);
+		if (curve->forms)
+			curve->elements += curve->probe->lists[ladder->triangles].element_count;
+	}
+	if (!curve->forms)
+		return;
+	const uint32_t lists[] = { first->points, first->lines, first->simple };
+	for (int i = 0; i < 3; i++)
+		if (is_form(curve, lists[i]))
+			add_unit(curve, lists[i]);
+	curve->unit[curve->units++] = curve->full / curve->elements;
+}
+
+/* Ladders from `first` on that share its curve and have none yet; `done` marks them. */
+static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool *done, uint32_t *members)
+{
+	const struct lod_plant *plant = probe->plant;
+	*curve = (struct lod_curve_organ){ .probe = probe, .members = members };
+	for (uint32_t i = first; i < plant->ladder_count; i++) {
+		if (done[i] || (i != first && !same_curve(plant, &plant->ladders[first], &plant->ladders[i])))
+			continue;
+		done[i] = true;
+		curve->members[curve->member_count++] = i;
+	}
+	curve->far_only = plant->ladders[first].flags & ECO_LADDER_FAR;
+	curve->scaled = plant->ladders[first].organ != ECO_ORGAN_WOOD;
+	sum_up(curve);
+	if (curve->full > 0)
+		choose_samples(curve);
+}
+
+static enum eco_code append(struct lod_plant *plant, const struct lod_curve_organ *curve, struct eco_error *error)
+{
+	struct eco_curve *grown = realloc(plant->curves, (plant->curve_count + curve->sample_count + 1) * sizeof *grown);
+	if (!grown)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
+	plant->curves = grown;
+	plant->solved[LOD_SOLVER_SCALE].runs += curve->solved.runs;
+	plant->solved[LOD_SOLVER_SCALE].converged += curve->solved.converged;
+	for (uint32_t i = 0; i < curve->sample_count; i++) {
+		const struct lod_curve_sample *s = &curve->samples[i];
+		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
+			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1, .reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
+	}
+	return ECO_OK;
+}
+
+static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+{
+	uint32_t first = plant->curve_count, count = 0;
+	enum eco_code code = measure_curve(curve, false, progress, error);
+	if (!code)
+		code = append(plant, curve, error);
+	count = curve->sample_count;
+	lod_probe_look(curve->probe, LOD_PROBE_ABOVE);
+	if (!code)
+		code = measure_curve(curve, true, progress, error);
+	bool above = !code && curve->sample_count == count;
+	if (above)
+		code = append(plant, curve, error);
+	lod_probe_look(curve->probe, LOD_PROBE_AROUND);
+	for (uint32_t i = 0; i < curve->member_count; i++) {
+		struct eco_ladder *ladder = &plant->ladders[curve->members[i]];
+		ladder->curve_first = first;
+		ladder->curve_count = count;
+		ladder->flags |= above && count ? ECO_LADDER_ABOVE : 0;
+	}
+	return code;
+}
+
+static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
+	uint32_t *members, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (int pass = 0; pass < 2 && !code; pass++) {       /* first only counts, for progress */
+		memset(done, 0, plant->ladder_count * sizeof *done);
+		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+			struct lod_curve_organ curve;
+			if (done[i])
+				continue;
+			gather(&curve, probe, i, done, members);
+			if (pass == 0) {
+				progress->all += 4 * curve.sample_count;
+				continue;
+			}
+			code = measure_both(plant, &curve, progress, error);
+		}
+	}
+	return code;
+}
+
+enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error)
+{
+	struct lod_probe probe;
+	struct lod_probe_options size = { options->views ? options->views : 12, options->pixels ? options->pixels : 256, options->each,
+		options->ctx };
+	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
+	if (code)
+		return code;
+	free(plant->curves);
+	plant->curves = NULL;
+	plant->curve_count = 0;
+	plant->solved[LOD_SOLVER_SCALE] = (struct lod_solved){ 0 };
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		plant->ladders[i].curve_first = plant->ladders[i].curve_count = 0;
+		plant->ladders[i].flags &= (uint8_t)~ECO_LADDER_ABOVE;
+	}
+	struct progress progress = { options, 0, 0 };
+	bool *done = calloc(plant->ladder_count + 1, sizeof *done);
+	uint32_t *members = calloc(plant->ladder_count + 1, sizeof *members);
+	code = done && members ? measure_all(plant, &probe, &progress, done, members, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory to measure %u ladders", plant->ladder_count);
+	free(done);
+	free(members);
+	lod_probe_free(&probe);
+	return code;
+}
+
+enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error)
+{
+	if (options->stage)
+		options->stage(options->ctx, LOD_STAGE_CURVES);
+	enum eco_code code = options->grid_bits ? ECO_OK : lod_grid_choose(plant, model, options, error);
+	return code ? code : lod_curve_measure(plant, model, options, error);
+}

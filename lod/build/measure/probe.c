@@ -1,0 +1,382 @@
+/* A plant seen from all around. See probe.h. */
+#include "lod/build/measure/probe.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/room.h"
+#include "lod/build/weld.h"
+#include "lod/geometry.h"
+
+#define DISTANCE_RADII 16.0
+#define FRAME 1.04                   /* half the picture over the bounding sphere's silhouette */
+#define PIXELS_AT_ONCE (1u << 22)    /* of all pictures that are drawn at a time */
+#define SHARED_PRIMITIVES 8192u      /* fewer are drawn faster than threads begin */
+
+struct lod_drawing {                 /* one cut, as triangles, lines or points; offsets into `floats` */
+	uint8_t kind;
+	uint32_t count;
+	size_t position, uv, width, size;    /* width of lines, size of points; `sized`: points differ */
+	bool sized;
+	const struct eco_image *cutout;
+	float area;
+};
+
+/* ---- Set-up ---- */
+
+static bool usable(const struct eco_model *model, uint32_t triangle)
+{
+	enum eco_drop why;
+	return lod_mesh_usable(model, triangle, &why);
+}
+
+/* Centre of the bounding box, and the greatest distance of a vertex from it. */
+static void bounds(struct lod_probe *probe, const struct eco_model *model)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, far2 = 0;
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!usable(model, (uint32_t)(i / 3)))
+			continue;
+		const float *p = model->position + 3 * (size_t)model->index[i];
+		for (int k = 0; k < 3; k++) {
+			low[k] = p[k] < low[k] ? p[k] : low[k];
+			high[k] = p[k] > high[k] ? p[k] : high[k];
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		probe->center[k] = low[k] <= high[k] ? (low[k] + high[k]) / 2 : 0;
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!usable(model, (uint32_t)(i / 3)))
+			continue;
+		const float *p = model->position + 3 * (size_t)model->index[i];
+		double d[3] = { p[0] - probe->center[0], p[1] - probe->center[1], p[2] - probe->center[2] };
+		double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+		far2 = d2 > far2 ? d2 : far2;
+	}
+	probe->radius = far2 > 0 ? sqrt(far2) : 1;
+}
+
+/* Each view a golden angle on from the last: a rotation, so no libm. */
+void lod_probe_look(struct lod_probe *probe, double low, double high)
+{
+	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
+	double away = DISTANCE_RADII * probe->radius, x = 1, y = 0;
+	double half = FRAME * probe->radius / sqrt(away * away - probe->radius * probe->radius);
+	probe->near_m = away - 4 * probe->radius;
+	for (uint32_t i = 0; i < probe->views; i++) {
+		struct lod_eye *eye = &probe->eyes[i];
+		double z = low + (high - low) * (i + 0.5) / probe->views, flat = sqrt(1 - z * z), from[3] = { flat * x, flat * y, z };
+		memset(eye, 0, sizeof *eye);
+		for (int k = 0; k < 3; k++) {
+			eye->at[k] = probe->center[k] + away * from[k];
+			eye->forward[k] = -from[k];
+		}
+		eye->right[0] = -y, eye->right[1] = x;
+		eye->up[0] = -z * x, eye->up[1] = -z * y, eye->up[2] = flat;
+		eye->tan_x = eye->tan_y = half;
+		eye->pixel_rad = 2 * half / probe->options.pixels;
+		double next = x * turn_x - y * turn_y;
+		y = x * turn_y + y * turn_x;
+		x = next;
+	}
+}
+
+static size_t view_pixels(const struct lod_probe *probe)
+{
+	return (size_t)probe->options.pixels * probe->options.pixels;
+}
+
+/* One raster, or, where views can be drawn at a time, as many as stay small together. */
+static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *error)
+{
+	size_t most = probe->options.each ? PIXELS_AT_ONCE / (view_pixels(probe) + 1) + 1 : 1;
+	uint32_t wanted = most < probe->views ? (uint32_t)most : probe->views;
+	enum eco_code code = ECO_OK;
+	probe->rasters = calloc(wanted, sizeof *probe->rasters);
+	if (!probe->rasters)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u pictures", wanted);
+	while (!code && probe->raster_count < wanted) {
+		code = lod_raster_init(&probe->rasters[probe->raster_count], &(struct lod_raster_options){ .width = probe->options.pixels,
+			.height = probe->options.pixels, .silhouette = true }, error);
+		probe->raster_count += !code;
+	}
+	return code;
+}
+
+static bool allocate(struct lod_probe *probe)
+{
+	const struct lod_plant *plant = probe->plant;
+	size_t pixels = view_pixels(probe);
+	probe->eyes = calloc(probe->views, sizeof *probe->eyes);
+	probe->reference = calloc(probe->views, pixels);
+	probe->reference_pixels = calloc(probe->views, sizeof *probe->reference_pixels);
+	probe->scores = calloc(probe->views, sizeof *probe->scores);
+	probe->lists = calloc(plant->list_count + 1, sizeof *probe->lists);
+	probe->cut = calloc(plant->image_count + 1, sizeof *probe->cut);
+	size_t chunks = 0;
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		chunks += plant->lists[i].end_count;
+	probe->chunks = calloc(chunks + 1, sizeof *probe->chunks);
+	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists && probe->cut
+		&& probe->chunks;
+}
+
+/* Chunks as the pack will have them: ladders ask how many triangles some elements have. */
+static void count_chunks(struct lod_probe *probe, struct eco_list *list, const struct lod_list_draft *draft)
+{
+	const struct eco_elements *e = &draft->elements;
+	list->chunk_first = probe->scene.chunk_count;
+	list->chunk_count = draft->end_count;
+	for (uint32_t c = 0, i = 0; c < draft->end_count; c++) {
+		struct eco_chunk *chunk = &probe->chunks[probe->scene.chunk_count++];
+		chunk->element_count = draft->ends[c] - i;
+		for (; i < draft->ends[c]; i++)
+			chunk->primitive_count += e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
+	}
+}
+
+enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_probe_options *options, struct eco_error *error)
+{
+	memset(probe, 0, sizeof *probe);
+	probe->plant = plant;
+	probe->model = model;
+	probe->views = options->views;
+	probe->options = *options;
+	enum eco_code code = make_rasters(probe, error);
+	if (code) {
+		lod_probe_free(probe);
+		return code;
+	}
+	if (!allocate(probe)) {
+		lod_probe_free(probe);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels", options->views, options->pixels,
+			options->pixels);
+	}
+	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count, .ladders = plant->ladders,
+		.ladder_count = plant->ladder_count, .curves = plant->curves, .curve_count = plant->curve_count, .chunks = probe->chunks };
+	for (uint32_t i = 0; i < plant->list_count; i++) {
+		probe->lists[i] = plant->lists[i].list;
+		count_chunks(probe, &probe->lists[i], &plant->lists[i]);
+	}
+	for (uint32_t i = 0; i < plant->image_count; i++)
+		probe->cut[i] = eco_image_has_holes(&model->images[plant->images[i]]);
+	bounds(probe, model);
+	lod_probe_look(probe, LOD_PROBE_AROUND);
+	return ECO_OK;
+}
+
+void lod_probe_free(struct lod_probe *probe)
+{
+	for (uint32_t i = 0; i < probe->raster_count; i++)
+		lod_raster_free(&probe->rasters[i]);
+	free(probe->rasters);
+	free(probe->scores);
+	free(probe->eyes);
+	free(probe->reference);
+	free(probe->reference_pixels);
+	free(probe->lists);
+	free(probe->cut);
+	free(probe->chunks);
+	free(probe->drawings);
+	free(probe->floats);
+	memset(probe, 0, sizeof *probe);
+}
+
+/* ---- What to draw ---- */
+
+void lod_probe_clear(struct lod_probe *probe)
+{
+	probe->drawing_count = 0;
+	probe->float_count = 0;
+	probe->primitive_count = 0;
+}
+
+static bool reserve(struct lod_probe *probe, size_t floats)
+{
+	if (!eco_room(&probe->drawings, &probe->drawing_capacity, probe->drawing_count, sizeof *probe->drawings))
+		return false;
+	if (probe->float_count + floats > probe->float_capacity) {
+		size_t capacity = (probe->float_count + floats) / 2 * 3 + 4096;
+		float *grown = realloc(probe->floats, capacity * sizeof *grown);
+		if (!grown)
+			return false;
+		probe->floats = grown;
+		probe->float_capacity = capacity;
+	}
+	return true;
+}
+
+enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error)
+{
+	const struct lod_list_draft *draft = &probe->plant->lists[cut->list];
+	const struct eco_list *list = &draft->list;
+	size_t count = cut->end - cut->first, corners = eco_list_vertices(list);
+	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image];
+	size_t positions = 3 * corners * count, uvs = holes ? 2 * corners * count : 0, widths = corners == 2 ? count : 0;
+	bool sized = list->attributes & ECO_ATTR_SIZE;
+	size_t sizes = sized ? count : 0;
+	if (!count)
+		return ECO_OK;
+	if (!reserve(probe, positions + uvs + widths + sizes))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %zu primitives", count);
+	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
+	*drawing = (struct lod_drawing){ .kind = list->kind, .position = probe->float_count, .uv = probe->float_count + positions,
+		.width = probe->float_count + positions + uvs, .size = probe->float_count + positions + uvs + widths, .sized = sized,
+		.area = list->unit_area * cut->scale,
+		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
+	struct lod_geometry geometry = { probe->floats + drawing->position, holes ? probe->floats + drawing->uv : NULL,
+		widths ? probe->floats + drawing->width : NULL, NULL, sized ? probe->floats + drawing->size : NULL };
+	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale, &geometry);
+	probe->float_count += positions + uvs + widths + sizes;
+	probe->primitive_count += drawing->count;
+	return ECO_OK;
+}
+
+/* ---- Drawing ---- */
+
+static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
+{
+	for (uint32_t i = 0; i < probe->drawing_count; i++) {
+		const struct lod_drawing *drawing = &probe->drawings[i];
+		struct lod_raster_batch batch = { .count = drawing->count, .position = probe->floats + drawing->position,
+			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
+			.width = probe->floats + drawing->width, .area = drawing->area,
+			.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
+		if (drawing->kind == ECO_LIST_TRIANGLES)
+			lod_raster_triangles(raster, &batch);
+		else if (drawing->kind == ECO_LIST_LINES)
+			lod_raster_lines(raster, &batch);
+		else
+			lod_raster_points(raster, &batch);
+	}
+}
+
+#define SOUP 512u
+
+static void flush(const struct lod_probe *probe, struct lod_raster *raster, const struct eco_material *material, uint32_t count,
+	const float *position, const float *uv)
+{
+	const struct eco_image *image = material->cutout && material->image < probe->model->image_count ? &probe->model->images[material->image] : NULL;
+	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image : NULL, .owner = 1 };
+	lod_raster_triangles(raster, &batch);
+}
+
+static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
+{
+	const struct eco_model *model = probe->model;
+	float position[SOUP * 9], uv[SOUP * 6];
+	uint32_t count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		bool good = usable(model, t);
+		for (uint32_t i = 0; i < 3 && good; i++) {
+			uint32_t vertex = model->index[3 * (size_t)t + i];
+			memcpy(position + 9 * count + 3 * i, model->position + 3 * (size_t)vertex, 3 * sizeof(float));
+			if (model->uv)
+				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * (size_t)vertex, 2 * sizeof(float));
+		}
+		count += good;
+		bool last = t + 1 == model->triangle_count || model->material[t + 1] != model->material[t];
+		if (count == SOUP || last) {
+			flush(probe, raster, lod_mesh_material(model, model->material[t]), count, position, model->uv ? uv : NULL);
+			count = 0;
+		}
+	}
+}
+
+static void start_view(const struct lod_probe *probe, struct lod_raster *raster, uint32_t view)
+{
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &probe->eyes[view], probe->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+}
+
+/* ---- Views, several at a time: each writes only what is its own ---- */
+
+struct drawing_views {
+	struct lod_probe *probe;
+	uint32_t stride;
+	void (*draw)(const struct lod_probe *probe, struct lod_raster *raster);
+	void (*finish)(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view);
+};
+
+static void draw_part(void *pieces, uint32_t part)
+{
+	const struct drawing_views *d = pieces;
+	struct lod_raster *raster = &d->probe->rasters[part];
+	for (uint32_t view = part * d->stride; view < d->probe->views; view += d->probe->raster_count * d->stride) {
+		start_view(d->probe, raster, view);
+		d->draw(d->probe, raster);
+		d->finish(d->probe, raster, view);
+	}
+}
+
+static void draw_views(struct drawing_views *d, uint64_t primitives)
+{
+	const struct lod_probe_options *o = &d->probe->options;
+	if (o->each && primitives >= SHARED_PRIMITIVES)
+		o->each(o->ctx, d->probe->raster_count, draw_part, d);
+	else
+		for (uint32_t part = 0; part < d->probe->raster_count; part++)
+			draw_part(d, part);
+}
+
+static void keep_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)
+{
+	size_t pixels = view_pixels(probe);
+	uint64_t covered = 0;
+	memcpy(probe->reference + view * pixels, raster->cover, pixels);
+	for (size_t i = 0; i < pixels; i++)
+		covered += raster->cover[i] & 1;
+	probe->reference_pixels[view] = covered;
+}
+
+static bool any_covered(const struct lod_probe *probe)
+{
+	for (uint32_t view = 0; view < probe->views; view++)
+		if (probe->reference_pixels[view])
+			return true;
+	return false;
+}
+
+bool lod_probe_keep(struct lod_probe *probe)
+{
+	draw_views(&(struct drawing_views){ probe, 1, draw_all, keep_view }, probe->primitive_count);
+	return any_covered(probe);
+}
+
+bool lod_probe_keep_model(struct lod_probe *probe)
+{
+	draw_views(&(struct drawing_views){ probe, 1, draw_model, keep_view }, probe->model->triangle_count);
+	return any_covered(probe);
+}
+
+static void score_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)
+{
+	lod_score(&probe->scores[view], &(struct lod_score_input){ .width = raster->width, .height = raster->height, .cover = raster->cover,
+		.reference = probe->reference + view * view_pixels(probe) });
+}
+
+void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_probe_result *result)
+{
+	uint32_t used = 0;
+	*result = (struct lod_probe_result){ 0 };
+	draw_views(&(struct drawing_views){ probe, stride, draw_all, score_view }, probe->primitive_count);
+	for (uint32_t view = 0; view < probe->views; view += stride) {
+		if (!probe->reference_pixels[view])
+			continue;
+		const struct lod_score *score = &probe->scores[view];
+		double covered = (double)probe->reference_pixels[view], loss = 1 - score->q;
+		result->loss += loss;
+		result->worst = loss > result->worst ? loss : result->worst;
+		result->fp += (double)score->fp / covered;
+		result->fn += (double)score->fn / covered;
+		used++;
+	}
+	if (used) {
+		result->loss /= used;
+		result->fp /= used;
+		result->fn /= used;
+	}
+}

@@ -1,0 +1,462 @@
+/* See rank.h.
+ *
+ * The list is made in steps. All elements up to a step's end are drawn at one scale, so what earlier steps picked is drawn anew at the
+ * step's scale, and then elements are added greedily: the one whose pixels raise Q most per triangle. Q's gradient says what a right and a
+ * wrong pixel are worth; it is taken where the step will end, which a trial on a few of the views tells, together with the scale that
+ * serves the step best.
+ *
+ * The list begins with points: so few vertices show more as points than as leaves (lod/build/measure/curve.c chooses), all of them at one scale, and leaves that
+ * fill a crown each by a scale of its own are poor points. The first third is made so where as many vertices show less as leaves, as curves then
+ * go over to leaves late: what was made for leaves, from the first 6 % on, stuck out of the crown as points, and the picture became worse with
+ * more vertices. Q on other views, mean over shares from .003 to .8 in equal steps of the logarithm, and by how much it falls at most with more
+ * vertices: azalea .686 -> .704 (.091 -> .004), shrub .754 -> .767 (.029 -> .010), augalas .873 -> .886 (.067 -> .006), callistemon .812 -> .818
+ * (.069 -> .014), bush .793 -> .810 (.031 -> .001), aspen .667 -> .679 (.037 -> .000); bush of alpha cards .836 -> .843 (.040 -> .007), and eight
+ * more alike. A plant of few large leaves and many small ones loses by it (.875 -> .861): there as many vertices show as much as leaves.
+ * As leaves alone lists that begin with points are worse: saved against Cook, with 6 % of points, a potted plant .78 -> .76, an oak .86 -> .83.
+ *
+ * Tried and worse, measured on a solid-leaved shrub and an alpha-card oak on views not used here: codes that all grow (least 1/4: oak's
+ * mean saving .36 against .87 with a code that never grows); weights where the trial ends instead of on the balance Precision = Recall
+ * (the choice of scales then swings); codes looked at again at every step's end (better on the views of the making, shrub's mean .47
+ * against .53 on others); first picks of 3 to 40 % at one scale (means .35 to .28 against .35 on a sparse crown); scales judged on other
+ * views than the trial's (falls to small scales at once and cannot go back: few large leaves are lost).
+ *
+ * CPU seconds with lod_rank_refine, on a busy machine: 1,360 elements 2, 4,361 of four triangles 5, 5,280 cards 6, 110,000 single triangles
+ * 16, 500,000 104. With 32 to 64 views, steps by the root of two, every code looked at on its own and no rests the first three took 7, 20
+ * and 27; mean savings went from .601 to .615 (shrub), .576 to .550 and .586 to .573 (two seeds), .884 to .884.
+ * Tried for speed and left out: first estimates by 16 of the views (a third less work, but over three seeds the shrub's mean saving .45
+ * against .50); trials that keep the codes that are known (shrub .578 against .60 to .62, one seed). */
+#include "lod/build/order/rank.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/format/list.h"
+#include "lod/build/order/cover.h"
+#include "lod/build/order/rank_crown.h"
+#include "lod/build/order/rank_simple.h"
+#include "lod/build/order/rank_refine.h"
+#include "lod/sort.h"
+
+#define VIEWS_LEAST 24u
+#define VIEWS_MOST 64u
+#define SEEN 240000u                     /* elements times views, within these */
+#define LARGE 100000u                    /* elements: more are seen from half as many views as the least, to end in time */
+#define POINTS_MOST 0.35                 /* share of the elements up to which they are picked as the points that stand for them */
+#define POINTS_LEAST 0.06                /* where leaves show more */
+#define POINTS_LOSS 0.95                 /* of that of as many vertices as leaves, for many points: curves have simpler leaves, too */
+#define TRIAL_VIEWS 5u                   /* trials look at so many of the views, or one less than twice as many */
+#define SECOND 16                        /* a second layer counts a so manieth of the first */
+#define WEIGHT 4096
+#define SCALES 5u                        /* tried at every step */
+#define CANDIDATES_LEAST 1024u
+#define CANDIDATES_SHARE 32u             /* times what a step's end has */
+#define CANDIDATES_ROUGH 8u              /* where nothing but how good the step becomes is asked */
+#define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
+#define BATCH 256u
+#define ASK 512u                         /* looks between two questions whether to go on */
+#define PARTS 16u                        /* batches between two */
+#define PARTS_DRAWN 8192u                /* elements drawn between two */
+
+struct weights { int64_t right, wrong, second; };
+
+struct candidate { int64_t score; uint32_t element; uint8_t code; bool known; };
+
+struct ranking {
+	struct lod_crown crown;
+	const struct lod_rank_options *options;
+	struct lod_arena *arena;
+	uint32_t *order, picked, count;
+	uint8_t *growth;
+	struct lod_simple *simple;
+	bool *taken;
+	struct candidate *heap;
+	uint32_t heap_count;
+	uint32_t points;             /* the first so many elements are picked as points */
+	bool rough;                  /* half the views, and fewer candidates: how good the list becomes is all that is asked */
+	/* the step */
+	double scale;
+	struct lod_crown_views views;
+	struct weights weights;
+	struct lod_crown_edges edges;
+	void (*piece)(void *pieces, uint32_t i);         /* what is run in parts */
+	uint32_t piece_first;
+	double share;                /* of the work, as far as it was told */
+	bool stopped;
+};
+
+/* ---- What an element is worth ---- */
+
+static int64_t score_of(const struct ranking *r, uint32_t element, const struct lod_gain *gain)
+{
+	int64_t sum = r->weights.right * gain->right - r->weights.wrong * gain->wrong + r->weights.second * gain->second;
+	const uint32_t *first = r->crown.foliage->first;
+	int64_t triangles = r->crown.points ? 1 : first[element + 1] - first[element] - 2;
+	return sum > 0 ? sum * 12 / triangles : sum * triangles;
+}
+
+/* Scores of codes first .. last. Codes that come to one edge are looked at once. */
+static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last, int64_t score[ECO_GROWTHS])
+{
+	struct lod_gain gain[ECO_GROWTHS];
+	double edge[ECO_GROWTHS] = { 0 };
+	uint32_t count = 0;
+	for (uint32_t c = first; c <= last; c++)
+		if (c == first || r->edges.step[c] != r->edges.step[c - 1])
+			edge[count++] = r->edges.edge[c];
+	lod_crown_gain(&r->crown, element, edge, count, r->views, gain);
+	for (uint32_t c = first, at = 0; c <= last; c++) {
+		at += c > first && r->edges.step[c] != r->edges.step[c - 1];
+		score[c] = score_of(r, element, &gain[at]);
+	}
+}
+
+/* Climbs from the code that was best when it was looked at last. */
+static void assess(const struct ranking *r, struct candidate *c)
+{
+	int64_t score[ECO_GROWTHS];
+	uint32_t code = c->code, first = code > 0 && !r->options->plain ? code - 1 : code;
+	uint32_t last = code + 1 < ECO_GROWTHS && !r->options->plain ? code + 1 : code;
+	look(r, c->element, first, last, score);
+	for (uint32_t next = first; next <= last; next++)
+		if (score[next] > score[code])
+			code = next;
+	for (uint32_t way = code - c->code; way && code > 0 && code + 1 < ECO_GROWTHS; code += way) {
+		look(r, c->element, code + way, code + way, score);
+		if (score[code + way] <= score[code])
+			break;
+	}
+	c->score = score[code];
+	c->code = (uint8_t)code;
+}
+
+/* ---- Picking ---- */
+
+static bool before(const struct candidate *a, const struct candidate *b)
+{
+	return a->score != b->score ? a->score > b->score : a->element < b->element;
+}
+
+static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
+{
+	struct candidate moved = heap[i];
+	for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+		if (child + 1 < count && before(&heap[child + 1], &heap[child]))
+			child++;
+		if (!before(&heap[child], &moved))
+			break;
+		heap[i] = heap[child];
+	}
+	heap[i] = moved;
+}
+
+/* Asks whether to go on, now and then. The share never falls: trials take back what they picked. */
+static bool goes_on(struct ranking *r)
+{
+	double share = (r->options->plain ? 1 : LOD_RANK_REFINE_FROM) * r->picked / r->count;
+	r->share = share > r->share ? share : r->share;
+	if (!r->stopped && r->options->progress)
+		r->stopped = !r->options->progress(r->options->ctx, r->share);
+	return !r->stopped;
+}
+
+static void assess_batch(void *pieces, uint32_t batch)
+{
+	struct ranking *r = pieces;
+	uint32_t end = (batch + 1) * BATCH < r->heap_count ? (batch + 1) * BATCH : r->heap_count;
+	for (uint32_t i = batch * BATCH; i < end; i++)
+		assess(r, &r->heap[i]);
+}
+
+static void run_part(void *pieces, uint32_t i)
+{
+	struct ranking *r = pieces;
+	r->piece(r, r->piece_first + i);
+}
+
+/* In parts, between which it asks whether to go on. */
+static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_t))
+{
+	r->piece = piece;
+	for (uint32_t at = 0; at < count && goes_on(r); at += PARTS) {
+		uint32_t part = count - at < PARTS ? count - at : PARTS;
+		r->piece_first = at;
+		if (r->options->each)
+			r->options->each(r->options->ctx, part, run_part, r);
+		else
+			for (uint32_t i = 0; i < part; i++)
+				run_part(r, i);
+	}
+	return !r->stopped;
+}
+
+/* Candidates: what is not taken, of a long list a sample that is large beside the step (as good in expectation but for e^-SHARE;
+ * Mirzasoleiman and others 2015). */
+static void gather(struct ranking *r, uint32_t end, uint64_t salt)
+{
+	uint64_t most = (uint64_t)end * (r->rough ? CANDIDATES_ROUGH : CANDIDATES_SHARE);
+	uint64_t enough = CANDIDATES_MOST + 3 * (uint64_t)(end - r->picked);
+	uint32_t left = r->count - r->picked;
+	most = most < CANDIDATES_LEAST ? CANDIDATES_LEAST : most < enough ? most : enough;
+	r->heap_count = 0;
+	for (uint32_t i = 0; i < r->count; i++)
+		if (!r->taken[i] && (most >= left || lod_mix(salt * r->count + i) % left < most))
+			r->heap[r->heap_count++] = (struct candidate){ .element = i, .code = r->growth[i] };
+}
+
+static void make_heap(struct ranking *r)
+{
+	if (!run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch))
+		return;
+	for (uint32_t i = 0; i < r->heap_count; i++)
+		r->growth[r->heap[i].element] = r->heap[i].code;         /* where the next look begins */
+	for (uint32_t i = r->heap_count / 2; i-- > 0;)
+		sift_down(r->heap, r->heap_count, i);
+}
+
+/* Whether as it is, whatever its other codes, it is no more the best: then these need no look yet. */
+static bool fades(const struct ranking *r, struct candidate *top)
+{
+	int64_t score[ECO_GROWTHS], next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
+	if (r->heap_count > 2 && r->heap[2].score > next)
+		next = r->heap[2].score;
+	look(r, top->element, top->code, top->code, score);
+	if (score[top->code] >= next || score[top->code] >= top->score)
+		return false;
+	top->score = score[top->code];
+	return true;
+}
+
+/* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
+static void pick(struct ranking *r, uint32_t end)
+{
+	for (uint32_t looks = 1; r->picked < end && r->heap_count && (looks % ASK || goes_on(r)); looks++) {
+		struct candidate *top = &r->heap[0];
+		int64_t known = top->score;
+		if (fades(r, top)) {
+			sift_down(r->heap, r->heap_count, 0);
+			continue;
+		}
+		assess(r, top);
+		if (top->score < known) {
+			struct candidate now = *top;
+			sift_down(r->heap, r->heap_count, 0);
+			if (r->heap[0].element != now.element)
+				continue;
+		}
+		uint32_t element = r->heap[0].element;
+		r->growth[element] = r->heap[0].code;
+		r->taken[element] = true;
+		r->order[r->picked++] = element;
+		lod_crown_add(&r->crown, element, r->edges.edge[r->growth[element]], r->views);
+		r->heap[0] = r->heap[--r->heap_count];
+		if (r->heap_count)
+			sift_down(r->heap, r->heap_count, 0);
+	}
+}
+
+/* ---- Steps ---- */
+
+static void redraw(struct ranking *r)
+{
+	lod_crown_clear(&r->crown, r->views);
+	for (uint32_t k = 0; k < r->picked && ((k + 1) % PARTS_DRAWN || goes_on(r)); k++)
+		lod_crown_add(&r->crown, r->order[k], r->edges.edge[r->growth[r->order[k]]], r->views);
+}
+
+static double quality(const struct lod_crown_sum *s, bool wrong_pixels, double *p, double *recall)
+{
+	*p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
+	*recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
+	if (wrong_pixels)
+		return 1 - ((double)(s->wanted - s->right) + (double)s->wrong) / fmax(1, (double)s->wanted);
+	return 1 - sqrt((1 - *p) * (1 - *p) + (1 - *recall) * (1 - *recall));
+}
+
+/* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales keeps near: there a wrong pixel costs (1 - e) / (1 + e)
+ * of what a right one brings. Taken where a trial ends instead, it swings from step to step. */
+static struct weights gradient(const struct ranking *r, double reached)
+{
+	double e = r->options->wrong_pixels ? 0 : (1 - reached) * 0.70710678;
+	return (struct weights){ WEIGHT, (int64_t)(WEIGHT * (1 - e) / (1 + e)), WEIGHT / SECOND };
+}
+
+struct trial { double quality, precision, recall; };
+
+static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
+{
+	struct trial t;
+	uint32_t picked = r->picked;
+	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS : 1 };
+	lod_crown_set_scale(&r->edges, scale, r->crown.points);
+	redraw(r);
+	gather(r, end, picked);
+	make_heap(r);
+	pick(r, end);
+	struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
+	t.quality = quality(&sum, r->options->wrong_pixels, &t.precision, &t.recall);
+	for (; r->picked > picked; r->taken[r->order[r->picked]] = false)
+		r->picked--;
+	return t;
+}
+
+static double choose_scale(struct ranking *r, uint32_t end, double last)
+{
+	double best_scale = 1;
+	struct trial best = { -2, 0, 0 };
+	if (end == r->count)
+		return 1;
+	for (uint32_t i = 0; i < SCALES; i++) {
+		static const double part[SCALES] = { 1, 0.8, 0.64, 0.5, 0.36 };
+		double scale = 1 + (last - 1) * part[i];
+		struct trial t = try_scale(r, end, scale);
+		if (t.quality > best.quality) {
+			best = t;
+			best_scale = scale;
+		}
+		if (r->stopped || scale == 1 || t.quality < best.quality - 0.002)
+			break;
+	}
+	r->weights = gradient(r, best.quality);
+	return best_scale;
+}
+
+/* Ends of steps: by nearly two, finer where little is left out. */
+static uint32_t next_end(uint32_t count, uint32_t picked)
+{
+	double share = (double)picked / count, next = share * 1.8;
+	if (picked < 4)
+		return picked + 1 < count ? picked + 1 : count;
+	if (share > 0.49)
+		next = share + 0.17;
+	uint32_t end = (uint32_t)(next * count + 0.5);
+	return next > 0.95 || end > count ? count : end > picked ? end : picked + 1;
+}
+
+static void fit_batch(void *pieces, uint32_t batch)
+{
+	struct ranking *r = pieces;
+	uint32_t end = (batch + 1) * BATCH < r->count ? (batch + 1) * BATCH : r->count;
+	for (uint32_t i = batch * BATCH; i < end; i++) {
+		struct lod_fan fan = lod_foliage_fan(r->crown.foliage, i, r->crown.cutout[i]);
+		lod_simple_fit(&r->simple[i], &fan);
+	}
+}
+
+/* Steps from where the list is to `until` elements, those up to `points` of them as points. */
+static bool take_steps(struct ranking *r, uint32_t until, uint32_t points)
+{
+	while (r->picked < until) {
+		uint32_t end = next_end(r->count, r->picked);
+		end = end < until ? end : until;
+		r->crown.points = end <= points;
+		lod_crown_set_level(&r->crown, end);
+		r->scale = choose_scale(r, end, r->scale);
+		r->views = (struct lod_crown_views){ 0, r->rough ? 2 : 1 };
+		lod_crown_set_scale(&r->edges, r->scale, r->crown.points);
+		redraw(r);
+		gather(r, end, r->picked);
+		make_heap(r);
+		pick(r, end);
+		if (!goes_on(r))
+			return false;
+	}
+	return true;
+}
+
+static void begin_anew(struct ranking *r)
+{
+	r->picked = 0;
+	r->scale = r->count;
+	r->weights = gradient(r, 0.5);
+	memset(r->taken, 0, r->count * sizeof *r->taken);
+	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
+}
+
+/* The beginning is made as points, unless as many vertices show more as leaves: tried roughly. On eight plants that says the same as
+ * a trial with all views, and beginnings take 1.3 to 2.5 times less time. */
+static bool begin_list(struct ranking *r)
+{
+	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
+	uint32_t leaves = (uint32_t)((double)points * r->count / (3.0 * r->crown.foliage->triangle_first[r->count]));
+	double p, recall, q[2];
+	r->points = points;
+	if (leaves == 0)
+		return true;
+	for (int as_points = 0; as_points < 2; as_points++) {
+		begin_anew(r);
+		r->rough = !as_points;
+		if (!take_steps(r, as_points ? points : leaves, as_points ? points : 0))
+			return false;
+		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
+		q[as_points] = quality(&sum, false, &p, &recall);
+	}
+	if (1 - q[1] > POINTS_LOSS * (1 - q[0])) {
+		begin_anew(r);
+		r->points = (uint32_t)(POINTS_LEAST * r->count);
+	}
+	return true;
+}
+
+static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
+{
+	begin_anew(r);
+	if ((lod_rank_begins_with_points(r->options) && !begin_list(r)) || !take_steps(r, r->count, r->points))
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
+	return ECO_OK;
+}
+
+/* Larger plants are seen from fewer directions, as more of them lies in each. A shrub of 4,361 leaves saves .58 in the mean and .44 of all
+ * vertices with 64 views, .56 and .41 with 24 (two seeds each), in 2.5 times the time. */
+static uint32_t views_of(uint32_t count)
+{
+	uint32_t views = SEEN / count;
+	if (count > LARGE)
+		return VIEWS_LEAST / 2;
+	return views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
+}
+
+static struct lod_crown_options crown_options(const struct lod_foliage *foliage, const struct lod_rank_options *options)
+{
+	uint32_t views = views_of(foliage->count);
+	return (struct lod_crown_options){ .views = options->views ? options->views : views, .pixels = options->pixels,
+		.directions = options->directions, .seed = options->seed };
+}
+
+static enum eco_code order_unscaled(struct ranking *r, struct eco_error *error)
+{
+	const struct lod_rank_options *options = r->options;
+	uint32_t views = r->crown.views;
+	double (*directions)[3] = lod_arena_take(r->arena, views, sizeof *directions);
+	for (uint32_t v = 0; v < views; v++)
+		for (int k = 0; k < 3; k++)
+			directions[v][k] = -r->crown.level->sights.eyes[v].forward[k];
+	return lod_cover_order(r->order, r->crown.foliage, &(struct lod_cover_options){ .views = views,
+		.directions = (const double (*)[3])directions, .pixels = r->crown.level->sights.pixels, .progress = options->progress,
+		.ctx = options->ctx }, r->arena, error);
+}
+
+enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage, const struct lod_rank_options *options,
+	struct lod_arena *arena, struct eco_error *error)
+{
+	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
+	struct lod_crown_options crown = crown_options(foliage, options);
+	assert(foliage->count > 0);
+	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
+	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
+	rank->simple = r.simple = lod_arena_take(arena, r.count, sizeof *rank->simple);
+	const struct lod_arena_piece *mark = arena->last;
+	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
+	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
+	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
+	if (!code && !options->plain && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
+	if (!code)
+		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
+	if (!code && !options->plain && !options->unscaled
+		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth,
+			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
+	lod_arena_release(arena, mark);
+	return code;
+}

@@ -1,0 +1,62 @@
+/* What of a plant's outline is covered, from all its views at once: what an element would add, and adding it.
+ *
+ *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
+ *   lod_crown_clear(&crown);                                             the wood alone
+ *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);                what the element would add, so large
+ *   lod_crown_add(&crown, element, edge, views); */
+#ifndef LOD_RANK_CROWN_H
+#define LOD_RANK_CROWN_H
+
+#include "ecofiles/format/list.h"
+#include "lod/build/order/footprint.h"
+
+/* The same views in several sizes: large elements are judged in small pictures, where they are a tenth of the work and as many pixels as
+ * small ones are in large pictures. */
+#define LOD_CROWN_LEVELS 4u
+struct lod_crown_level {
+	struct lod_sights sights;
+	struct lod_canvas *canvas;               /* per view */
+};
+struct lod_crown {
+	const struct lod_foliage *foliage;
+	const struct lod_mask **cutout;          /* per element, or NULL */
+	bool points;                             /* gains are of the points that stand for elements */
+	uint32_t views, level_count;
+	struct lod_crown_level levels[LOD_CROWN_LEVELS];     /* the smallest pictures first */
+	struct lod_crown_level *level;           /* the one that is used now */
+};
+
+struct lod_crown_options {
+	uint32_t views, pixels;                  /* pixels 0: leaves of the usual size are two pixels wide */
+	const double (*directions)[3];           /* NULL: spread all around by `seed` */
+	uint32_t seed;
+};
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
+	struct lod_arena *arena, struct eco_error *error);
+
+/* The level that suits `count` elements drawn so large that they fill the crown. */
+void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
+
+/* Edges of elements drawn at a scale, by their codes: on a grid so fine that a leaf a few pixels wide shows no difference. Codes often come to
+ * the same edge then, and need but one look. */
+#define LOD_CROWN_EDGES 512u
+struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; };        /* the same step: the same edge; below LOD_CROWN_EDGES */
+/* `points`: points follow the scale alike, whatever the code. */
+void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool points);
+
+/* An element in a view, as it is drawn: itself or a point. */
+void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points);
+
+/* Some of the views: every `stride`th, from `first` on. */
+struct lod_crown_views { uint32_t first, stride; };
+void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
+/* The element with edges multiplied by edge[0..count): sums over the views for each. Different elements may be asked about at once. */
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
+	struct lod_gain *gain);
+void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
+
+/* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */
+struct lod_crown_sum { uint64_t right, wrong, wanted; };
+struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views);
+
+#endif

@@ -1,0 +1,22 @@
+/* The order looked at again as a whole: from when on an element is drawn, and how far it grows. */
+#ifndef LOD_RANK_REFINE_H
+#define LOD_RANK_REFINE_H
+
+#include "lod/build/order/rank.h"
+#include "lod/build/order/rank_crown.h"
+
+/* What share of lod_rank_make's progress is done where it begins. */
+#define LOD_RANK_REFINE_FROM 0.7
+
+struct lod_rank_refining {
+	struct lod_crown *crown;
+	const struct lod_rank_options *options;      /* progress, each, ctx */
+	uint32_t count;              /* elements */
+	uint32_t *order;             /* in and out */
+	uint8_t *growth;             /* per element: in and out */
+	bool many_points;            /* leaves are points far into the list */
+};
+/* False where progress says to stop. Scratch memory of the arena is the caller's to release. */
+bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena *arena);
+
+#endif

@@ -1,0 +1,488 @@
+#include "lod/build/organ.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lod/light.h"
+#include "lod/build/organ_flower.h"
+#include "lod/build/organ_name.h"
+#include "lod/build/organ_shape.h"
+#include "lod/build/organ_split.h"
+#include "lod/sort.h"
+#include "lod/raster/texel.h"
+#include "lod/vector.h"
+
+/* Thresholds on 28 models from seven sources, measured: tubes have r/d <= 0.032 (one stout trunk: 0.037), solid leaves, crowns, pots
+ * >= 0.058. Edge angles: tubes of four or more sides <= 1.6, of three 2.1, closed blades 2.2 to 3. */
+#define THIN_CLEAR 0.033
+#define THIN_LIMIT 0.045
+#define THICK_CLEAR 0.058
+#define ROUND_CLEAR 1.95
+#define ROUND_LIMIT 2.15
+#define BLADE_CLEAR 2.4
+#define LENGTH_LEAST 0.7         /* of the diagonal; a blade folded to a right angle has 0.25 */
+#define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
+#define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
+#define OPEN_MOST 0.2            /* share of border of what is solid: trunks are open at their ends */
+#define STOUT 0.1                /* r/d of what has no use for a skeleton */
+
+#define CLEAR_LEAST 0.02         /* share of a component's area that is cut out of it; bark has none, but for what rounding takes at seams */
+
+#define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
+
+enum verdict { CLEARLY_LEAF, RATHER_LEAF, SOLID, RATHER_WOOD, CLEARLY_WOOD };
+
+struct finder {
+	const struct lod_mesh *mesh;
+	const struct eco_model *model;
+	uint32_t count;              /* of components */
+	struct lod_shape *shape;
+	double area, height, extent, diagonal;       /* of the plant; extent: the largest of its three */
+	/* per component */
+	uint8_t *verdict, *organ;
+	bool *fixed;                 /* by a rule */
+	bool *thing;
+	enum lod_hint *hint;
+	double *middle, *above;      /* by rising height: the middle of a component, and the area of it and of all above */
+};
+
+/* ---- By shape ---- */
+
+/* An atlas for all of a plant has clear texels somewhere: what counts is whether this component shows some. */
+static bool is_cutout(const struct finder *f, uint32_t i)
+{
+	uint32_t material = f->shape[i].material;
+	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material) != NULL && f->shape[i].clear > CLEAR_LEAST;
+}
+
+static enum verdict judge(const struct lod_shape *b, bool cutout)
+{
+	double d = b->diagonal, thin = b->radius / d;
+	bool tube = b->length >= LENGTH_LEAST * d && b->turn <= BLADE_CLEAR;
+	if (cutout)
+		return CLEARLY_LEAF;
+	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube) && b->open * (1 - b->glued) < OPEN_MOST)
+		return SOLID;
+	if (!tube || thin > THICK_CLEAR)
+		return CLEARLY_LEAF;
+	if (thin > THIN_LIMIT || b->turn > ROUND_LIMIT || b->round < FULL_LEAST)
+		return RATHER_LEAF;
+	return thin <= THIN_CLEAR && b->turn <= ROUND_CLEAR ? CLEARLY_WOOD : RATHER_WOOD;
+}
+
+/* ---- By names ---- */
+
+/* Hints of parts count where parts differ in them: one name for all says what the plant is, not what its organs are. The same holds for
+ * materials that are all called flowers. */
+static void find_hints(struct finder *f, struct lod_arena *arena)
+{
+	const struct eco_model *model = f->model;
+	bool parts = model->part && model->parts, varied = false, blooms = true;
+	struct lod_arena_piece *mark = arena->last;
+	enum lod_hint *material = lod_arena_take(arena, (size_t)model->material_count + 1, sizeof *material);
+	enum lod_hint *part = lod_arena_take(arena, (size_t)model->part_count + 1, sizeof *part);
+	for (uint32_t i = 0; i < model->material_count; i++) {
+		material[i] = lod_name_hint(model->materials[i].name);
+		blooms = blooms && material[i] == LOD_HINT_FLOWER;
+	}
+	for (uint32_t i = 0; parts && i < model->part_count; i++) {
+		part[i] = lod_name_hint(model->parts[i].name);
+		varied = varied || part[i] != part[0];
+	}
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
+		uint32_t of = parts ? model->part[f->mesh->source[b->first]] : ECO_NONE;
+		if (b->material < model->material_count && !blooms)
+			f->hint[i] = material[b->material];
+		if (f->hint[i] == LOD_HINT_NONE && varied && of < model->part_count)
+			f->hint[i] = part[of];
+	}
+	lod_arena_release(arena, mark);
+}
+
+/* ---- Doubts ---- */
+
+#define STEM_LEAST 0.1           /* of the plant's diagonal; what is green and smaller is needles */
+
+/* Bark is brown or grey, and darker than petals. */
+static bool is_bark(const uint8_t rgb[3])
+{
+	return rgb[0] > rgb[1] && rgb[1] >= rgb[2] && rgb[0] < 190;
+}
+
+static bool is_plain(const struct lod_shape *b)
+{
+	return b->rgb[0] == b->rgb[1] && b->rgb[1] == b->rgb[2];
+}
+
+static uint32_t material_of(const struct finder *f, uint32_t component)
+{
+	uint32_t m = f->shape[component].material;
+	return m < f->model->material_count ? m : f->model->material_count;
+}
+
+static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[2])
+{
+	const struct lod_shape *b = &f->shape[i];
+	if (clear[1] > 3 * clear[0])
+		return true;
+	if (clear[0] > 3 * clear[1])
+		return false;
+	if (f->hint[i] != LOD_HINT_NONE)
+		return f->hint[i] == LOD_HINT_WOOD;
+	if (lod_colour_is_green(b->rgb) && (f->verdict[i] == RATHER_LEAF || b->diagonal < STEM_LEAST * f->diagonal))
+		return false;
+	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
+}
+
+/* What is clear by its shape is that; only logs on the ground, which are stout, need their name: leaves are not that large. */
+#define FOOT 0.05                /* of the plant's height */
+#define LOG_LEAST 0.5            /* of the plant's diagonal */
+
+static bool on_ground(const struct finder *f, uint32_t i)
+{
+	return f->shape[i].low[2] - f->mesh->low[2] < FOOT * f->height;
+}
+
+static bool is_clear_wood(const struct finder *f, uint32_t i)
+{
+	const struct lod_shape *b = &f->shape[i];
+	bool log = f->hint[i] == LOD_HINT_WOOD && b->diagonal > LOG_LEAST * f->diagonal && on_ground(f, i)
+		&& !lod_colour_is_green(b->rgb) && !is_cutout(f, i);
+	return f->verdict[i] == CLEARLY_WOOD || log;
+}
+
+/* Doubtful components go with the clear ones of their material, by area, where those speak clearly. */
+static void settle_doubts(struct finder *f, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	double (*clear)[2] = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *clear);
+	for (uint32_t i = 0; i < f->count; i++) {
+		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f, i));
+		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
+			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
+	}
+	for (uint32_t i = 0; i < f->count; i++) {
+		bool wood = is_clear_wood(f, i);
+		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
+			wood = settle_doubt(f, i, clear[material_of(f, i)]);
+		else if (f->verdict[i] == SOLID)
+			wood = clear[material_of(f, i)][1] > 3 * clear[material_of(f, i)][0];
+		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
+	}
+	lod_arena_release(arena, mark);
+}
+
+/* Components of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The larger
+ * area wins; among many copies wood must be twice as much, since what comes in many copies usually is a leaf. */
+static void settle_copies(struct finder *f, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	uint32_t n = f->count;
+	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ (uint64_t)f->shape[i].material << 32 | f->shape[i].triangle_count, i };
+	lod_sort(arena, by, n);
+	for (uint32_t first = 0, end; first < n; first = end) {
+		double area[ECO_ORGAN_COUNT] = { 0 };
+		for (end = first; end < n && by[end].key == by[first].key; end++)
+			area[f->organ[by[end].value]] += f->shape[by[end].value].area;
+		double need = end - first >= COPIES_MANY ? 2 : 1;
+		bool wood = area[ECO_ORGAN_WOOD] > need * area[ECO_ORGAN_FOLIAGE];
+		for (uint32_t i = first; i < end; i++)
+			f->organ[by[i].value] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
+	}
+	lod_arena_release(arena, mark);
+}
+
+/* A patch of another colour inlaid in bark is bark: all of its border continues in wood. A bud at a stem's end has next to no border. */
+static void settle_inlays(struct finder *f)
+{
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i], *host = &f->shape[b->glued_to];
+		if (b->open > 0.05 && b->glued > 0.75 && f->organ[b->glued_to] == ECO_ORGAN_WOOD && b->area < 0.25 * host->area)
+			f->organ[i] = ECO_ORGAN_WOOD;
+	}
+}
+
+/* ---- Things, soil and herbs ---- */
+
+#define THING_HEIGHT 0.7         /* of the plant's height at most, for what the plant stands in or on */
+#define THING_ABOVE 0.3          /* of the plant's area that is above its middle */
+#define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
+#define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
+#define STACK_LEAST 3u           /* solids that make a stem */
+#define STACK_WIDTH 0.25         /* of its height */
+#define FEW 4u                   /* components of its material, of a vessel or soil */
+
+/* Components by the heights of their middles, to answer how much of the plant is above. */
+static void sort_heights(struct finder *f, struct lod_arena *arena)
+{
+	uint32_t n = f->count;
+	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
+	f->middle = lod_arena_take(arena, n, sizeof *f->middle);
+	f->above = lod_arena_take(arena, (size_t)n + 1, sizeof *f->above);
+	for (uint32_t i = 0; i < n; i++)
+		by[i] = (struct lod_keyed){ lod_sort_key((double)f->shape[i].low[2] + f->shape[i].high[2] - 2 * f->mesh->low[2]), i };
+	lod_sort(arena, by, n);
+	for (uint32_t i = n; i-- > 0;) {
+		const struct lod_shape *b = &f->shape[by[i].value];
+		f->middle[i] = ((double)b->low[2] + b->high[2]) / 2;
+		f->above[i] = f->above[i + 1] + b->area;
+	}
+}
+
+static double area_above(const struct finder *f, double z)
+{
+	uint32_t low = 0, high = f->count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (f->middle[middle] > z)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return f->above[low];
+}
+
+/* The plant is above it, and it is not green nor small. */
+static bool is_below(const struct finder *f, uint32_t i)
+{
+	const struct lod_shape *b = &f->shape[i];
+	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
+		&& !is_cutout(f, i) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
+}
+
+/* Solid: `alone` says that solids are all there is. Brown ones are stones, logs and stumps; but a brown lump above the ground is a
+ * crown in autumn. */
+static bool is_thing(const struct finder *f, uint32_t i, bool alone)
+{
+	const struct lod_shape *b = &f->shape[i];
+	if (f->hint[i] != LOD_HINT_NONE)
+		return f->hint[i] == LOD_HINT_WOOD;
+	if (alone && b->diagonal > FRUIT * f->diagonal)
+		return !is_plain(b) && is_bark(b->rgb) && on_ground(f, i);
+	return is_below(f, i) && on_ground(f, i);
+}
+
+static bool has_walls(const struct lod_shape *b)
+{
+	return b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal;
+}
+
+/* A pot with walls, or a level sheet, as the soil in it or the ground around a plant. */
+static bool is_vessel(const struct finder *f, uint32_t i)
+{
+	const struct lod_shape *b = &f->shape[i];
+	bool walls = has_walls(b) && on_ground(f, i);
+	bool soil = b->level > 0.85 && b->high[2] - b->low[2] < 0.2 * b->diagonal;
+	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
+}
+
+/* Solids of one material on top of each other, as the rings of a palm's stem: together a tube from the ground. */
+struct stack { double low[3], high[3]; uint32_t count; };
+
+static void put_on_stack(struct stack *stack, const struct lod_shape *b)
+{
+	for (int a = 0; a < 3; a++) {
+		stack->low[a] = stack->count ? fmin(stack->low[a], b->low[a]) : b->low[a];
+		stack->high[a] = stack->count ? fmax(stack->high[a], b->high[a]) : b->high[a];
+	}
+	stack->count++;
+}
+
+static bool is_stem(const struct finder *f, const struct stack *s)
+{
+	double wide = fmax(s->high[0] - s->low[0], s->high[1] - s->low[1]), high = s->high[2] - s->low[2];
+	return s->count >= STACK_LEAST && wide < STACK_WIDTH * high && s->low[2] - f->mesh->low[2] < FOOT * f->height;
+}
+
+/* What is of one material with things and stands below the plant as they do is one, too: saucers, rims. */
+static void settle_things(struct finder *f, struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct sums { double things, all; uint32_t count; struct stack stack; } *of;
+	of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
+	double solid = 0;
+	sort_heights(f, arena);
+	for (uint32_t i = 0; i < f->count; i++) {
+		solid += f->verdict[i] == SOLID ? f->shape[i].area : 0;
+		of[material_of(f, i)].count++;
+		of[material_of(f, i)].all += f->shape[i].area;
+		if (f->verdict[i] == SOLID)
+			put_on_stack(&of[material_of(f, i)].stack, &f->shape[i]);
+	}
+	for (uint32_t i = 0; i < f->count; i++) {
+		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
+		if (f->verdict[i] == SOLID && is_stem(f, &of[material_of(f, i)].stack) && !lod_colour_is_green(f->shape[i].rgb))
+			f->organ[i] = ECO_ORGAN_WOOD;
+		thing = thing || (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
+		if (thing) {
+			f->organ[i] = ECO_ORGAN_WOOD;
+			f->thing[i] = f->verdict[i] != SOLID || f->shape[i].diagonal > FRUIT * f->diagonal;
+			of[material_of(f, i)].things += f->shape[i].area;
+		}
+	}
+	for (uint32_t i = 0; i < f->count; i++)
+		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i) && f->organ[i] != ECO_ORGAN_WOOD) {
+			f->organ[i] = ECO_ORGAN_WOOD;
+			f->thing[i] = true;
+		}
+	lod_arena_release(arena, mark);
+}
+
+/* Nothing but tubes: a bare tree, unless they are green, or many that stand on the ground unbranched. */
+static void settle_herbs(struct finder *f)
+{
+	double wood = 0, green = 0, straws = 0;
+	uint32_t straw_count = 0;
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
+		if (f->organ[i] != ECO_ORGAN_WOOD)
+			continue;
+		bool straw = b->length < 1.25 * b->diagonal && b->low[2] - f->mesh->low[2] < FOOT * f->height;
+		wood += b->area;
+		green += lod_colour_is_green(b->rgb) && f->hint[i] != LOD_HINT_WOOD ? b->area : 0;
+		straws += straw && f->hint[i] != LOD_HINT_WOOD ? b->area : 0;
+		straw_count += straw;
+	}
+	if (wood < 0.95 * f->area || (green < 0.9 * wood && (straws < 0.8 * wood || straw_count < 6)))
+		return;
+	for (uint32_t i = 0; i < f->count; i++)
+		f->organ[i] = ECO_ORGAN_FOLIAGE;
+}
+
+/* ---- All ---- */
+
+static double area_of(const struct lod_mesh *mesh, uint32_t t)
+{
+	const uint32_t *v = mesh->index + 3 * (size_t)t;
+	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
+	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
+}
+
+/* Triangles image by image, and for cut-outs apart: one image's sums at a time. */
+static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model,
+	struct lod_arena *arena)
+{
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *by = lod_arena_take(arena, mesh->triangle_count, sizeof *by);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
+		bool cutout = lod_mesh_material(model, mesh->material[t])->cutout;
+		by[t] = (struct lod_keyed){ image ? 2 * (uint64_t)(image - model->images) + 2 + cutout : 0, t };
+	}
+	lod_sort(arena, by, mesh->triangle_count);
+	struct lod_arena_piece *sorted = arena->last;
+	struct lod_texels texels = { 0 };
+	for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+		uint32_t t = by[i].value;
+		const struct eco_material *material = lod_mesh_material(model, mesh->material[t]);
+		double share = 1;
+		if (by[i].key > 0 && (i == 0 || by[i].key != by[i - 1].key)) {
+			lod_arena_release(arena, sorted);
+			lod_texels_open(&texels, lod_mesh_image(model, mesh->material[t]), material->cutout, arena);
+		}
+		if (by[i].key > 0)
+			share = lod_texels_mean(&texels, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
+		else
+			memcpy(organs->rgb[t], material->rgb, 3);
+		/* No opaque sample does not mean nothing: a fraction of a sample's worth keeps it drawable. */
+		organs->area[t] = area_of(mesh, t) * (share > 0 ? share : 1.0 / 256);
+	}
+	lod_arena_release(arena, mark);
+}
+
+void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count, uint8_t rgb[3])
+{
+	struct lod_light light = { { 0, 0, 0 }, 0 };
+	memcpy(rgb, organs->rgb[triangles[0]], 3);
+	for (uint32_t i = 0; i < count; i++)
+		lod_light_add(&light, organs->rgb[triangles[i]], organs->area[triangles[i]]);
+	lod_light_mean(&light, rgb);
+}
+
+static void prepare(struct finder *f, struct lod_arena *arena)
+{
+	uint32_t n = f->count;
+	f->verdict = lod_arena_take(arena, n, sizeof *f->verdict);
+	f->organ = lod_arena_take(arena, n, sizeof *f->organ);
+	f->fixed = lod_arena_take(arena, n, sizeof *f->fixed);
+	f->thing = lod_arena_take(arena, n, sizeof *f->thing);
+	f->hint = lod_arena_take(arena, n, sizeof *f->hint);
+	for (uint32_t i = 0; i < n; i++)
+		f->area += f->shape[i].area;
+	f->height = (double)f->mesh->high[2] - f->mesh->low[2];
+	for (int a = 0; a < 3; a++)
+		f->extent = fmax(f->extent, (double)f->mesh->high[a] - f->mesh->low[a]);
+	f->diagonal = lod_v3_distance(lod_v3_of(f->mesh->low), lod_v3_of(f->mesh->high));
+	find_hints(f, arena);
+}
+
+static void apply_rules(struct finder *f)
+{
+	for (uint32_t i = 0; i < f->count; i++) {
+		uint8_t rule = f->mesh->rule[f->shape[i].first];
+		f->fixed[i] = rule != ECO_ORGAN_FOUND;
+		f->organ[i] = f->fixed[i] ? rule : f->organ[i];
+	}
+}
+
+static void describe_components(struct lod_organs *organs, const struct finder *f)
+{
+	for (uint32_t i = 0; i < f->count; i++) {
+		const struct lod_shape *b = &f->shape[i];
+		struct lod_component *c = &organs->components[i];
+		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material, .organ = f->organ[i], .area = b->area,
+			.radius = b->radius, .length = b->length, .turn = b->turn };
+		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
+		c->closed = b->open < 0.02;
+		bool thick = f->verdict[i] == SOLID && b->radius > STOUT * b->diagonal;
+		c->stout = c->organ == ECO_ORGAN_WOOD && (f->thing[i] || thick || has_walls(b));
+		memcpy(c->low, b->low, sizeof c->low);
+		memcpy(c->high, b->high, sizeof c->high);
+		memcpy(c->rgb, b->rgb, sizeof c->rgb);
+	}
+}
+
+/* What a file gives no colour has that of its organ, as most plants have it. */
+static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model)
+{
+	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 }, [ECO_ORGAN_FOLIAGE] = { 86, 116, 58 },
+		[ECO_ORGAN_FLOWER] = { 205, 190, 196 } };
+	for (uint32_t i = 0; i < mesh->component_count; i++)
+		if (lod_mesh_material(model, organs->components[i].material)->colourless)
+			memcpy(organs->components[i].rgb, usual[organs->components[i].organ], 3);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		if (lod_mesh_material(model, mesh->material[t])->colourless)
+			memcpy(organs->rgb[t], usual[organs->components[mesh->component[t]].organ], 3);
+}
+
+void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+{
+	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
+	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);
+	colour_triangles(organs, mesh, model, arena);
+	lod_organs_split(mesh, model, (const uint8_t (*)[3])organs->rgb, arena);
+	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
+	struct lod_arena_piece *mark = arena->last;
+	struct finder f = { .mesh = mesh, .model = model, .count = mesh->component_count };
+	f.shape = lod_shapes_find(mesh, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
+	prepare(&f, arena);
+	settle_doubts(&f, arena);
+	settle_things(&f, arena);
+	settle_copies(&f, arena);
+	apply_rules(&f);
+	settle_inlays(&f);
+	settle_herbs(&f);
+	apply_rules(&f);
+	lod_flowers_find(f.organ, f.shape, f.count, f.fixed, f.hint, f.extent);
+	describe_components(organs, &f);
+	colour_colourless(organs, mesh, model);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		const struct lod_component *c = &organs->components[mesh->component[t]];
+		if (c->organ == ECO_ORGAN_WOOD || c->closed)
+			organs->area[t] /= 2;
+	}
+	lod_arena_release(arena, mark);
+}

@@ -1,0 +1,420 @@
+/* From a model to lists, stage by stage: weld, organs, elements and lines, order, cells, palette, ladders. Each stage is a file of its
+ * own; this one strings them together. Everything is taken from one arena, so that running out of memory and being interrupted are
+ * a jump to one place. */
+#include "lod/build/plant.h"
+
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/grid.h"
+#include "lod/build/plant_state.h"
+#include "lod/build/salience.h"
+#include "lod/sort.h"
+#include "lod/vector.h"
+
+#define TRIANGLES_MAX (1u << 28)
+#define CELL_TRIANGLES 4096u
+#define WHOLE_COMPONENT 512u     /* wood of up to this many triangles goes to one cell as a whole */
+
+enum { FAILED_MEMORY = 1, FAILED_INTERRUPTED, FAILED_REPORTED };
+
+uint32_t lod_build_cell(const struct lod_build *b, struct lod_v3 point)
+{
+	return b->cells.count ? lod_cells_at(&b->cells, point) : 0;
+}
+
+struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group *group, uint32_t anchor, uint8_t flags)
+{
+	struct eco_ladder *ladder = lod_draft_ladder(&b->draft);
+	ladder->anchor = anchor;
+	ladder->organ = group->organ;
+	ladder->flags = flags;
+	ladder->importance = group->importance;
+	return ladder;
+}
+
+static void advance(struct lod_build *b, double share)
+{
+	if (b->options->progress && !b->options->progress(b->options->ctx, share))
+		longjmp(b->arena.failed, FAILED_INTERRUPTED);
+}
+
+static void enter(const struct lod_build *b, enum lod_plant_stage stage)
+{
+	if (b->options->stage)
+		b->options->stage(b->options->ctx, stage);
+}
+
+/* ---- Groups ---- */
+
+static uint32_t image_of(const struct lod_build *b, uint32_t material)
+{
+	const struct eco_image *image = lod_mesh_image(b->model, material);
+	return image ? (uint32_t)(image - b->model->images) : ECO_NONE;
+}
+
+static struct lod_group *find_group(struct lod_build *b, uint8_t organ, uint32_t model_image)
+{
+	struct lod_group *g = b->groups;
+	while (g < b->groups + b->group_count && (g->organ != organ || g->model_image != model_image))
+		g++;
+	if (g == b->groups + b->group_count) {
+		*g = (struct lod_group){ .organ = organ, .model_image = model_image, .image = ECO_NONE };
+		b->group_count++;
+	}
+	return g;
+}
+
+/* The plant's images are those that its groups use, in the model's order. */
+static void number_images(struct lod_build *b)
+{
+	struct lod_plant *plant = b->plant;
+	plant->images = lod_arena_own(&b->arena, b->model->image_count, sizeof *plant->images);
+	for (uint32_t image = 0; image < b->model->image_count; image++) {
+		bool used = false;
+		for (uint32_t g = 0; g < b->group_count; g++)
+			if (b->groups[g].model_image == image) {
+				b->groups[g].image = plant->image_count;
+				used = true;
+			}
+		if (used)
+			plant->images[plant->image_count++] = image;
+	}
+}
+
+/* What the user asked for; leaves' from their colours where he asked for nothing. */
+static void find_importance(struct lod_build *b)
+{
+	const float *asked = b->options->importance;
+	bool any = false;
+	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
+		any = any || asked[i] > 0;
+	for (uint32_t g = 0; g < b->group_count; g++)
+		b->groups[g].importance = asked[b->groups[g].organ] > 0 ? asked[b->groups[g].organ] : 1;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_salience *plant = lod_arena_take(&b->arena, 1, sizeof *plant);
+	struct lod_tone *groups = lod_arena_take(&b->arena, b->group_count, sizeof *groups);
+	for (uint32_t g = 0; g < b->group_count && !any; g++)
+		for (uint32_t k = b->groups[g].first; k < b->groups[g].end; k++) {
+			const struct lod_element *e = &b->elements.items[b->order[k]];
+			for (uint32_t t = 0; t + 2 < e->corners; t++) {
+				const uint8_t *rgb = b->organs.rgb[e->triangle[t]];
+				lod_salience_add(plant, rgb, b->organs.area[e->triangle[t]]);
+				lod_tone_add(&groups[g], rgb, b->organs.area[e->triangle[t]]);
+			}
+		}
+	for (uint32_t g = 0; g < b->group_count && !any; g++)
+		if (b->groups[g].organ != ECO_ORGAN_WOOD)
+			b->groups[g].importance = (float)lod_salience_of(plant, &groups[g]);
+	lod_arena_release(&b->arena, mark);
+}
+
+static void find_groups(struct lod_build *b)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	b->groups = lod_arena_take(&b->arena, ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1), sizeof *b->groups);
+	b->group_of_component = lod_arena_take(&b->arena, mesh->component_count, sizeof *b->group_of_component);
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		if (b->organs.components[c].organ == ECO_ORGAN_WOOD) {
+			struct lod_group *group = find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material));
+			b->group_of_component[c] = (uint32_t)(group - b->groups);
+		}
+	for (uint32_t i = 0; i < b->elements.count; i++) {
+		const struct lod_component *c = &b->organs.components[mesh->component[b->elements.items[b->order[i]].triangle[0]]];
+		struct lod_group *group = find_group(b, c->organ, image_of(b, c->material));
+		group->first = group->end == 0 ? i : group->first;
+		group->end = i + 1;
+	}
+	number_images(b);
+	find_importance(b);
+}
+
+/* ---- Cells ---- */
+
+static struct lod_v3 triangle_center(const struct lod_mesh *mesh, uint32_t t)
+{
+	struct lod_v3 sum = { 0, 0, 0 };
+	for (uint32_t k = 0; k < 3; k++)
+		sum = lod_v3_add(sum, lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k]));
+	return lod_v3_scale(sum, 1.0 / 3);
+}
+
+bool lod_build_whole(const struct lod_component *c)
+{
+	return c->triangle_count <= WHOLE_COMPONENT;
+}
+
+static struct lod_v3 component_center(const struct lod_component *c)
+{
+	return lod_v3_mix(lod_v3_of(c->low), lod_v3_of(c->high), 0.5);
+}
+
+static void find_cells(struct lod_build *b)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	b->cell_of_triangle = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *b->cell_of_triangle);
+	struct lod_arena_piece *mark = b->arena.last;
+	size_t most = (size_t)b->elements.count + mesh->triangle_count;
+	struct lod_v3 *center = lod_arena_take(&b->arena, most, sizeof *center);
+	uint32_t *triangles = lod_arena_take(&b->arena, most, sizeof *triangles), count = b->elements.count;
+	for (uint32_t i = 0; i < count; i++) {
+		center[i] = b->center[i];
+		triangles[i] = b->elements.items[i].corners - 2u;
+	}
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		const struct lod_component *c = &b->organs.components[mesh->component[t]];
+		if (c->organ != ECO_ORGAN_WOOD || mesh->collapsed[t])
+			continue;
+		center[count] = lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t);
+		triangles[count++] = 1;
+	}
+	lod_cells_make(&b->cells, &(struct lod_cells_input){ lod_v3_of(mesh->low), lod_v3_of(mesh->high), count, center, triangles,
+		b->options->cell_triangles ? b->options->cell_triangles : CELL_TRIANGLES });
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		const struct lod_component *c = &b->organs.components[mesh->component[t]];
+		b->cell_of_triangle[t] = lod_build_cell(b, lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t));
+	}
+	lod_arena_release(&b->arena, mark);
+}
+
+/* ---- Anchors ---- */
+
+/* A list's corners, in metres as they are drawn. */
+static struct lod_v3 drawn(const struct eco_list *list, const int32_t *p)
+{
+	return (struct lod_v3){ list->grid_origin[0] + p[0] * list->grid_step[0], list->grid_origin[1] + p[1] * list->grid_step[1],
+		list->grid_origin[2] + p[2] * list->grid_step[2] };
+}
+
+/* Grows a box (pass 0) or a sphere around its middle (pass 1) to hold a list. */
+struct bound { struct lod_v3 low, high; double radius; bool any; };
+
+static void include(struct bound *bound, const struct lod_list_draft *list, int pass)
+{
+	for (uint32_t i = 0; i < list->elements.corner_count; i++) {
+		struct lod_v3 p = drawn(&list->list, list->elements.position + 3 * (size_t)i);
+		if (pass == 1) {
+			bound->radius = fmax(bound->radius, lod_v3_distance(p, lod_v3_mix(bound->low, bound->high, 0.5)));
+			continue;
+		}
+		if (!bound->any)
+			bound->low = bound->high = p;
+		bound->any = true;
+		bound->low = (struct lod_v3){ fmin(bound->low.x, p.x), fmin(bound->low.y, p.y), fmin(bound->low.z, p.z) };
+		bound->high = (struct lod_v3){ fmax(bound->high.x, p.x), fmax(bound->high.y, p.y), fmax(bound->high.z, p.z) };
+	}
+}
+
+/* The sphere around everything that ladders of the anchor draw; the whole plant's around everything. Rounded up. */
+static void bound_anchors(struct lod_build *b)
+{
+	struct lod_plant *plant = b->plant;
+	uint32_t count = 1 + b->cells.count;
+	plant->anchors = lod_arena_own(&b->arena, count, sizeof *plant->anchors);
+	plant->plant.anchor_count = count;
+	struct bound *bounds = lod_arena_take(&b->arena, count, sizeof *bounds);
+	for (int pass = 0; pass < 2; pass++)
+		for (uint32_t l = 0; l < plant->ladder_count; l++) {
+			const struct eco_ladder *ladder = &plant->ladders[l];
+			const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+			for (int i = 0; i < 4; i++) {
+				if (lists[i] == ECO_NONE)
+					continue;
+				include(&bounds[0], &plant->lists[lists[i]], pass);
+				if (ladder->anchor != 0)
+					include(&bounds[ladder->anchor], &plant->lists[lists[i]], pass);
+			}
+		}
+	for (uint32_t a = 0; a < count; a++) {
+		struct lod_v3 middle = lod_v3_mix(bounds[a].low, bounds[a].high, 0.5);
+		plant->anchors[a] = (struct eco_anchor){ { (float)middle.x, (float)middle.y, (float)middle.z },
+			(float)(bounds[a].radius * 1.0001) };
+	}
+}
+
+/* ---- Palette ---- */
+
+/* Every colour that a list will look up, with the area that shows it. */
+static void make_palette(struct lod_build *b)
+{
+	struct lod_arena_piece *mark = b->arena.last;
+	const struct lod_mesh *mesh = &b->mesh;
+	size_t most = (size_t)mesh->component_count + b->bones.count + b->elements.count + 3 * (size_t)mesh->triangle_count;
+	uint8_t (*rgb)[3] = lod_arena_take(&b->arena, most, sizeof *rgb);
+	uint32_t *weights = lod_arena_take(&b->arena, most, sizeof *weights), count = 0;
+	double unit = b->plant->plant.area > 0 ? 1e8 / b->plant->plant.area : 0;
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		if (b->organs.components[c].organ == ECO_ORGAN_WOOD) {
+			memcpy(rgb[count], b->organs.components[c].rgb, 3);
+			weights[count++] = (uint32_t)(b->organs.components[c].area / 2 * unit);
+		}
+	for (uint32_t i = 0; i < b->bones.count; i++) {
+		const struct lod_bone *bone = &b->bones.items[i];
+		memcpy(rgb[count], bone->rgb, 3);
+		weights[count++] = (uint32_t)(lod_v3_distance(bone->end[0], bone->end[1]) * bone->width * unit);
+	}
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		if (image_of(b, mesh->material[t]) == ECO_NONE) {
+			memcpy(rgb[count], b->organs.rgb[t], 3);
+			weights[count++] = (uint32_t)(b->organs.area[t] * unit);
+		}
+	for (uint32_t i = 0; i < b->elements.count; i++) {
+		const struct lod_element *e = &b->elements.items[i];
+		if (image_of(b, mesh->material[e->triangle[0]]) == ECO_NONE) {
+			lod_organs_mean(&b->organs, e->triangle, e->corners - 2u, rgb[count]);
+			weights[count++] = (uint32_t)(b->area[i] * unit);
+		}
+		memcpy(rgb[count], b->point[i].rgb, 3);
+		weights[count++] = (uint32_t)(b->area[i] * unit);
+	}
+	lod_palette_make(&b->palette, (const uint8_t (*)[3])rgb, weights, count, &b->arena);
+	lod_arena_release(&b->arena, mark);
+	b->plant->palette = lod_arena_own(&b->arena, b->palette.count, sizeof *b->plant->palette);
+	memcpy(b->plant->palette, b->palette.rgb, b->palette.count * sizeof *b->plant->palette);
+	b->plant->palette_count = b->palette.count;
+}
+
+/* ---- Counting ---- */
+
+static void count_everything(struct lod_build *b)
+{
+	struct lod_plant *plant = b->plant;
+	const struct lod_mesh *mesh = &b->mesh;
+	plant->triangles_in = b->model->triangle_count;
+	for (int d = 0; d < ECO_DROP_COUNT; d++) {
+		plant->triangles_in += b->model->dropped[d];
+		plant->dropped[d] = b->model->dropped[d] + mesh->dropped[d];
+	}
+	plant->triangles_stored = mesh->triangle_count - mesh->unstored;
+	double total = 0;
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		plant->organ[b->organs.components[c].organ].components++;
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		struct lod_organ_stats *organ = &plant->organ[b->organs.components[mesh->component[t]].organ];
+		if (mesh->collapsed[t])
+			continue;
+		organ->triangles++;
+		organ->area += b->organs.area[t];
+		total += b->organs.area[t];
+	}
+	plant->organ[ECO_ORGAN_WOOD].elements = plant->organ[ECO_ORGAN_WOOD].triangles;
+	for (uint32_t i = 0; i < b->elements.count; i++)
+		plant->organ[b->organs.components[mesh->component[b->elements.items[i].triangle[0]]].organ].elements++;
+	plant->plant.triangles = plant->triangles_stored;
+	plant->plant.area = (float)total;
+	plant->plant.height_m = mesh->high[2] > 0 ? mesh->high[2] : 0;   /* above its foot, which is at 0 */
+}
+
+/* ---- All ---- */
+
+static void build_ladders(struct lod_build *b)
+{
+	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh, .organs = &b->organs,
+		.palette = &b->palette };
+	lod_draft_shade(&b->draft);
+	for (int cells = 0; cells <= (b->cells.count > 0); cells++)
+		for (uint32_t g = 0; g < b->group_count; g++) {
+			if (b->groups[g].organ == ECO_ORGAN_WOOD)
+				lod_wood_ladders(b, &b->groups[g], cells);
+			else
+				lod_leaves_ladders(b, &b->groups[g], cells);
+			advance(b, 0.92 + 0.04 * (cells + (g + 1.0) / b->group_count));
+		}
+	b->plant->plant.ladder_count = b->plant->ladder_count;
+}
+
+static void build(struct lod_build *b)
+{
+	struct lod_arena *arena = &b->arena;
+	advance(b, 0);
+	enter(b, LOD_STAGE_ELEMENTS);
+	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : lod_grid_bits_least(b->model), arena);
+	lod_elements_turn_diagonals(&b->mesh, arena);
+	advance(b, 0.04);
+	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
+	lod_elements_make(&b->elements, &b->mesh, &b->organs, arena);
+	advance(b, 0.06);
+	enter(b, LOD_STAGE_ORDERS);
+	lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
+	lod_bones_sort(&b->bones, b->options->seed, arena);
+	advance(b, 0.1);
+	count_everything(b);
+	lod_leaves_measure(b);
+	if ((b->code = lod_leaves_order(b, b->error)) != ECO_OK)
+		longjmp(b->arena.failed, FAILED_REPORTED);
+	enter(b, LOD_STAGE_LISTS);
+	find_groups(b);
+	find_cells(b);
+	lod_leaves_represent(b);
+	make_palette(b);
+	advance(b, 0.92);
+	build_ladders(b);
+	bound_anchors(b);
+	advance(b, 1);
+}
+
+static enum eco_code check(const struct eco_model *model, const struct lod_plant_options *options, struct eco_error *error)
+{
+	const char *name = options->name ? options->name : "plant";
+	if (model->triangle_count > TRIANGLES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %u triangles, at most %u", name, model->triangle_count, TRIANGLES_MAX);
+	if (options->grid_bits > LOD_WELD_BITS_MAX)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: a grid of %u bits, at most %u", name, options->grid_bits, LOD_WELD_BITS_MAX);
+	return ECO_OK;
+}
+
+enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error)
+{
+	*plant = (struct lod_plant){ 0 };
+	enum eco_code code = check(model, options, error);
+	if (code != ECO_OK)
+		return code;
+	struct lod_build *b = calloc(1, sizeof *b);
+	if (b == NULL)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to build a plant");
+	b->plant = plant;
+	b->model = model;
+	b->options = options;
+	b->error = error;
+	strncpy(plant->plant.name, options->name ? options->name : "", sizeof plant->plant.name - 1);
+	switch (setjmp(b->arena.failed)) {
+	case 0:
+		build(b);
+		if (plant->triangles_stored == 0)
+			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw; is the model empty, or flat?",
+				plant->plant.name, plant->triangles_in);
+		break;
+	case FAILED_INTERRUPTED:
+		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built", plant->plant.name);
+		break;
+	case FAILED_REPORTED:
+		code = b->code;
+		break;
+	default:
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a model of %u triangles", plant->plant.name, model->triangle_count);
+	}
+	lod_arena_free(&b->arena);
+	free(b);
+	if (code != ECO_OK)
+		lod_plant_free(plant);
+	return code;
+}
+
+void lod_plant_free(struct lod_plant *plant)
+{
+	if (plant == NULL)
+		return;
+	for (uint32_t i = 0; i < plant->list_count; i++) {
+		eco_elements_free(&plant->lists[i].elements);
+		free(plant->lists[i].ends);
+	}
+	free(plant->anchors);
+	free(plant->ladders);
+	free(plant->curves);
+	free(plant->lists);
+	free(plant->palette);
+	free(plant->images);
+	memset(plant, 0, sizeof *plant);
+}

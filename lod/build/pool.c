@@ -1,0 +1,313 @@
+/* Points of plants for summaries: see lod/build/pool.h. */
+#include "lod/build/pool.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/mix.h"
+#include "lod/build/foliage.h"
+#include "lod/geometry.h"
+#include "lod/raster/raster.h"
+#include "lod/build/tone.h"
+
+#define SEED 0x5EEDu
+#define NAMES (1u << 24)         /* a pixel's colour names what is seen there; 0 is nothing */
+
+/* ---- Primitives ---- */
+
+struct patch { double weight; uint16_t color; uint8_t organ; };
+
+struct part {                    /* primitives of one list, one after the other in `patches` */
+	uint32_t corners;            /* 1: points, 2: lines, 3: triangles */
+	uint32_t first, count;
+	float unit_area;
+	float *position, *size, *width;
+};
+
+struct patches {
+	struct patch *items;         uint32_t count;
+	struct part *parts;          uint32_t part_count;
+};
+
+static bool organ_has(const struct lod_plant *plant, uint32_t organ, uint8_t flag)
+{
+	for (uint32_t i = 0; i < plant->ladder_count; i++)
+		if (plant->ladders[i].organ == organ && (plant->ladders[i].flags & flag))
+			return true;
+	return false;
+}
+
+/* The list of a ladder that stands for all of it, and its primitives: ECO_NONE where another ladder does. Wood at its finest level. */
+static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *l, uint32_t *first, uint32_t *end)
+{
+	uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles : l->lines;
+	if (list == ECO_NONE || ((l->flags & ECO_LADDER_FAR) && organ_has(plant, l->organ, ECO_LADDER_NEAR)))
+		return ECO_NONE;
+	uint32_t all = plant->lists[list].elements.primitive_count;
+	*first = list == l->triangles && l->level_count > 1 ? l->level_end[l->level_count - 2] : 0;
+	*end = list == l->triangles && l->level_count > 0 && l->level_end[l->level_count - 1] < all ? l->level_end[l->level_count - 1] : all;
+	return *first < *end ? list : ECO_NONE;
+}
+
+static double area_of(const struct part *part, uint32_t i)
+{
+	const float *p = part->position + 3 * (size_t)part->corners * i;
+	double a[3], b[3];
+	if (part->corners == 1)
+		return part->unit_area * (double)part->size[i];
+	for (int k = 0; k < 3; k++) {
+		a[k] = p[3 + k] - p[k];
+		b[k] = part->corners == 3 ? p[6 + k] - p[k] : 0;
+	}
+	if (part->corners == 2)
+		return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * part->width[i];
+	double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+	return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+static bool add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ, uint32_t palette_first, uint32_t first,
+	uint32_t end)
+{
+	struct part *part = &patches->parts[patches->part_count++];
+	uint32_t corners = draft->list.kind == ECO_LIST_POINTS ? 1 : draft->list.kind == ECO_LIST_LINES ? 2 : 3, count = end - first;
+	*part = (struct part){ .corners = corners, .first = patches->count, .count = count, .unit_area = draft->list.unit_area,
+		.position = malloc(3 * (size_t)corners * count * sizeof(float)), .size = malloc(count * sizeof(float)),
+		.width = malloc(count * sizeof(float)) };
+	struct patch *bigger = realloc(patches->items, ((size_t)patches->count + count) * sizeof *bigger);
+	int32_t *color = malloc(count * sizeof *color);
+	if (bigger)
+		patches->items = bigger;
+	bool good = part->position && part->size && part->width && bigger && color;
+	if (good) {
+		struct lod_geometry to = { .position = part->position, .width = part->width, .size = part->size, .color = color };
+		lod_list_geometry(&draft->list, &draft->elements, first, end, 1, &to);
+	}
+	for (uint32_t i = 0; good && i < count; i++) {
+		uint32_t in_list = color[i] > 0 ? (uint32_t)color[i] : 0;
+		patches->items[patches->count++] = (struct patch){ area_of(part, i), (uint16_t)(palette_first + draft->list.palette_first + in_list), organ };
+	}
+	free(color);
+	return good;
+}
+
+static bool collect(struct patches *patches, const struct lod_plant *plant, uint32_t palette_first)
+{
+	patches->parts = calloc(plant->ladder_count + 1u, sizeof *patches->parts);
+	bool good = patches->parts != NULL;
+	for (uint32_t i = 0; i < plant->ladder_count && good; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		uint32_t first, end, list = list_of(plant, l, &first, &end);
+		if (list != ECO_NONE)
+			good = add_part(patches, &plant->lists[list], l->organ, palette_first, first, end);
+	}
+	return good;
+}
+
+static void free_patches(struct patches *patches)
+{
+	for (uint32_t i = 0; i < patches->part_count; i++) {
+		free(patches->parts[i].position);
+		free(patches->parts[i].size);
+		free(patches->parts[i].width);
+	}
+	free(patches->parts);
+	free(patches->items);
+}
+
+/* ---- Weights ---- */
+
+/* Areas of primitives become shares of the plant's: an organ's share its area among them, whatever form they have. */
+static double balance(struct patches *patches, const struct lod_plant *plant)
+{
+	double sum[ECO_ORGAN_COUNT] = { 0 }, total = 0;
+	for (uint32_t i = 0; i < patches->count; i++)
+		sum[patches->items[i].organ] += patches->items[i].weight;
+	for (uint32_t i = 0; i < patches->count; i++) {
+		struct patch *p = &patches->items[i];
+		p->weight = sum[p->organ] > 0 ? p->weight / sum[p->organ] * plant->organ[p->organ].area : 0;
+		total += p->weight;
+	}
+	return total;
+}
+
+static bool sphere_of(const struct patches *patches, double center[3], double *radius)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, square = 0;
+	for (uint32_t i = 0; i < patches->part_count; i++)
+		for (size_t c = 0; c < 3 * (size_t)patches->parts[i].corners * patches->parts[i].count; c++) {
+			low[c % 3] = fmin(low[c % 3], patches->parts[i].position[c]);
+			high[c % 3] = fmax(high[c % 3], patches->parts[i].position[c]);
+		}
+	for (int k = 0; k < 3; k++) {
+		center[k] = 0.5 * (low[k] + high[k]);
+		square += (high[k] - center[k]) * (high[k] - center[k]);
+	}
+	*radius = sqrt(square);
+	return *radius > 0 && isfinite(*radius);
+}
+
+static void draw_parts(struct lod_raster *raster, const struct patches *patches, const uint8_t (*names)[3])
+{
+	for (uint32_t i = 0; i < patches->part_count; i++) {
+		const struct part *part = &patches->parts[i];
+		struct lod_raster_batch batch = { .count = part->count, .position = part->position, .width = part->width, .area = part->unit_area,
+			.size = part->size, .rgb = names[part->first], .owner = 1 };
+		(part->corners == 1 ? lod_raster_points : part->corners == 2 ? lod_raster_lines : lod_raster_triangles)(raster, &batch);
+	}
+}
+
+/* seen[i]: in how many pixels primitive i is nearest, in all views. False where that cannot be found out. */
+static bool count_seen(const struct patches *patches, uint32_t *seen)
+{
+	struct lod_raster raster;
+	double directions[LOD_TONE_VIEWS][3], center[3], radius;
+	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius))
+		return false;
+	uint8_t (*names)[3] = malloc(patches->count * sizeof *names);
+	if (!names || lod_raster_init(&raster, &(struct lod_raster_options){ .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS, .rgb = true }, NULL)) {
+		free(names);
+		return false;
+	}
+	for (uint32_t i = 0; i < patches->count; i++)
+		for (int byte = 0; byte < 3; byte++)
+			names[i][byte] = (uint8_t)((i + 1) >> 8 * byte);
+	lod_directions_spread(directions, LOD_TONE_VIEWS, 1);
+	uint64_t hits = 0;
+	for (uint32_t v = 0; v < LOD_TONE_VIEWS; v++) {
+		struct lod_eye eye;
+		lod_tone_eye(&eye, directions[v], center, radius);
+		lod_raster_clear(&raster);
+		lod_raster_camera(&raster, &eye, (LOD_TONE_AWAY - 4) * radius);
+		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+		draw_parts(&raster, patches, (const uint8_t (*)[3])names);
+		for (size_t i = 0; i < (size_t)LOD_TONE_PIXELS * LOD_TONE_PIXELS; i++) {
+			uint32_t name = (uint32_t)raster.rgb[3 * i] | (uint32_t)raster.rgb[3 * i + 1] << 8 | (uint32_t)raster.rgb[3 * i + 2] << 16;
+			if (!raster.cover[i] || !name)
+				continue;
+			seen[name - 1]++;
+			hits++;
+		}
+	}
+	lod_raster_free(&raster);
+	free(names);
+	return hits > 0;
+}
+
+/* Total of the weights: pixels where they can be seen. */
+static double weigh(struct patches *patches, const struct lod_plant *plant)
+{
+	double total = balance(patches, plant), pixels = 0;
+	uint32_t *seen = calloc((size_t)patches->count + 1, sizeof *seen);
+	if (total > 0 && seen && count_seen(patches, seen)) {
+		for (uint32_t i = 0; i < patches->count; i++)
+			pixels += patches->items[i].weight = seen[i];
+		total = pixels;
+	}
+	free(seen);
+	return total;
+}
+
+/* ---- Points ---- */
+
+struct pooled { float at[3]; uint16_t color; };
+
+static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
+{
+	double u = eco_mix_unit(eco_mix(SEED + 1, number)), v = eco_mix_unit(eco_mix(SEED + 2, number)), root = sqrt(u);
+	double w[3] = { 1, 0, 0 };
+	const struct part *part = patches->parts;
+	while (patch >= part->first + part->count)
+		part++;
+	const float *corner = part->position + 3 * (size_t)part->corners * (patch - part->first);
+	if (part->corners == 2) {
+		w[0] = 1 - v;
+		w[1] = v;
+	} else if (part->corners == 3) {
+		w[0] = 1 - root;
+		w[1] = root * (1 - v);
+		w[2] = root * v;
+	}
+	for (int i = 0; i < 3; i++) {
+		double sum = 0;
+		for (uint32_t c = 0; c < part->corners; c++)
+			sum += w[c] * corner[3 * c + (uint32_t)i];
+		out[i] = (float)sum;
+	}
+}
+
+static void shuffle(struct pooled *points, uint32_t count)
+{
+	for (uint32_t i = count; i > 1; i--) {
+		uint32_t k = (uint32_t)(eco_mix(SEED, i) % i);
+		struct pooled spare = points[k];
+		points[k] = points[i - 1];
+		points[i - 1] = spare;
+	}
+}
+
+/* One point in each of `count` equal parts of the summed weights. */
+static void sample(const struct patches *patches, double total, struct pooled *out, uint32_t count)
+{
+	double before = 0;
+	uint32_t at = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		double target = (i + eco_mix_unit(eco_mix(SEED, i))) / count * total;
+		while (at + 1 < patches->count && before + patches->items[at].weight <= target)
+			before += patches->items[at++].weight;
+		point_on(patches, at, i, out[i].at);
+		out[i].color = patches->items[at].color;
+	}
+	shuffle(out, count);
+}
+
+static uint8_t level_of(const struct lod_plant *plant)
+{
+	double sum = 0, area = 0;
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		uint32_t first, end, list = list_of(plant, l, &first, &end);
+		uint8_t code = list != ECO_NONE ? plant->lists[list].list.level : 0;
+		sum += code ? (double)l->area * code : 0;
+		area += code ? (double)l->area : 0;
+	}
+	return area > 0 ? (uint8_t)(sum / area + 0.5) : 0;
+}
+
+enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
+	struct eco_error *error)
+{
+	struct patches patches = { 0 };
+	assert(count >= 1);
+	*pool = (struct lod_pool){ .position = malloc(count * sizeof *pool->position), .color = malloc(count * sizeof *pool->color) };
+	struct pooled *points = calloc(count, sizeof *points);
+	bool good = pool->position && pool->color && points && collect(&patches, plant, palette_first);
+	if (good) {
+		double total = weigh(&patches, plant);
+		pool->count = total > 0 ? count : 1;
+		pool->level = level_of(plant);
+		if (total > 0)
+			sample(&patches, total, points, count);
+		else                     /* nothing to take points from: its middle */
+			points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1], plant->anchors[0].center[2] },
+				(uint16_t)palette_first };
+		for (uint32_t i = 0; i < pool->count; i++) {
+			memcpy(pool->position[i], points[i].at, sizeof points[i].at);
+			pool->color[i] = points[i].color;
+		}
+	}
+	free(points);
+	free_patches(&patches);
+	if (good)
+		return ECO_OK;
+	lod_pool_free(pool);
+	return eco_fail(error, ECO_NO_MEMORY, "summary of %s: no memory", plant->plant.name);
+}
+
+void lod_pool_free(struct lod_pool *pool)
+{
+	free(pool->position);
+	free(pool->color);
+	*pool = (struct lod_pool){ 0 };
+}

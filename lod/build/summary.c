@@ -1,0 +1,288 @@
+/* Summaries: pools of points of plants, sequences of points of tiles, and how many of each a parent takes. */
+#include "lod/build/summary.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/mix.h"
+#include "ecofiles/base/room.h"
+#include "lod/eye.h"
+
+#define GOLDEN 0.61803398874989484820    /* turns of it fill [0,1) evenly, however many are taken */
+
+double lod_power_below(double v)
+{
+	int exponent;
+	assert(v > 0 && isfinite(v));
+	frexp(v, &exponent);
+	return ldexp(1, exponent - 1);
+}
+
+static void shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
+{
+	char spare[64], *bytes = items;
+	assert(size <= sizeof spare);
+	for (uint32_t i = count; i > 1; i--) {
+		uint32_t k = (uint32_t)(eco_mix(seed, i) % i);
+		memcpy(spare, bytes + k * size, size);
+		memcpy(bytes + k * size, bytes + (i - 1) * size, size);
+		memcpy(bytes + (i - 1) * size, spare, size);
+	}
+}
+
+/* ---- Summaries ---- */
+
+struct visit { uint32_t tile, count; struct eco_placement placement; };
+
+struct drawing {
+	const struct lod_summary_input *input;
+	struct lod_summary *out;
+	struct visit *stack;         uint32_t depth, capacity;
+	double *reach;               uint32_t reach_capacity;        /* summed areas of the places of a leaf */
+	uint64_t levels, leveled;    /* of points whose plants' leaves are known: sum of codes, and how many */
+};
+
+uint32_t lod_summary_count(const struct eco_tile *tile)
+{
+	uint64_t wanted = tile->instance_count > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : 4 * tile->instance_count;
+	return wanted < LOD_SUMMARY_LEAST ? LOD_SUMMARY_LEAST : wanted > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : (uint32_t)wanted;
+}
+
+static bool push(struct drawing *d, const struct visit *visit)
+{
+	if (!eco_room(&d->stack, &d->capacity, d->depth, sizeof *d->stack))
+		return false;
+	d->stack[d->depth++] = *visit;
+	return true;
+}
+
+/* What a tile holds, not where it stands in the table, decides which points it takes: other tiles may come and go. */
+static uint64_t name_of(const struct eco_tile *tile)
+{
+	uint64_t bits;
+	memcpy(&bits, &tile->area, sizeof bits);
+	return eco_mix(bits, tile->instance_count);
+}
+
+/* Areas of the tile's own plants, summed: d->reach[i] ends the i-th place's share. Returns their number, ECO_NONE without memory. */
+static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
+{
+	const struct eco_scene *scene = d->input->scene;
+	uint32_t count = 0;
+	double sum = 0;
+	for (uint32_t g = 0; g < tile->group_count; g++) {
+		const struct eco_group *group = &scene->groups[tile->group_first + g];
+		uint32_t places = scene->lists[group->list].primitive_count;
+		if (count + places > d->reach_capacity) {
+			uint32_t wanted = count + places + d->reach_capacity;
+			double *bigger = realloc(d->reach, wanted * sizeof *bigger);
+			if (!bigger)
+				return ECO_NONE;
+			d->reach = bigger;
+			d->reach_capacity = wanted;
+		}
+		for (uint32_t i = 0; i < places; i++) {
+			double scale = eco_place_read(scene, group->place_first + i).scale / 65536.0;
+			d->reach[count++] = sum += scene->plants[group->plant].area * scale * scale;
+		}
+	}
+	return count;
+}
+
+static uint32_t find_place(const double *reach, uint32_t count, double target)
+{
+	uint32_t low = 0, high = count - 1;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (reach[middle] > target)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return low;
+}
+
+static void count_level(struct drawing *d, uint8_t code)
+{
+	d->levels += code;
+	d->leveled += code > 0;
+}
+
+/* The first `count` points of a tile's own sequence. */
+static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile, uint32_t places, uint32_t count)
+{
+	const struct eco_scene *scene = d->input->scene;
+	uint64_t seed = eco_mix(d->input->seed, name_of(tile));
+	double start = eco_mix_unit(seed), total = d->reach[places - 1];
+	for (uint32_t k = 0; k < count; k++) {
+		double turn = start + k * GOLDEN;
+		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total), g = tile->group_first;
+		while (place >= scene->lists[scene->groups[g].list].primitive_count)
+			place -= scene->lists[scene->groups[g++].list].primitive_count;
+		const struct eco_group *group = &scene->groups[g];
+		const struct lod_pool *pool = &d->input->pools[group->plant];
+		uint32_t pick = (uint32_t)(eco_mix(seed, k) % pool->count);
+		struct eco_place stored = eco_place_read(scene, group->place_first + place);
+		struct lod_place stands;
+		struct lod_summary_point *point = &d->out->points[d->out->count++];
+		lod_place_instance(&stands, &visit->placement, &scene->lists[group->list], &stored);
+		lod_place_point(&stands, pool->position[pick], point->at);
+		point->plant = group->plant;
+		point->key = (uint16_t)(eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
+		point->color = pool->color[pick];
+		count_level(d, pool->level);
+	}
+}
+
+static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t tile, uint32_t child)
+{
+	const struct eco_child *c = &scene->children[child];
+	/* an eco file's coordinates in its parent's: the arithmetic of an instance, whose grid is metres */
+	struct lod_place place = { 0 };
+	const struct eco_list metres = { .grid_origin = { c->at[0], c->at[1], c->at[2] } };
+	const struct eco_place here = { .scale = 65536 };
+	lod_place_instance(&place, outer, &metres, &here);
+	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] }, .turn = (uint16_t)(outer->turn + c->turn),
+		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_step(scene, tile, child) };
+}
+
+/* The first `count` points of a nested eco file's summary, or all. */
+static void take_points(struct drawing *d, const struct visit *visit, const struct lod_summary_root *root)
+{
+	const struct eco_list *list = &root->list, whole = { .grid_origin = { 0 } };
+	const struct eco_place here = { .scale = 65536 };
+	uint32_t count = visit->count < root->elements.element_count ? visit->count : root->elements.element_count;
+	struct lod_place stands;
+	lod_place_instance(&stands, &visit->placement, &whole, &here);
+	for (uint32_t k = 0; k < count; k++) {
+		const int32_t *at = root->elements.position + 3 * (size_t)k, *extra = root->elements.extra + (size_t)root->elements.extra_count * k;
+		struct lod_summary_point *point = &d->out->points[d->out->count++];
+		float inside[3];
+		for (int i = 0; i < 3; i++)
+			inside[i] = (float)(list->grid_origin[i] + list->grid_step[i] * at[i]);
+		lod_place_point(&stands, inside, point->at);
+		point->color = (uint16_t)((uint32_t)extra[0] + list->palette_first);
+		point->plant = (uint32_t)extra[1];
+		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
+		count_level(d, list->level);
+	}
+}
+
+static uint32_t given_until(double sum, double total, uint32_t count, double start)
+{
+	double until = floor(sum / total * count + start);
+	return until >= count ? count : (uint32_t)until;
+}
+
+/* Shares out the visit's points by area: to the tile's own plants, then child by child, rounding the running sum so that the
+ * shares add up. */
+static bool share_out(struct drawing *d, const struct visit *visit)
+{
+	const struct eco_scene *scene = d->input->scene;
+	const struct eco_tile *tile = &scene->tiles[visit->tile];
+	uint32_t places = own_places(d, tile), given = 0;
+	if (places == ECO_NONE)
+		return false;
+	double own = places ? d->reach[places - 1] : 0, total = own, sum;
+	for (uint32_t i = 0; i < tile->child_count; i++) {
+		const struct eco_child *child = &scene->children[tile->child_first + i];
+		total += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+	}
+	if (!(total > 0))
+		return true;
+	/* the sums are added in one order, so the last is exactly `total`; a start inside a step treats no child better than another */
+	double start = tile->child_count ? eco_mix_unit(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
+	given = given_until(own, total, visit->count, start);
+	if (given)
+		draw_points(d, visit, tile, places, given);
+	sum = own;
+	for (uint32_t i = 0; i < tile->child_count; i++) {
+		const struct eco_child *child = &scene->children[tile->child_first + i];
+		sum += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+		uint32_t until = given_until(sum, total, visit->count, start);
+		struct visit next = { .tile = child->tile, .count = until - given, .placement = visit->placement };
+		if (!next.count)
+			continue;
+		given = until;
+		if (child->placed)
+			next.placement = placed_child(&visit->placement, scene, visit->tile, tile->child_first + i);
+		if (child->placed && d->input->roots && d->input->roots[child->tile])
+			take_points(d, &next, d->input->roots[child->tile]);
+		else if (child->placed && !d->input->pools)
+			continue;                /* a nested eco file without a summary */
+		else if (!push(d, &next))
+			return false;
+	}
+	return true;
+}
+
+enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error)
+{
+	*summary = (struct lod_summary){ .points = malloc(((size_t)input->count + 1) * sizeof *summary->points) };
+	struct drawing d = { .input = input, .out = summary };
+	struct visit visit = { .tile = input->tile, .count = input->count, .placement = { .scale = 1 } };
+	bool good = summary->points && push(&d, &visit);
+	while (good && d.depth) {
+		visit = d.stack[--d.depth];
+		good = share_out(&d, &visit);
+	}
+	free(d.stack);
+	free(d.reach);
+	if (!good) {
+		free(summary->points);
+		*summary = (struct lod_summary){ 0 };
+		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
+	}
+	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
+	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
+	return ECO_OK;
+}
+
+/* ---- As a list ---- */
+
+static void choose_grid(struct eco_list *list, const struct lod_summary *summary)
+{
+	double low[3], high[3], extent = 0;
+	for (int i = 0; i < 3; i++) {
+		low[i] = high[i] = summary->points[0].at[i];
+		for (uint32_t k = 1; k < summary->count; k++) {
+			low[i] = fmin(low[i], summary->points[k].at[i]);
+			high[i] = fmax(high[i], summary->points[k].at[i]);
+		}
+		extent = fmax(extent, high[i] - low[i]);
+	}
+	double step = lod_power_below(fmax(extent / 4096, 1e-6));
+	for (int i = 0; i < 3; i++) {
+		list->grid_step[i] = step;
+		list->grid_origin[i] = floor(low[i] / step) * step;
+	}
+}
+
+enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements, struct eco_error *error)
+{
+	uint32_t n = summary->count;
+	assert(n > 0);
+	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
+		.level = summary->level, .owner = tile, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .palette_count = palette_count,
+		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
+	choose_grid(list, summary);
+	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n, .extra_count = 3,
+		.corners = malloc(n), .position = malloc(3 * (size_t)n * sizeof(int32_t)), .extra = malloc(3 * (size_t)n * sizeof(int32_t)) };
+	if (!elements->corners || !elements->position || !elements->extra) {
+		eco_elements_free(elements);
+		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", tile);
+	}
+	for (uint32_t k = 0; k < n; k++) {
+		const struct lod_summary_point *p = &summary->points[k];
+		elements->corners[k] = 1;
+		for (int i = 0; i < 3; i++)
+			elements->position[3 * k + (uint32_t)i] = (int32_t)floor((p->at[i] - list->grid_origin[i]) / list->grid_step[i] + 0.5);
+		elements->extra[3 * k] = p->color;
+		elements->extra[3 * k + 1] = (int32_t)p->plant;
+		elements->extra[3 * k + 2] = p->key;
+	}
+	return ECO_OK;
+}

@@ -1,0 +1,216 @@
+/* Quadtree, top down: each tile sorts its items into quarters and goes on with those that are not empty. A tile whose items all lie
+ * in one quarter is not kept: it would be a node with one child. A tile whose southern and northern half can be leaves is cut into these
+ * two: so leaves of an even forest are half full, and a plant costs the same wherever their number lies between two powers of four. */
+#include "lod/build/tile.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/room.h"
+
+#define DEPTH_MAX 60             /* halvings: beyond it a double's positions no longer part */
+
+struct square { double x, y, side; };        /* south-west corner */
+
+struct build {
+	struct lod_tiles *tiles;
+	const struct lod_tile_item *items;
+	uint32_t most, node_capacity;
+	uint32_t *scratch;           /* as long as order */
+	bool failed;
+};
+
+uint64_t lod_morton(uint32_t x, uint32_t y)
+{
+	uint64_t code = 0;
+	for (int bit = 0; bit < 32; bit++)
+		code |= (uint64_t)(x >> bit & 1) << (2 * bit) | (uint64_t)(y >> bit & 1) << (2 * bit + 1);
+	return code;
+}
+
+static uint32_t add_node(struct build *b, uint32_t first, uint32_t count)
+{
+	struct lod_tiles *t = b->tiles;
+	if (!eco_room(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes)) {
+		b->failed = true;
+		return 0;
+	}
+	t->nodes[t->node_count] = (struct lod_tile_node){ .item_first = first, .item_count = count };
+	return t->node_count++;
+}
+
+static uint32_t quarter_of(const struct lod_tile_item *item, double x, double y)
+{
+	return (item->at[0] >= x ? 1 : 0) + (item->at[1] >= y ? 2 : 0);
+}
+
+/* Sorts the range by quarter, keeping the order inside each; ends[q] is where quarter q ends. */
+static void part(struct build *b, uint32_t first, uint32_t count, double x, double y, uint32_t ends[4])
+{
+	uint32_t *order = b->tiles->order + first, starts[4] = { 0 }, sizes[4] = { 0 };
+	for (uint32_t i = 0; i < count; i++)
+		sizes[quarter_of(&b->items[order[i]], x, y)]++;
+	for (int q = 1; q < 4; q++)
+		starts[q] = starts[q - 1] + sizes[q - 1];
+	for (int q = 0; q < 4; q++)
+		ends[q] = first + starts[q] + sizes[q];
+	for (uint32_t i = 0; i < count; i++)
+		b->scratch[starts[quarter_of(&b->items[order[i]], x, y)]++] = order[i];
+	memcpy(order, b->scratch, count * sizeof *order);
+}
+
+/* ---- Leaves ---- */
+
+struct sorting { uint32_t plant, item; uint64_t key; };
+
+static int by_plant_and_place(const void *a, const void *b)
+{
+	const struct sorting *x = a, *y = b;
+	if (x->plant != y->plant)
+		return x->plant < y->plant ? -1 : 1;
+	if (x->key != y->key)
+		return x->key < y->key ? -1 : 1;
+	return x->item < y->item ? -1 : x->item > y->item;
+}
+
+static uint32_t grid16(double v, double low, double side)
+{
+	double cell = side > 0 ? floor((v - low) / side * 65536.0) : 0;
+	return cell < 0 ? 0 : cell > 65535 ? 65535 : (uint32_t)cell;
+}
+
+static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const struct square *square)
+{
+	struct sorting *sorting = malloc((count ? count : 1) * sizeof *sorting);
+	uint32_t *order = b->tiles->order + first;
+	if (!sorting) {
+		b->failed = true;
+		return;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_tile_item *item = &b->items[order[i]];
+		sorting[i] = (struct sorting){ item->plant, order[i],
+			lod_morton(grid16(item->at[0], square->x, square->side), grid16(item->at[1], square->y, square->side)) };
+	}
+	if (count > 1)
+		qsort(sorting, count, sizeof *sorting, by_plant_and_place);
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = sorting[i].item;
+	free(sorting);
+}
+
+static void hold_items(struct build *b, struct lod_tile_node *node)
+{
+	for (int i = 0; i < 3; i++) {
+		node->low[i] = node->item_count ? INFINITY : 0;
+		node->high[i] = node->item_count ? -INFINITY : 0;
+	}
+	for (uint32_t k = 0; k < node->item_count; k++) {
+		const struct lod_tile_item *item = &b->items[b->tiles->order[node->item_first + k]];
+		for (int i = 0; i < 3; i++) {
+			node->low[i] = fmin(node->low[i], item->at[i] - (i < 2 ? item->reach : item->below));
+			node->high[i] = fmax(node->high[i], item->at[i] + (i < 2 ? item->reach : item->above));
+		}
+	}
+}
+
+/* ---- The tree ---- */
+
+static bool few(const struct build *b, uint32_t first, uint32_t count)
+{
+	uint64_t sum = 0;
+	if (count <= 1)
+		return true;
+	for (uint32_t i = first; i < first + count && sum <= b->most; i++)
+		sum += b->items[b->tiles->order[i]].weight > 1 ? b->items[b->tiles->order[i]].weight : 1;
+	return sum <= b->most;
+}
+
+static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct square square, int depth)
+{
+	uint32_t ends[4];
+	/* squares with all items in one quarter are passed through */
+	for (;; depth++) {
+		if (few(b, first, count) || depth >= DEPTH_MAX) {
+			uint32_t leaf = add_node(b, first, count);
+			if (!b->failed)
+				sort_leaf(b, first, count, &square);
+			if (!b->failed)
+				hold_items(b, &b->tiles->nodes[leaf]);
+			return leaf;
+		}
+		double half = square.side / 2;
+		part(b, first, count, square.x + half, square.y + half, ends);
+		int only = -1;
+		for (int q = 0; q < 4; q++)
+			if (ends[q] - (q ? ends[q - 1] : first) == count)
+				only = q;
+		if (only < 0)
+			break;
+		square = (struct square){ square.x + (only & 1 ? half : 0), square.y + (only & 2 ? half : 0), half };
+	}
+	/* where two halves do, quarters would be lists half as long, and twice as many */
+	bool halves = few(b, first, ends[1] - first) && few(b, ends[1], first + count - ends[1]);
+	if (halves) {
+		ends[0] = ends[1];
+		ends[2] = ends[3];
+	}
+	uint32_t node = add_node(b, first, count), begin = first;
+	for (int q = 0; q < 4 && !b->failed; begin = ends[q++]) {
+		if (ends[q] == begin)
+			continue;
+		double half = square.side / 2;
+		struct square quarter = { square.x + (q & 1 ? half : 0), square.y + (q & 2 ? half : 0), half };
+		uint32_t child = split(b, begin, ends[q] - begin, halves ? square : quarter, depth + 1);
+		struct lod_tile_node *n = &b->tiles->nodes[node], *c = &b->tiles->nodes[child];
+		for (int i = 0; i < 3; i++) {
+			n->low[i] = n->child_count ? fmin(n->low[i], c->low[i]) : c->low[i];
+			n->high[i] = n->child_count ? fmax(n->high[i], c->high[i]) : c->high[i];
+		}
+		n->child[n->child_count++] = child;
+	}
+	return node;
+}
+
+static struct square square_around(const struct lod_tile_item *items, uint32_t count)
+{
+	double low[2] = { 0, 0 }, high[2] = { 0, 0 };
+	for (uint32_t k = 0; k < count; k++) {
+		for (int i = 0; i < 2; i++) {
+			assert(isfinite(items[k].at[i]));
+			low[i] = k ? fmin(low[i], items[k].at[i]) : items[k].at[i];
+			high[i] = k ? fmax(high[i], items[k].at[i]) : items[k].at[i];
+		}
+	}
+	return (struct square){ low[0], low[1], fmax(high[0] - low[0], high[1] - low[1]) };
+}
+
+enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
+	struct eco_error *error)
+{
+	assert(most >= 1);
+	*tiles = (struct lod_tiles){ .order = malloc(((size_t)count + 1) * sizeof *tiles->order) };
+	struct build b = { .tiles = tiles, .items = items, .most = most, .scratch = malloc(((size_t)count + 1) * sizeof *b.scratch) };
+	b.failed = !tiles->order || !b.scratch;
+	if (!b.failed) {
+		for (uint32_t i = 0; i < count; i++)
+			tiles->order[i] = i;
+		split(&b, 0, count, square_around(items, count), 0);
+	}
+	free(b.scratch);
+	if (!b.failed)
+		return ECO_OK;
+	lod_tiles_free(tiles);
+	return eco_fail(error, ECO_NO_MEMORY, "tiling: no memory for %u plants", count);
+}
+
+void lod_tiles_free(struct lod_tiles *tiles)
+{
+	free(tiles->nodes);
+	free(tiles->order);
+	*tiles = (struct lod_tiles){ 0 };
+}

@@ -1,0 +1,45 @@
+/* Quadtree over what stands in an eco file: square tiles, split until few enough things stand in each (Deussen 2002, 6.2); a square's halves
+ * where these are few enough.
+ *
+ *   lod_tiles_build(&tiles, items, count, 128, &error);
+ *   for each node, parents first: bounds, children; a leaf's items, plant by plant, each plant's in Morton order
+ *   lod_tiles_free(&tiles);
+ *
+ * A thing belongs to the tile that its foot stands in; bounds hold whole bodies, so those of neighbours overlap a little. */
+#ifndef LOD_TILE_H
+#define LOD_TILE_H
+
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+struct lod_tile_item {
+	double at[3];
+	double reach, below, above;  /* body: within `reach` of the vertical through `at`, z from at - below to at + above */
+	uint32_t plant;              /* ECO_NONE: something else, such as a nested eco file */
+	uint32_t index;              /* the caller's; left alone */
+	uint32_t weight;             /* counts as so many things; 0: as one */
+};
+
+struct lod_tile_node {
+	double low[3], high[3];      /* of the bodies of all its items */
+	uint32_t item_first, item_count;         /* in lod_tiles.order; a parent's are those of its children */
+	uint32_t child[4], child_count;          /* nodes; 0: a leaf */
+};
+
+struct lod_tiles {               /* owns its arrays */
+	struct lod_tile_node *nodes; /* depth first, [0] is the root */
+	uint32_t node_count;
+	uint32_t *order;             /* indices into items */
+};
+
+/* `most` >= 1. Leaves hold at most so many items, each by its weight, but for single items and items at one place. Deterministic; positions
+ * must be finite. Without items there is one empty leaf at the origin. */
+enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
+	struct eco_error *error);
+void lod_tiles_free(struct lod_tiles *tiles);
+
+/* Bits of two coordinates in turn, x lowest. */
+uint64_t lod_morton(uint32_t x, uint32_t y);
+
+#endif

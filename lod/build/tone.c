@@ -1,0 +1,193 @@
+#include "lod/build/tone.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/foliage.h"
+#include "lod/light.h"
+#include "lod/raster/raster.h"
+
+#define VIEWS LOD_TONE_VIEWS
+#define PIXELS LOD_TONE_PIXELS   /* of a side: about as many hits in all as a large crown has leaves */
+#define AWAY LOD_TONE_AWAY
+#define BATCH 4096u
+#define FIRST_BLOCK 8u           /* each of so many stands for the whole plant, and the more there are, the more for its own part of it */
+#define LEAST_RATIO 0.25         /* what a block's colours are changed by at most, as a factor of light, and 1 over it */
+
+/* ---- What is seen ---- */
+
+void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius)
+{
+	double flat = sqrt(from[0] * from[0] + from[1] * from[1]), half = 1 / sqrt(AWAY * AWAY - 1);
+	double right[3] = { flat > 1e-9 ? -from[1] / flat : 1, flat > 1e-9 ? from[0] / flat : 0, 0 };
+	*eye = (struct lod_eye){ .tan_x = half, .tan_y = half, .pixel_rad = 2 * half / PIXELS };
+	for (int k = 0; k < 3; k++) {
+		int a = (k + 1) % 3, c = (k + 2) % 3;
+		eye->at[k] = center[k] + AWAY * radius * from[k];
+		eye->right[k] = right[k];
+		eye->up[k] = from[a] * right[c] - from[c] * right[a];
+		eye->forward[k] = -from[k];
+	}
+}
+
+static double sphere(const struct lod_mesh *mesh, double center[3])
+{
+	double far = 0;
+	for (int k = 0; k < 3; k++)
+		center[k] = 0.5 * ((double)mesh->low[k] + mesh->high[k]);
+	for (int k = 0; k < 3; k++)
+		far += (mesh->high[k] - center[k]) * (mesh->high[k] - center[k]);
+	return far > 0 ? sqrt(far) : 1;
+}
+
+/* Colours of triangles name their elements: number + 1, 0 for what is none. */
+static void draw_named(struct lod_raster *raster, const struct lod_mesh *mesh, const uint8_t (*names)[3])
+{
+	float position[9 * BATCH];
+	uint8_t rgb[3 * BATCH];
+	for (uint32_t t = 0, n = 0; t < mesh->triangle_count; t++) {
+		for (uint32_t c = 0; c < 3; c++)
+			for (uint32_t a = 0; a < 3; a++)
+				position[9 * n + 3 * c + a] = (float)(mesh->origin[a]
+					+ mesh->step * mesh->grid[3 * (size_t)mesh->index[3 * (size_t)t + c] + a]);
+		memcpy(rgb + 3 * n, names[t], 3);
+		if (++n < BATCH && t + 1 < mesh->triangle_count)
+			continue;
+		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = n, .position = position, .rgb = rgb, .owner = 1 });
+		n = 0;
+	}
+}
+
+static void count_named(const struct lod_raster *raster, uint32_t *seen)
+{
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+		uint32_t name = (uint32_t)raster->rgb[3 * i] | (uint32_t)raster->rgb[3 * i + 1] << 8 | (uint32_t)raster->rgb[3 * i + 2] << 16;
+		if (raster->cover[i] && name)
+			seen[name - 1]++;
+	}
+}
+
+void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena)
+{
+	const struct lod_mesh *mesh = input->mesh;
+	struct lod_raster raster;
+	uint32_t count = input->elements->count;
+	double directions[VIEWS][3], center[3], radius = sphere(mesh, center);
+	for (uint32_t i = 0; i < count; i++)
+		seen[i] = 1;
+	if (count >= 1u << 24 || lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .rgb = true }, NULL))
+		return;
+	struct lod_arena_piece *mark = arena->last;
+	uint8_t (*names)[3] = lod_arena_take(arena, mesh->triangle_count, sizeof *names);
+	for (uint32_t i = 0; i < count; i++)
+		for (uint32_t k = 0; k + 2 < input->elements->items[i].corners; k++)
+			for (int byte = 0; byte < 3; byte++)
+				names[input->elements->items[i].triangle[k]][byte] = (uint8_t)((i + 1) >> 8 * byte);
+	memset(seen, 0, count * sizeof *seen);
+	lod_directions_spread(directions, VIEWS, 1);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		struct lod_eye eye;
+		lod_tone_eye(&eye, directions[v], center, radius);
+		lod_raster_clear(&raster);
+		lod_raster_camera(&raster, &eye, (AWAY - 4) * radius);
+		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+		draw_named(&raster, mesh, (const uint8_t (*)[3])names);
+		count_named(&raster, seen);
+	}
+	lod_raster_free(&raster);
+	lod_arena_release(arena, mark);
+}
+
+/* ---- Level tones ---- */
+
+struct colors { uint8_t rgb[LOD_TONE_COLORS][3]; uint32_t count; bool all; };
+
+static void find_colors(struct colors *colors, const uint8_t (*rgb)[3], uint32_t count)
+{
+	colors->count = 0;
+	colors->all = true;
+	for (uint32_t i = 0; i < count && colors->all; i++) {
+		uint32_t k = 0;
+		while (k < colors->count && memcmp(colors->rgb[k], rgb[i], 3) != 0)
+			k++;
+		colors->all = k < LOD_TONE_COLORS;
+		if (k == colors->count && colors->all)
+			memcpy(colors->rgb[colors->count++], rgb[i], 3);
+	}
+}
+
+static const uint8_t *nearest(const struct colors *colors, const double light[3])
+{
+	uint32_t best = 0;
+	double least = INFINITY;
+	for (uint32_t i = 0; i < colors->count; i++) {
+		double distance = 0;
+		for (int k = 0; k < 3; k++) {
+			double d = lod_light_of[colors->rgb[i][k]] - light[k];
+			distance += d * d;
+		}
+		if (distance < least) {
+			least = distance;
+			best = i;
+		}
+	}
+	return colors->rgb[best];
+}
+
+/* What a block's colours become: multiplied by `ratio`, and `own` of that with the rest of what is seen of the whole. */
+struct change { double ratio[3], whole[3], own; };
+
+/* Of given colours the nearest, and what it lacks is owed to the next. */
+static void apply(const struct change *change, uint8_t (*rgb)[3], const double *area, uint32_t count, const struct colors *colors, double owed[3])
+{
+	for (uint32_t i = 0; i < count; i++) {
+		double light[3];
+		for (int k = 0; k < 3; k++)
+			light[k] = change->own * change->ratio[k] * lod_light_of[rgb[i][k]] + (1 - change->own) * change->whole[k];
+		if (colors->all && area[i] > 0) {
+			double wanted[3];
+			for (int k = 0; k < 3; k++)
+				wanted[k] = light[k] + owed[k] / area[i];
+			memcpy(rgb[i], nearest(colors, wanted), 3);
+			for (int k = 0; k < 3; k++) {
+				double most = 65535 * area[i];
+				owed[k] = fmax(-most, fmin(most, owed[k] + area[i] * (light[k] - lod_light_of[rgb[i][k]])));
+			}
+		} else if (!colors->all) {
+			for (int k = 0; k < 3; k++)
+				rgb[i][k] = lod_light_byte(light[k]);
+		}
+	}
+}
+
+/* Where few are drawn, all of them are seen; where all are, only what nothing hides. */
+void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count)
+{
+	struct lod_light whole = { { 0, 0, 0 }, 0 };
+	struct colors colors;
+	double area_sum = 0, owed[3] = { 0, 0, 0 };
+	for (uint32_t i = 0; i < count; i++) {
+		lod_light_add(&whole, rgb[i], seen[i]);
+		area_sum += area[i];
+	}
+	if (!(whole.weight > 0) || !(area_sum > 0))
+		return;
+	find_colors(&colors, (const uint8_t (*)[3])rgb, count);
+	for (uint32_t first = 0, end; first < count; first = end) {
+		struct lod_light block = { { 0, 0, 0 }, 0 };
+		struct change c;
+		end = first < FIRST_BLOCK ? FIRST_BLOCK : 2 * first;
+		end = end < count && end >= first ? end : count;
+		double share = (double)end / count;
+		for (uint32_t i = first; i < end; i++)
+			lod_light_add(&block, rgb[i], (1 - share) * area[i] / area_sum + share * seen[i] / whole.weight);
+		c.own = 1 - (double)FIRST_BLOCK / (end > FIRST_BLOCK ? end : FIRST_BLOCK);
+		for (int k = 0; k < 3; k++) {
+			c.whole[k] = whole.sum[k] / whole.weight;
+			c.ratio[k] = block.sum[k] > 0 ? c.whole[k] / (block.sum[k] / block.weight) : 1;
+			c.ratio[k] = fmax(LEAST_RATIO, fmin(1 / LEAST_RATIO, c.ratio[k]));
+		}
+		apply(&c, rgb + first, area + first, end - first, &colors, owed);
+	}
+}

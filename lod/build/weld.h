@@ -1,0 +1,90 @@
+/* A model made ready for decisions: vertices welded by position, useless triangles dropped and counted, every vertex on the plant's
+ * integer grid, neighbours across edges, connected components.
+ *
+ * Decisions (organs, order, cells) look at `place`, the welded positions in metres, so that they do not depend on the grid; what is
+ * stored comes from `grid`. A component is what hangs together by vertices within one material and one rule about organs: a leaf glued
+ * to a twig of the same position but another material stays a leaf. */
+#ifndef LOD_WELD_H
+#define LOD_WELD_H
+
+#include <stddef.h>
+
+#include "ecofiles/format/model.h"
+#include "lod/arena.h"
+#include "lod/vector.h"
+
+#define LOD_WELD_BITS_MAX 20u
+
+struct lod_mesh {
+	double origin[3], step;      /* metres = origin + grid * step, for every list of the plant */
+	float low[3], high[3];       /* bounds of all vertices, metres */
+	uint32_t vertex_count;
+	float *place;                /* 3 per vertex, metres */
+	int32_t *grid;               /* 3 per vertex, in [0, 2^bits] */
+	uint32_t triangle_count;
+	uint32_t *index;             /* 3 per triangle */
+	uint32_t *material;          /* per triangle; valid index into the model's materials, or ECO_NONE if it has none */
+	uint32_t *source;            /* per triangle: which of the model's it is */
+	uint8_t *rule;               /* per triangle: enum eco_organ that a rule says, or ECO_ORGAN_FOUND */
+	int32_t *uv;                 /* 6 per triangle in 1/ECO_UV_ONE, zero where its material has no image */
+	bool *collapsed;             /* per triangle: it takes part in decisions, but is not stored: no area left on the grid, or a rim
+	                              * that shows nothing but closes its leaf (a line over transparent texels) */
+	uint32_t *across;            /* per triangle edge (k to k+1): 3 * neighbour + its edge, or ECO_NONE: border or more than two
+	                              * triangles; the neighbour may be of another component */
+	uint32_t component_count;
+	uint32_t *component;         /* per triangle */
+	uint32_t *member_first;      /* component c's triangles are member[member_first[c] .. member_first[c+1]) */
+	uint32_t *member;
+	uint32_t dropped[ECO_DROP_COUNT];    /* of the model's triangles, here */
+	uint32_t unstored;           /* of `dropped`: collapsed */
+};
+
+/* Corner k, or k - 3, of triangle t, metres. */
+static inline struct lod_v3 lod_mesh_corner(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
+{
+	return lod_v3_of(mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k % 3]);
+}
+
+/* Normal of triangle t, as long as its area. */
+static inline struct lod_v3 lod_mesh_area_normal(const struct lod_mesh *mesh, uint32_t t)
+{
+	struct lod_v3 a = lod_mesh_corner(mesh, t, 0);
+	return lod_v3_scale(lod_v3_cross(lod_v3_sub(lod_mesh_corner(mesh, t, 1), a), lod_v3_sub(lod_mesh_corner(mesh, t, 2), a)), 0.5);
+}
+
+/* Arrays come from `arena`. `bits` is the grid's (1 to LOD_WELD_BITS_MAX, of the largest extent). Vertices closer than 1e-6 of the
+ * largest extent are one. Afterwards triangle_count - unstored + sum of
+ * dropped = model->triangle_count. A mesh without triangles is a valid result. */
+void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
+
+/* Whether a triangle of the model has corners that are there and finite; else why not. */
+bool lod_mesh_usable(const struct eco_model *model, uint32_t triangle, enum eco_drop *why);
+
+/* Triangles of one root (ecofiles/base/union.h: a parent for each) are one component; numbers go by first triangles. Fills component, member and
+ * member_first, which has room for triangle_count + 2. */
+void lod_mesh_number(struct lod_mesh *mesh, uint32_t *parent);
+
+/* Fills `across` again after triangles have changed. */
+void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena);
+
+/* The neighbour across edge k of triangle t within its component: 3 * triangle + edge, or ECO_NONE. */
+static inline uint32_t lod_mesh_across(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
+{
+	uint32_t edge = mesh->across[3 * (size_t)t + k];
+	return edge != ECO_NONE && mesh->component[edge / 3] == mesh->component[t] ? edge : ECO_NONE;
+}
+
+static inline const struct eco_material *lod_mesh_material(const struct eco_model *model, uint32_t material)
+{
+	static const struct eco_material none = { .name = "", .rgb = { 128, 128, 128 }, .image = ECO_NONE };
+	return material < model->material_count ? &model->materials[material] : &none;
+}
+
+/* The material's image, or NULL. Cut-outs matter only with `cutout` set. */
+static inline const struct eco_image *lod_mesh_image(const struct eco_model *model, uint32_t material)
+{
+	const struct eco_material *m = lod_mesh_material(model, material);
+	return m->image < model->image_count && model->uv ? &model->images[m->image] : NULL;
+}
+
+#endif

@@ -1,0 +1,253 @@
+/* Choosing tiles, and the seams between those chosen. */
+#include "lod/ground_choice.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- Choosing ---- */
+
+struct entry { double px; uint32_t tile; };
+
+struct search {
+	const struct eco_scene *scene;
+	const struct lod_eye *eye;
+	double origin[2], step[2];       /* of the grid of samples */
+	double border_cosine;        /* of the angle between the view's axis and its corners */
+	struct entry *heap;          /* the entry that shows most on top */
+	uint32_t count, most;
+	uint32_t *done, done_count;      /* tiles that cannot be refined */
+	double error_px;
+};
+
+static void bounds(const struct search *s, const struct eco_ground_tile *tile, double low[3], double high[3])
+{
+	struct eco_ground_span x, y;
+
+	eco_ground_spans(&x, &y, tile, s->scene->ground_columns, s->scene->ground_rows);
+	low[0] = s->origin[0] + x.low * s->step[0];
+	high[0] = s->origin[0] + x.high * s->step[0];
+	low[1] = s->origin[1] + y.low * s->step[1];
+	high[1] = s->origin[1] + y.high * s->step[1];
+	/* what is drawn may be off by the error */
+	low[2] = (double)tile->low_m - (double)tile->error_m;
+	high[2] = (double)tile->high_m + (double)tile->error_m;
+}
+
+/* Largest and smallest value of dot(axis, p - eye) over the box. */
+static double farthest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
+{
+	double sum = 0;
+
+	for (int i = 0; i < 3; i++)
+		sum += axis[i] * ((axis[i] > 0 ? high[i] : low[i]) - eye->at[i]);
+	return sum;
+}
+
+static double nearest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
+{
+	double sum = 0;
+
+	for (int i = 0; i < 3; i++)
+		sum += axis[i] * ((axis[i] > 0 ? low[i] : high[i]) - eye->at[i]);
+	return sum;
+}
+
+static bool sees(const struct lod_eye *eye, const double low[3], const double high[3])
+{
+	for (int i = 0; i < 4; i++)
+		if (farthest(eye, eye->side[i], low, high) < 0)
+			return false;
+	return farthest(eye, eye->forward, low, high) > 0;
+}
+
+/* How many pixels high the error can be: at the least depth that a visible point of the box can have. */
+static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3], const double high[3])
+{
+	const struct lod_eye *eye = s->eye;
+	double square = 0, depth, along;
+
+	for (int i = 0; i < 3; i++) {
+		double off = eye->at[i] < low[i] ? low[i] - eye->at[i] : eye->at[i] > high[i] ? eye->at[i] - high[i] : 0;
+
+		square += off * off;
+	}
+	depth = sqrt(square) * s->border_cosine;
+	along = nearest(eye, eye->forward, low, high);
+	depth = along > depth ? along : depth;
+	if (tile->error_m <= 0)
+		return 0;
+	return depth > 0 ? (double)tile->error_m / (depth * eye->pixel_rad) : INFINITY;
+}
+
+/* Greater first; of equals the lower tile. */
+static bool before(const struct entry *a, const struct entry *b)
+{
+	return a->px != b->px ? a->px > b->px : a->tile < b->tile;
+}
+
+static void push(struct search *s, struct entry entry)
+{
+	uint32_t i = s->count++;
+
+	for (; i > 0 && before(&entry, &s->heap[(i - 1) / 2]); i = (i - 1) / 2)
+		s->heap[i] = s->heap[(i - 1) / 2];
+	s->heap[i] = entry;
+}
+
+static struct entry pop(struct search *s)
+{
+	struct entry top = s->heap[0], last = s->heap[--s->count];
+	uint32_t i = 0;
+
+	for (uint32_t child = 1; child < s->count; i = child, child = 2 * i + 1) {
+		if (child + 1 < s->count && before(&s->heap[child + 1], &s->heap[child]))
+			child++;
+		if (!before(&s->heap[child], &last))
+			break;
+		s->heap[i] = s->heap[child];
+	}
+	s->heap[i] = last;
+	return top;
+}
+
+static void look_at(struct search *s, uint32_t tile)
+{
+	const struct eco_ground_tile *t = &s->scene->ground[tile];
+	double low[3], high[3];
+
+	bounds(s, t, low, high);
+	if (!sees(s->eye, low, high))
+		return;
+	if (t->child_count > 0)
+		push(s, (struct entry){ shown_px(s, t, low, high), tile });
+	else
+		s->done[s->done_count++] = tile;
+}
+
+static void refine(struct search *s, double tolerance_px)
+{
+	/* refining adds at most three */
+	while (s->count > 0 && s->heap[0].px > tolerance_px && s->count + s->done_count + 3 <= s->most) {
+		const struct eco_ground_tile *t = &s->scene->ground[pop(s).tile];
+
+		for (uint32_t i = 0; i < t->child_count; i++)
+			look_at(s, t->child_first + i);
+	}
+	s->error_px = s->count > 0 ? s->heap[0].px : 0;
+	for (uint32_t i = 0; i < s->count; i++)
+		s->done[s->done_count++] = s->heap[i].tile;
+}
+
+static int by_number(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+
+	return x < y ? -1 : x > y;
+}
+
+enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene, const struct lod_eye *eye,
+	const struct lod_ground_limits *limits, struct eco_error *error)
+{
+	struct search s = { .scene = scene, .eye = eye, .most = limits->tiles_max > 0 ? limits->tiles_max : LOD_GROUND_TILES_MAX };
+	const struct eco_list *list;
+
+	*choice = (struct lod_ground_choice){ .tiles = NULL };
+	if (scene->ground_count == 0)
+		return ECO_OK;
+	s.most = s.most < scene->ground_count ? s.most : scene->ground_count;
+	s.heap = malloc((s.most + 4) * sizeof *s.heap);
+	s.done = malloc((s.most + 4) * sizeof *s.done);
+	if (s.heap == NULL || s.done == NULL) {
+		free(s.heap);
+		free(s.done);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", s.most);
+	}
+	list = &scene->lists[scene->ground[0].list];
+	for (int i = 0; i < 2; i++) {
+		s.origin[i] = list->grid_origin[i];
+		s.step[i] = list->grid_step[i];
+	}
+	s.border_cosine = 1 / sqrt(1 + eye->tan_x * eye->tan_x + eye->tan_y * eye->tan_y);
+	look_at(&s, 0);
+	refine(&s, limits->tolerance_px);
+	free(s.heap);
+	qsort(s.done, s.done_count, sizeof *s.done, by_number);
+	*choice = (struct lod_ground_choice){ s.done, s.done_count, s.error_px };
+	return ECO_OK;
+}
+
+/* ---- Seams ---- */
+
+static uint64_t key_of(uint32_t level, uint32_t column, uint32_t row)
+{
+	return (uint64_t)level << 48 | (uint64_t)column << 24 | row;
+}
+
+static uint64_t key_of_tile(const struct eco_ground_tile *t)
+{
+	return key_of(t->level, t->column, t->row);
+}
+
+static int by_key(const void *a, const void *b)
+{
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+
+	return x < y ? -1 : x > y;
+}
+
+/* How many levels coarser the tile is that is drawn at (column, row) of `level`; 0: none that is coarser. */
+static uint8_t coarser_at(const uint64_t *keys, uint32_t count, uint8_t level, uint32_t column, uint32_t row)
+{
+	for (uint8_t up = 1; level + up < ECO_GROUND_LEVELS; up++) {
+		uint64_t key = key_of(level + up, column >> up, row >> up);
+
+		if (bsearch(&key, keys, count, sizeof key, by_key) != NULL)
+			return up;
+	}
+	return 0;
+}
+
+bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_tile *tiles, uint32_t count)
+{
+	static const int8_t beyond[4][2] = { { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } };
+	uint64_t *keys = malloc((count + (size_t)1) * sizeof *keys);
+
+	if (keys == NULL)
+		return false;
+	for (uint32_t i = 0; i < count; i++)
+		keys[i] = key_of_tile(&tiles[i]);
+	qsort(keys, count, sizeof *keys, by_key);
+	for (uint32_t i = 0; i < count; i++)
+		for (int side = 0; side < 4; side++) {
+			const struct eco_ground_tile *t = &tiles[i];
+			int64_t column = (int64_t)t->column + beyond[side][0], row = (int64_t)t->row + beyond[side][1];
+
+			seams[i].coarser[side] = column < 0 || row < 0 ? 0
+				: coarser_at(keys, count, t->level, (uint32_t)column, (uint32_t)row);
+		}
+	free(keys);
+	return true;
+}
+
+/* The nearest multiple of 2^levels, the upper one of two; the last sample is everybody's. */
+static uint32_t snapped(uint32_t i, uint8_t levels, uint32_t inner)
+{
+	uint32_t at = (i + (1u << levels) / 2) >> levels << levels;
+
+	return at < inner ? at : inner - 1;
+}
+
+void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam, const struct eco_ground_span *x,
+	const struct eco_ground_span *y)
+{
+	uint32_t column = *c, row = *r;
+
+	if (column == 0)
+		*r = snapped(*r, seam->coarser[LOD_GROUND_WEST], y->inner);
+	if (column == x->inner - 1)
+		*r = snapped(*r, seam->coarser[LOD_GROUND_EAST], y->inner);
+	if (row == 0)
+		*c = snapped(*c, seam->coarser[LOD_GROUND_SOUTH], x->inner);
+	if (row == y->inner - 1)
+		*c = snapped(*c, seam->coarser[LOD_GROUND_NORTH], x->inner);
+}

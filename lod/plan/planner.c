@@ -1,0 +1,58 @@
+/* A plan: what both rules share. planner_optimal.c and planner_deussen.c decide how much of everything is drawn, planner_emit.c writes it
+ * down. */
+#include "lod/plan/planner.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/plan/planner_state.h"
+
+enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error)
+{
+	const struct eco_scene *scene = input->scene;
+	*p = (struct lod_planning){ .input = input, .scene = scene };
+	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
+	p->tables = input->tables;
+	if (!p->gates)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", scene->plant_count);
+	enum eco_code code = p->tables ? ECO_OK : lod_tables_make(&p->own, scene, error);
+	if (code)
+		return code;
+	p->tables = p->tables ? p->tables : p->own;
+	return lod_visible_init(&p->visible, scene, &input->request->view, input->tiles_max ? input->tiles_max : 1000000,
+		input->placements_max ? input->placements_max : 100000, error);
+}
+
+void lod_planning_end(struct lod_planning *p)
+{
+	free(p->gates);
+	free(p->entries);
+	lod_tables_free(p->own);
+	lod_screen_free(&p->screen);
+	if (p->visible.nodes)
+		lod_visible_free(&p->visible);
+}
+
+enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
+{
+	struct lod_planning p;
+	double sample_distance = 0;
+	assert(input->request->vertices <= ECO_VERTICES_MAX);
+	*plan = (struct eco_plan){ 0 };
+	enum eco_code code = lod_planning_begin(&p, input, error);
+	if (!code && input->rule == LOD_RULE_DEUSSEN)
+		code = lod_planning_deussen(&p, &sample_distance, error);
+	else if (!code)
+		code = lod_planning_optimal(&p, error);
+	if (!code)
+		code = lod_planning_emit(&p, sample_distance, plan, error);
+	if (!code)
+		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
+	if (input->stats)
+		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.converged, p.wrong };
+	lod_planning_end(&p);
+	if (code)
+		eco_plan_free(plan);
+	return code;
+}

@@ -1,0 +1,126 @@
+/* What remains of a budget once d' is solved: see lod/plan/planner_state.h. Greedy by wrong pixels saved per vertex, first on whole slots, then on
+ * shares of them, so that the last vertices go to as many plants as they suffice for. */
+#include "lod/plan/planner_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/heap.h"
+#include "lod/ladder.h"
+
+struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+{
+	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
+	if (entry->slot == ECO_NONE) { /* summaries are not measured: random points over random plants */
+		double share = entry->full ? (double)vertices / (double)entry->full : 1;
+		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share), .fn = (float)(1 - 0.7 * share) };
+	}
+	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planning_way(p, entry->ladder), vertices));
+}
+
+static uint64_t entry_floor(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+{
+	vertices = vertices < entry->full ? vertices : entry->full;
+	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planning_way(p, entry->ladder), vertices);
+}
+
+static uint64_t entry_next(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+{
+	if (vertices >= entry->full)
+		return UINT64_MAX;
+	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planning_way(p, entry->ladder), vertices);
+}
+
+/* Next amount worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */
+static uint64_t entry_target(const struct lod_planning *p, const struct lod_entry *entry)
+{
+	uint64_t next = entry_next(p, entry, entry->vertices);
+	if (next == UINT64_MAX)
+		return next;
+	uint64_t further = entry_floor(p, entry, entry->vertices + entry->vertices / 8 + 1);
+	return further > next ? further : next;
+}
+
+/* Wrong pixels saved per vertex by going to `target`. Never negative: a curve may rise by noise. */
+static double entry_gain(const struct lod_planning *p, const struct lod_entry *entry, uint64_t target)
+{
+	struct eco_curve now = lod_planning_curve(p, entry, entry->vertices), then = lod_planning_curve(p, entry, target);
+	double saved = ((double)now.fp + now.fn - then.fp - then.fn) * entry->pixels;
+	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
+}
+
+/* Hashes of all plants in one slot. */
+struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
+
+static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+{
+	struct hashes *h = ctx;
+	(void)plant;
+	for (uint32_t i = 0; i < anchor_count; i++)
+		if (anchors[i].anchor == h->anchor && anchors[i].band == h->band)
+			h->count[hash]++;
+}
+
+/* Gives the next amount to as many plants of the slot as the budget allows: those with the smallest hashes. */
+static uint64_t fill_share(struct lod_planning *p, struct lod_entry *entry, uint64_t left, struct hashes *hashes)
+{
+	const struct lod_slot *slot = &p->visible.slots[entry->slot];
+	uint64_t next = entry_next(p, entry, entry->vertices);
+	if (next == UINT64_MAX || next - entry->vertices > left)
+		return 0;
+	uint64_t most = left / (next - entry->vertices), plants = 0;
+	memset(hashes, 0, sizeof *hashes);
+	hashes->anchor = slot->anchor;
+	hashes->band = slot->band;
+	lod_visible_each(&p->visible, slot->plant, p->gates, collect_hash, hashes);
+	uint32_t share = 0;
+	while (share < ECO_SHARE_ONE && plants + hashes->count[share] <= most)
+		plants += hashes->count[share++];
+	if (plants == 0)
+		return 0;
+	entry->more = next;
+	entry->share = share;
+	return plants * (next - entry->vertices);
+}
+
+/* Spends what is left by gain per vertex: first on whole slots, then on shares of them. */
+enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
+{
+	uint64_t left = p->input->request->vertices - p->vertices;
+	struct lod_candidate *heap = malloc((p->entry_count + 1) * sizeof *heap);
+	struct hashes *hashes = malloc(sizeof *hashes);
+	uint32_t count = 0;
+	if (!heap || !hashes) {
+		free(heap);
+		free(hashes);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates", p->entry_count);
+	}
+	for (uint32_t i = 0; i < p->entry_count; i++) {
+		uint64_t target = entry_target(p, &p->entries[i]);
+		if (target != UINT64_MAX)
+			heap[count++] = (struct lod_candidate){ entry_gain(p, &p->entries[i], target), i };
+	}
+	lod_heap_make(heap, count);
+	while (count && left) {
+		struct lod_entry *entry = &p->entries[heap[0].id];
+		uint64_t target = entry_target(p, entry), affordable = entry->vertices + left / entry->count;
+		if (target > affordable)
+			target = entry_floor(p, entry, affordable);
+		bool whole = target != UINT64_MAX && target > entry->vertices;
+		if (whole) {
+			left -= (target - entry->vertices) * entry->count;
+			entry->vertices = target;
+			target = entry_target(p, entry);
+			heap[0].key = target == UINT64_MAX ? -1 : entry_gain(p, entry, target);
+		} else if (entry->count > 1) {
+			left -= fill_share(p, entry, left, hashes);
+		}
+		if (!whole || target == UINT64_MAX)
+			heap[0] = heap[--count];
+		lod_heap_sift(heap, count, 0);
+	}
+	p->vertices = p->input->request->vertices - left;
+	free(heap);
+	free(hashes);
+	return ECO_OK;
+}

@@ -1,0 +1,390 @@
+/* Shares of the picture, cell by cell: see lod/plan/visibility.h. */
+#include "lod/plan/visibility.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/room.h"
+
+#define PI 3.14159265358979323846
+#define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
+#define SEEN_LEAST 1e-4          /* of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
+#define HILL 1.0f                /* columns on either side of a foot, up to where ground may hide */
+#define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
+#define DENSEST 0.66666666666666667      /* denser crowns cover as much of a larger ellipse: what is drawn too much of them lies around them */
+#define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
+
+/* ---- Numbers ---- */
+
+double lod_exp_minus(double x)
+{
+	if (!(x < 700))
+		return 0;
+	double turns = floor(x * 1.4426950408889634 + 0.5), rest = turns * 0.69314718055994531 - x, sum = 1, term = 1;
+	for (int k = 1; k <= 9; k++) {
+		term *= rest / k;
+		sum += term;
+	}
+	return ldexp(sum, -(int)turns);
+}
+
+double lod_log(double x)
+{
+	int exponent;
+	double m = frexp(x, &exponent);
+	if (m < 0.70710678118654752440) {
+		m *= 2;
+		exponent--;
+	}
+	double t = (m - 1) / (m + 1), square = t * t, sum = 0, power = t;
+	for (int k = 1; k <= 13; k += 2) {
+		sum += power / k;
+		power *= square;
+	}
+	return 2 * sum + exponent * 0.69314718055994531;
+}
+
+/* ---- Sights ---- */
+
+void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground)
+{
+	uint32_t side = view->width > view->height ? view->width : view->height;
+	double cell = (double)side / LOD_SCREEN_COLUMNS;
+	cell = cell > 4 ? cell : 4;          /* of a picture of few pixels, few cells */
+	*screen = (struct lod_screen){ .eye = eye, .ground = ground, .columns = (uint32_t)ceil(view->width / cell),
+		.rows = (uint32_t)ceil(view->height / cell) };
+	screen->cell_x = (double)view->width / screen->columns;
+	screen->cell_y = (double)view->height / screen->rows;
+}
+
+void lod_screen_free(struct lod_screen *screen)
+{
+	free(screen->sights);
+	*screen = (struct lod_screen){ 0 };
+}
+
+double lod_body_opacity(const struct lod_body *body)
+{
+	double ellipse = PI * body->crown_across * body->crown_up;
+	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * body->area / ellipse) : 0;
+}
+
+struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
+{
+	double ahead = lod_dot(eye->forward, from_eye), slope = ahead > closest ? lod_dot(eye->up, from_eye) / ahead : 0;
+	double x = eye->up[0] - slope * eye->forward[0], y = eye->up[1] - slope * eye->forward[1];
+	return (struct lod_tilt){ eye->up[2] - slope * eye->forward[2], sqrt(x * x + y * y) };
+}
+
+double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
+{
+	double upright = up * tilt->upright, level = across * tilt->level;
+	return sqrt(upright * upright + level * level);
+}
+
+/* The square of how far away a body is, in its own radii: below 1 the eye is within its ellipsoid. */
+static double apart(const double d[3], const struct lod_body *body)
+{
+	double across = body->across > 0 ? body->across : body->up, up = body->up > 0 ? body->up : body->across;
+	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
+}
+
+struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
+{
+	if (!eco_room(&screen->sights, &screen->capacity, screen->count, sizeof *screen->sights))
+		return NULL;
+	const struct lod_eye *eye = screen->eye;
+	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
+	double ahead = lod_dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
+	bool beside = ahead <= closest;
+	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1, within = size > 0 ? lod_exp_minus(apart(d, body)) : 0;
+	within = !beside ? within + (1 - within) * before : size > 0 ? within * fmax(0, (ahead + size) / (closest + size)) : 0;
+	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
+	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
+	double tall = lod_tilt_height(&tilt, body->across, body->up), high = lod_tilt_height(&tilt, body->crown_across, body->crown_up);
+	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
+	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
+	struct lod_sight *sight = &screen->sights[screen->count++];
+	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
+	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
+		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
+		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
+		.foot = (float)(y + body->up * tilt.upright * rows),
+		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
+		.within = (float)within, .before = (float)before };
+	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
+	sight->pixels = sight->opacity * sight->ellipse;
+	return sight;
+}
+
+/* Leaves of one crown stand along its twigs: a picture shows so much less of them than if they stood at random (forests: 0.5 to 0.7). */
+#define TWIGS 0.6
+
+static double shown_of(double opacity)
+{
+	return opacity < 1 ? 1 - lod_exp_minus(-TWIGS * lod_log(1 - opacity)) : 1;
+}
+
+/* ---- Boxes of cells ---- */
+
+struct span { int first, end; float low, high; };
+
+/* Cells [first, end) that [low, high) touches, inside [0, count). */
+static struct span span_of(double middle, double reach, uint32_t count)
+{
+	double low = middle - reach, high = middle + reach, all = count;
+	low = low < 0 ? 0 : low > all ? all : low;
+	high = high < 0 ? 0 : high > all ? all : high;
+	return (struct span){ (int)low, (int)ceil(high), (float)low, (float)high };
+}
+
+/* How much of cell i lies in the span. */
+static float inside(const struct span *s, int i)
+{
+	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high : (float)(i + 1);
+	return high - low;
+}
+
+/* ---- Front to back ---- */
+
+/* The bits of depths, or ranges. */
+static uint32_t key_of(const struct lod_sight *sight, bool by_range)
+{
+	uint32_t bits;
+	memcpy(&bits, by_range ? &sight->range : &sight->depth, sizeof bits);
+	return bits;
+}
+
+/* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result
+ * is in `to`. */
+static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
+{
+	uint32_t *spare = to;
+	for (uint32_t i = 0; i < screen->count; i++)
+		order[i] = i;
+	for (int shift = 0; shift < 33; shift += 11) {
+		uint32_t start[2049] = { 0 };
+		for (uint32_t i = 0; i < screen->count; i++)
+			start[(key_of(&screen->sights[i], by_range) >> shift & 2047) + 1]++;
+		for (int k = 0; k < 2047; k++)
+			start[k + 1] += start[k];
+		for (uint32_t i = 0; i < screen->count; i++)
+			spare[start[key_of(&screen->sights[order[i]], by_range) >> shift & 2047]++] = order[i];
+		uint32_t *swap = order;
+		order = spare;
+		spare = swap;
+	}
+}
+
+/* Leaves are clumped: what lies behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in forests). */
+#define CLUMPING 0.8
+
+/* Per cell: share of light let through so far, by leaves as they are and if they stood at random; per column: first row hidden by ground. */
+struct light { float *through, *clear, *horizon; };
+
+static struct span crown_across(const struct lod_screen *screen, const struct lod_sight *s)
+{
+	return span_of(s->x, s->crown_reach_x, screen->columns);
+}
+
+/* What ground hides of a crown does not cover. */
+static struct span crown_down(const struct lod_screen *screen, const struct lod_sight *s)
+{
+	struct span down = span_of(s->crown_y, s->crown_reach_y, screen->rows);
+	down.high = fminf(down.high, s->bottom);
+	return down;
+}
+
+/* Share of a sight's box that is in the picture and shows, given how much light comes through each cell. */
+static double show(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
+{
+	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
+	double seen = 0;
+	down.high = fminf(down.high, sight->bottom);
+	for (int r = down.first; r < down.end; r++) {
+		const float *row = clear + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r)), sum = 0;
+		for (int c = across.first; c < across.end; c++)
+			sum += inside(&across, c) * row[c];
+		seen += (double)(height * sum);
+	}
+	double all = 4 * (double)sight->reach_x * (double)sight->reach_y;
+	return (all > seen ? seen / all : 1) * (double)sight->within;
+}
+
+static void dim(const struct lod_screen *screen, const struct lod_sight *sight, const struct light *light)
+{
+	float opaque = sight->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)sight->opacity))) : 1;
+	float clear_of = sight->opacity * sight->before;
+	opaque *= sight->before;
+	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
+	for (int r = down.first; r < down.end; r++) {
+		float *clear = light->clear + r * (int)screen->columns, *through = light->through + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r));
+		for (int c = across.first; c < across.end; c++) {
+			float part = height * inside(&across, c);
+			clear[c] *= 1 - part * clear_of;
+			through[c] *= 1 - part * opaque;
+		}
+	}
+}
+
+/* Share of what is around a sight, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
+ * comes through all, its own crown put aside. */
+static double alone(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
+{
+	struct span across = span_of(sight->x, AROUND * sight->reach_x, screen->columns);
+	struct span down = span_of(sight->y, AROUND * sight->reach_y, screen->rows);
+	struct span crown = crown_across(screen, sight), high = crown_down(screen, sight);
+	double seen = 0;
+	down.high = fminf(down.high, sight->bottom);
+	for (int r = down.first; r < down.end; r++) {
+		const float *row = clear + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r)), sum = 0;
+		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * sight->opacity * sight->before : 0;
+		for (int c = across.first; c < across.end; c++) {
+			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
+			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
+		}
+		seen += (double)(height * sum);
+	}
+	double all = 4 * AROUND * AROUND * (double)sight->reach_x * (double)sight->reach_y;
+	return (all > seen ? seen / all : 1) * (double)sight->within;
+}
+
+/* The row from which on ground hides it. From now on its foot hides, by a cell less so as not to hide its neighbours, and less and less beside it: so
+ * nothing changes at once where it crosses from one column to the next. Nor does it as a plant comes by. */
+static void look_down(const struct lod_screen *screen, struct lod_sight *sight, float *horizon)
+{
+	int last = (int)screen->columns - 1, column = (int)floorf(sight->x - 0.5f);
+	float rows = (float)screen->rows, part = sight->x - 0.5f - (float)column, foot = fminf(sight->foot + 1, rows);
+	if (column < -1 || column > last)
+		return;
+	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
+	float bottom = horizon[left] + part * (horizon[right] - horizon[left]);
+	sight->bottom = rows + sight->before * (bottom - rows);
+	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
+		float beside = fabsf(sight->x - 0.5f - (float)c) / HILL;
+		if (c >= 0 && c <= last && beside < 1)
+			horizon[c] = fminf(horizon[c], rows + sight->before * (1 - beside) * (foot - rows));
+	}
+}
+
+/* Which row ground hides each sight from. */
+static void look_down_at_all(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
+{
+	for (uint32_t c = 0; c < screen->columns; c++)
+		horizon[c] = (float)screen->rows;
+	sort_sights(screen, true, order, spare);
+	for (uint32_t i = 0; i < screen->count; i++) {
+		struct lod_sight *sight = &screen->sights[spare[i]];
+		if (sight->range > 0 && sight->before > 0)
+			look_down(screen, sight, horizon);
+	}
+}
+
+/* From the nearest to the farthest: what shows behind those before it; then it hides. */
+static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light)
+{
+	sight->share = (float)show(screen, sight, light->through);
+	if (!sight->beside)
+		dim(screen, sight, light);
+}
+
+static void finish(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
+{
+	sight->shown = shown_of((double)sight->opacity);
+	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
+	double bare = hide ? alone(screen, sight, light->clear) : seen;
+	/* no more of it than the picture has room for: of a plant that the eye is within, a ten-thousandth may be more than all pixels */
+	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y));
+	sight->share = (float)(seen > least ? seen : least);
+	bare = LOD_OWNER_WORTH * (double)sight->share + (1 - LOD_OWNER_WORTH) * bare;
+	sight->bare = bare < (double)sight->share ? (float)bare : sight->share;
+}
+
+enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
+{
+	uint32_t cells = screen->columns * screen->rows;
+	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order), *spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
+	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
+		malloc(screen->columns * sizeof *light.horizon) };
+	bool good = order && spare && light.through && light.clear && light.horizon;
+	if (good) {
+		for (uint32_t i = 0; i < cells; i++)
+			light.through[i] = light.clear[i] = 1;
+		if (screen->ground && hide)
+			look_down_at_all(screen, light.horizon, order, spare);
+		sort_sights(screen, false, order, spare);
+		for (uint32_t i = 0; hide && i < screen->count; i++)
+			look(screen, &screen->sights[spare[i]], &light);
+		for (uint32_t i = 0; i < screen->count; i++)
+			finish(screen, &screen->sights[i], &light, hide);
+	}
+	free(order);
+	free(spare);
+	free(light.through);
+	free(light.clear);
+	free(light.horizon);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view", screen->count);
+}
+
+/* ---- The expected picture ---- */
+
+/* The chances that a point is not covered in the reference, as drawn, and in either. */
+struct odds { float reference, drawn, either; };
+
+static struct odds odds_of(double shown, struct lod_wrong wrong)
+{
+	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
+	/* what is not covered in either is not covered in each */
+	drawn = drawn > 0 ? drawn : 0;
+	either = either > 0 ? either : 0;
+	return (struct odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
+}
+
+static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_wrong wrong, struct odds *cells)
+{
+	struct lod_sight wide = *sight;
+	if (sight->shown > DENSEST) {
+		wide.crown_reach_x *= sqrtf((float)(sight->shown / DENSEST));
+		wide.crown_reach_y *= sqrtf((float)(sight->shown / DENSEST));
+	}
+	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
+	struct odds o = odds_of(fmin(sight->shown, DENSEST), wrong);
+	for (int r = down.first; r < down.end; r++)
+		for (int c = across.first; c < across.end; c++) {
+			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * sight->before;
+			struct odds *cell = &cells[r * (int)screen->columns + c];
+			cell->reference *= 1 - part * (1 - o.reference);
+			cell->drawn *= 1 - part * (1 - o.drawn);
+			cell->either *= 1 - part * (1 - o.either);
+		}
+}
+
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
+	struct eco_error *error)
+{
+	uint32_t count = screen->columns * screen->rows;
+	struct odds *cells = malloc(count * sizeof *cells);
+	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
+	if (!cells)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
+	for (uint32_t i = 0; i < count; i++)
+		cells[i] = (struct odds){ 1, 1, 1 };
+	for (uint32_t i = 0; i < screen->count; i++)
+		if (!screen->sights[i].beside)
+			cover(screen, &screen->sights[i], wrong(ctx, &screen->sights[i]), cells);
+	for (uint32_t i = 0; i < count; i++) {
+		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
+		double either = fmin((double)cells[i].either, fmin(reference, drawn));
+		fp += reference - either;
+		fn += drawn - either;
+		tp += fmax(0, 1 - reference - drawn + either);
+	}
+	*prediction = (struct eco_prediction){ tp * pixels, fp * pixels, fn * pixels };
+	free(cells);
+	return ECO_OK;
+}

@@ -1,0 +1,29 @@
+/* Which texels of a cut-out are opaque, one bit each: does a triangle show anything at all?
+ *
+ *   lod_mask_open(&mask, image, &arena);                         once an image
+ *   if (lod_mask_hidden(&mask, uv, &work)) ...                   for each triangle
+ */
+#ifndef LOD_MASK_H
+#define LOD_MASK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/format/model.h"
+#include "lod/arena.h"
+
+struct lod_mask {
+	uint32_t width, height, words;       /* words of 64 texels a row */
+	const uint64_t *opaque;
+};
+
+/* Memory comes from `arena`; the image is not needed afterwards. */
+void lod_mask_open(struct lod_mask *mask, const struct eco_image *image, struct lod_arena *arena);
+
+/* True only if no sample of the triangle reads an opaque texel: nearest texels, wrapping, as all renderers look alpha up. Texels that
+ * it touches only by rounding count as read. uv as in struct lod_mesh. `*work`, zero at first, adds up what has been looked at for all
+ * triangles of a model; once it is more than LOD_MASK_WORK every triangle counts as visible, so that no file takes long. */
+#define LOD_MASK_WORK (UINT64_C(1) << 28)
+bool lod_mask_hidden(const struct lod_mask *mask, const int32_t uv[6], uint64_t *work);
+
+#endif

@@ -1,0 +1,237 @@
+/* The rasteriser's object: buffers, camera, coarse depth, merging. See raster.h for what it promises, raster_draw.c and raster_fill.c
+ * for how triangles become pixels.
+ *
+ * Positions are doubles until the eye has been subtracted: once per object the difference of its place and the eye is taken in
+ * double and folded into one 3 x 4 float matrix, so that a plant 500 km from the origin is drawn as finely as one beside it. */
+#include "lod/raster/raster.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/view.h"
+#include "lod/raster/raster_state.h"
+
+#define BLOCK (1u << LOD_BLOCK_SHIFT)
+
+static bool allocate(struct lod_raster *raster, const struct lod_raster_options *options)
+{
+	size_t pixels = (size_t)options->width * options->height;
+	struct lod_raster_state *state = raster->state = calloc(1, sizeof *state);
+	if (!state)
+		return false;
+	state->blocks_x = (options->width + BLOCK - 1) >> LOD_BLOCK_SHIFT;
+	state->blocks_y = (options->height + BLOCK - 1) >> LOD_BLOCK_SHIFT;
+	size_t blocks = (size_t)state->blocks_x * state->blocks_y;
+	raster->depth = malloc(pixels * sizeof *raster->depth);
+	raster->cover = malloc(pixels);
+	raster->owner = options->owner ? malloc(pixels * sizeof *raster->owner) : NULL;
+	raster->rgb = options->rgb ? malloc(3 * pixels) : NULL;
+	state->block = malloc(blocks * sizeof *state->block);
+	state->stale = malloc(blocks);
+	return raster->depth && raster->cover && (raster->owner || !options->owner) && (raster->rgb || !options->rgb) && state->block
+		&& state->stale;
+}
+
+enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error)
+{
+	memset(raster, 0, sizeof *raster);
+	if (!options->width || !options->height || options->width > ECO_IMAGE_MAX || options->height > ECO_IMAGE_MAX)
+		return eco_fail(error, ECO_BAD_INPUT, "a picture of %u x %u pixels: sides must be 1 to %u", options->width,
+			options->height, ECO_IMAGE_MAX);
+	if (!allocate(raster, options)) {
+		lod_raster_free(raster);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels", options->width, options->height);
+	}
+	raster->width = options->width;
+	raster->height = options->height;
+	raster->state->place.cosine = raster->state->place.scale = 1;
+	raster->state->silhouette = options->silhouette;
+	assert(!options->silhouette || (!options->owner && !options->rgb));
+	lod_raster_clear(raster);
+	return ECO_OK;
+}
+
+void lod_raster_free(struct lod_raster *raster)
+{
+	if (raster->state) {
+		free(raster->state->block);
+		free(raster->state->stale);
+	}
+	free(raster->state);
+	free(raster->depth);
+	free(raster->cover);
+	free(raster->owner);
+	free(raster->rgb);
+	memset(raster, 0, sizeof *raster);
+}
+
+void lod_raster_clear(struct lod_raster *raster)
+{
+	size_t pixels = (size_t)raster->width * raster->height;
+	size_t blocks = (size_t)raster->state->blocks_x * raster->state->blocks_y;
+	memset(raster->depth, 0, pixels * sizeof *raster->depth);
+	memset(raster->cover, 0, pixels);
+	if (raster->owner)
+		memset(raster->owner, 0, pixels * sizeof *raster->owner);
+	if (raster->rgb)
+		memset(raster->rgb, 0, 3 * pixels);
+	memset(raster->state->block, 0, blocks * sizeof *raster->state->block);
+	memset(raster->state->stale, 0, blocks);
+}
+
+/* ---- Camera and object ---- */
+
+/* 1/256 pixels from the picture's middle per unit on the image plane at distance 1; y down. */
+static void plane_scale(const struct lod_raster *raster, double scale[3])
+{
+	scale[0] = raster->width * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
+	scale[1] = -(raster->height * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
+	scale[2] = 1;
+}
+
+void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m)
+{
+	assert(near_m > 0);
+	struct lod_raster_state *state = raster->state;
+	state->eye = *eye;
+	state->near_m = near_m > 1e-9 ? near_m : 1e-9;
+	state->near_w = (float)state->near_m;
+	double scale[3];
+	plane_scale(raster, scale);
+	memset(state->project, 0, sizeof state->project);
+	for (int i = 0; i < 3; i++)
+		state->project[i][i] = (float)scale[i];
+	state->focal = (float)-scale[1];
+	struct lod_place place = state->place;
+	lod_raster_object(raster, &place);
+}
+
+void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
+{
+	struct lod_raster_state *state = raster->state;
+	const struct lod_eye *eye = &state->eye;
+	const double *axes[3] = { eye->right, eye->up, eye->forward };
+	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1], place->at[2] - eye->at[2] };
+	double sine = place->sine * place->scale, cosine = place->cosine * place->scale, scale[3];
+	plane_scale(raster, scale);
+	state->place = *place;
+	for (int i = 0; i < 3; i++) {
+		const double *axis = axes[i];
+		double row[4] = { axis[0] * cosine + axis[1] * sine, axis[1] * cosine - axis[0] * sine, axis[2] * place->scale,
+			axis[0] * offset[0] + axis[1] * offset[1] + axis[2] * offset[2] };
+		for (int k = 0; k < 4; k++) {
+			state->view[i][k] = (float)row[k];
+			state->clip[i][k] = (float)(row[k] * scale[i]);
+		}
+	}
+}
+
+/* ---- Coarse depth ---- */
+
+/* The least depth in a block. Depths only grow, so an older value stays a lower bound. */
+static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by)
+{
+	struct lod_raster_state *state = raster->state;
+	uint32_t x0 = bx << LOD_BLOCK_SHIFT, y0 = by << LOD_BLOCK_SHIFT;
+	uint32_t x1 = x0 + BLOCK < raster->width ? x0 + BLOCK : raster->width;
+	uint32_t y1 = y0 + BLOCK < raster->height ? y0 + BLOCK : raster->height;
+	lod_f4 least4 = lod_f4_all(INFINITY);
+	float least = INFINITY;
+	for (uint32_t y = y0; y < y1; y++) {
+		const float *row = raster->depth + (size_t)y * raster->width;
+		uint32_t x = x0;
+		for (; x + 4 <= x1; x += 4)
+			least4 = lod_f4_min(least4, lod_f4_load(row + x));
+		for (; x < x1; x++)
+			least = row[x] < least ? row[x] : least;
+	}
+	for (int i = 0; i < 4; i++)
+		least = least4[i] < least ? least4[i] : least;
+	size_t block = (size_t)by * state->blocks_x + bx;
+	state->stale[block] = 0;
+	return state->block[block] = least;
+}
+
+/* Where a sphere's silhouette meets the plane of the forward axis and another one, as slopes on the image plane: the tangents from
+ * the eye. `z` > r. */
+static void sphere_slopes(double x, double z, double r, double slope[2])
+{
+	double t = sqrt(x * x + z * z - r * r);
+	slope[0] = (x * t - r * z) / (z * t + r * x);
+	slope[1] = (x * t + r * z) / (z * t - r * x);
+}
+
+/* Pixels of [0, size) that [low, high] (pixels) may touch with a pixel to spare; false if none. */
+static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2])
+{
+	low -= 1.5, high += 1.5;
+	if (!(high >= 0 && low < size))
+		return false;
+	range[0] = low > 0 ? (uint32_t)low : 0;
+	range[1] = high < size - 1 ? (uint32_t)high : size - 1;
+	return true;
+}
+
+bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest)
+{
+	struct lod_raster_state *state = raster->state;
+	for (uint32_t by = y[0] >> LOD_BLOCK_SHIFT; by <= y[1] >> LOD_BLOCK_SHIFT; by++) {
+		for (uint32_t bx = x[0] >> LOD_BLOCK_SHIFT; bx <= x[1] >> LOD_BLOCK_SHIFT; bx++) {
+			size_t block = (size_t)by * state->blocks_x + bx;
+			if (state->block[block] >= nearest)
+				continue;
+			if (!state->stale[block] || block_refresh(raster, bx, by) < nearest)
+				return false;
+		}
+	}
+	return true;
+}
+
+bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius)
+{
+	const struct lod_eye *eye = &raster->state->eye;
+	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
+	double x = 0, y = 0, z = 0;
+	for (int i = 0; i < 3; i++) {
+		x += d[i] * eye->right[i];
+		y += d[i] * eye->up[i];
+		z += d[i] * eye->forward[i];
+	}
+	/* Room for the floats that drawing uses. */
+	radius += 4e-6 * (fabs(x) + fabs(y) + fabs(z) + 64 * radius);
+	if (z + radius < raster->state->near_m)
+		return true;
+	if (z - radius <= raster->state->near_m)
+		return false;
+	double across[2], upward[2], half_x = 0.5 * raster->width, half_y = 0.5 * raster->height;
+	sphere_slopes(x, z, radius, across);
+	sphere_slopes(y, z, radius, upward);
+	uint32_t columns[2], rows[2];
+	if (!pixel_range(half_x + half_x * across[0] / eye->tan_x, half_x + half_x * across[1] / eye->tan_x, raster->width, columns)
+		|| !pixel_range(half_y - half_y * upward[1] / eye->tan_y, half_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
+		return true;
+	return lod_blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
+}
+
+/* ---- Merging ---- */
+
+void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
+{
+	assert(into->width == from->width && into->height == from->height);
+	assert(!into->owner == !from->owner && !into->rgb == !from->rgb);
+	size_t pixels = (size_t)into->width * into->height;
+	for (size_t i = 0; i < pixels; i++) {
+		if (!(into->owner ? lod_sample_wins(from->depth[i], from->owner[i], into->depth[i], into->owner[i])
+			: lod_sample_wins(from->depth[i], from->cover[i], into->depth[i], into->cover[i])))
+			continue;
+		into->depth[i] = from->depth[i];
+		into->cover[i] = from->cover[i];
+		if (into->owner)
+			into->owner[i] = from->owner[i];
+		if (into->rgb)
+			memcpy(into->rgb + 3 * i, from->rgb + 3 * i, 3);
+	}
+	memset(into->state->stale, 1, (size_t)into->state->blocks_x * into->state->blocks_y);
+}

@@ -1,0 +1,247 @@
+/* Filling: from corners on the 1/256 pixel grid to pixels, in integers. Any triangle; see raster_small.c for the usual ones.
+ *
+ * A pixel is inside where its centre lies on the inner side of all three edges; a centre on an edge belongs to the triangle whose
+ * top or left edge that is, so that neighbours share each pixel exactly once (top-left rule, as GL and Direct3D hardware do).
+ * Inside is convex, so each row of a triangle is one span: found by stepping in narrow boxes and by exact
+ * division in wide ones. Depth and uv are not decisions about coverage and use floating point, but
+ * in one fixed order and, per triangle, independent of what else is drawn: any split of the work gives the same picture.
+ *
+ * Depth is 1/w, linear on the screen, and clamped to the range of the corners: slivers have gradients that are mostly rounding,
+ * and the coarse depth behind lod_raster_hides relies on no sample being nearer than its triangle's nearest corner. */
+#include "lod/raster/raster_state.h"
+
+#define NARROW 12                    /* pixels; up to here stepping beats dividing */
+
+struct edge { int64_t at, step_x, step_y; };     /* value at the box's first pixel centre, >= 0 inside; steps of one pixel */
+
+struct slope {                       /* depth over the box: at the first centre, per pixel; clamped to [low, high] */
+	double at, step_x, step_y;
+	float low, high;
+};
+
+struct texture {                     /* perspective-correct uv: corner values times 1/w, weighted by the edge functions */
+	const struct eco_image *image;
+	double u[3], v[3], z[3];
+	int64_t bias[3];                 /* what the top-left rule took from each edge function */
+};
+
+/* Four pixels at once, all of them nearer. */
+static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
+{
+	const struct lod_raster *raster = paint->raster;
+	lod_f4_store(raster->depth + i, paint->silhouette ? lod_f4_all(INFINITY) : z);
+	memset(raster->cover + i, paint->cover, 4);
+	if (raster->owner)
+		memcpy(raster->owner + i, (const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);
+	for (size_t k = 3 * i; raster->rgb && k < 3 * i + 12; k++)
+		raster->rgb[k] = paint->rgb ? paint->rgb[(k - 3 * i) % 3] : 0;
+}
+
+/* Pixels [first, end) of row y; `left` is the column where the slope's row value `base` holds. */
+static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base, float step,
+	const struct slope *slope)
+{
+	size_t row = (size_t)y * paint->raster->width;
+	const float *depth = paint->raster->depth + row;
+	bool any = false;
+	uint32_t x = first;
+	lod_f4 low = lod_f4_all(slope->low), high = lod_f4_all(slope->high);
+	for (; x + 4 <= end; x += 4) {
+		float k = (float)(x - left);
+		lod_f4 z = lod_f4_all(base) + (lod_f4){ k, k + 1, k + 2, k + 3 } * lod_f4_all(step);
+		z = lod_f4_min(lod_f4_max(z, low), high);
+		lod_f4 there = lod_f4_load(depth + x);
+		unsigned may_win = lod_i4_bits(z >= there);
+		if (may_win == 15 && lod_i4_bits(z > there) == 15) {
+			paint_four(paint, row + x, z);
+			any = true;
+			continue;
+		}
+		for (; may_win; may_win &= may_win - 1) {
+			unsigned lane = (unsigned)__builtin_ctz(may_win);
+			any |= lod_paint_pixel(paint, row + x + lane, z[lane]);
+		}
+	}
+	for (; x < end; x++)
+		any |= lod_paint_pixel(paint, row + x, lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high));
+	if (any)
+		lod_mark_stale(paint, y, first, end);
+}
+
+/* Texel that a wrapped coordinate falls on. Coordinates that are no number or absurdly large read texel 0. */
+static uint32_t wrap_texel(double at, uint32_t size)
+{
+	double scaled = at * size;
+	if (scaled >= 0 && scaled < size)        /* nearly all, and no division */
+		return (uint32_t)scaled;
+	if (!(scaled > -9e15 && scaled < 9e15))
+		return 0;
+	int64_t whole = (int64_t)scaled;
+	if ((double)whole > scaled)
+		whole--;
+	int64_t texel = whole % (int64_t)size;
+	return (uint32_t)(texel < 0 ? texel + size : texel);
+}
+
+static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
+{
+	double u = 0, v = 0, z = 0;
+	for (int i = 0; i < 3; i++) {
+		double weight = (double)(edge[i] + texture->bias[i]);
+		u += weight * texture->u[i];
+		v += weight * texture->v[i];
+		z += weight * texture->z[i];
+	}
+	uint32_t column = wrap_texel(u / z, texture->image->width), row = wrap_texel(v / z, texture->image->height);
+	return texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
+}
+
+static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base,
+	float step, const struct slope *slope, const struct texture *texture, const int64_t row_edge[3], const struct edge edges[3])
+{
+	size_t row = (size_t)y * paint->raster->width;
+	bool any = false;
+	for (uint32_t x = first; x < end; x++) {
+		float z = lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high);
+		if (!(z >= paint->raster->depth[row + x]))
+			continue;
+		int64_t at[3];
+		for (int i = 0; i < 3; i++)
+			at[i] = row_edge[i] + (int64_t)(x - left) * edges[i].step_x;
+		if (texture_opaque(texture, at))
+			any |= lod_paint_pixel(paint, row + x, z);
+	}
+	if (any)
+		lod_mark_stale(paint, y, first, end);
+}
+
+/* Narrows columns [*first, *end) to those where at + column * step >= 0. */
+static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, int64_t *end)
+{
+	if (at < 0) {
+		int64_t enter = step > 0 ? (-at + step - 1) / step : INT64_MAX;
+		if (enter > *first)
+			*first = enter;
+	} else if (step < 0) {
+		int64_t leave = at / -step + 1;
+		if (leave < *end)
+			*end = leave;
+	}
+}
+
+static inline void find_span(const int64_t at[3], const struct edge edges[3], int64_t width, int64_t *first, int64_t *end)
+{
+	*first = 0, *end = width;
+	if (width > NARROW) {
+		for (int i = 0; i < 3; i++)
+			narrow_by_division(at[i], edges[i].step_x, first, end);
+		return;
+	}
+	int64_t e0 = at[0], e1 = at[1], e2 = at[2], k = 0;
+	for (; k < width && (e0 | e1 | e2) < 0; k++)
+		e0 += edges[0].step_x, e1 += edges[1].step_x, e2 += edges[2].step_x;
+	*first = k;
+	for (; k < width && (e0 | e1 | e2) >= 0; k++)
+		e0 += edges[0].step_x, e1 += edges[1].step_x, e2 += edges[2].step_x;
+	*end = k;
+}
+
+/* The edge function of a -> b at (x, y), less one where a centre on the edge does not belong to the triangle. */
+static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x, int64_t y)
+{
+	int64_t dx = (int64_t)b->x - a->x, dy = (int64_t)b->y - a->y;
+	bool owned = dy < 0 || (dy == 0 && dx > 0);      /* left or top, y down */
+	return (struct edge){ dx * (y - a->y) - dy * (x - a->x) - !owned, -dy * LOD_SUBPIXEL, dx * LOD_SUBPIXEL };
+}
+
+static inline struct slope slope_make(const struct lod_corner *a, const struct lod_corner *b, const struct lod_corner *c, int64_t area,
+	int64_t x, int64_t y)
+{
+	double ab = (double)b->z - a->z, ac = (double)c->z - a->z, part = 1.0 / (double)area;
+	double per_x = (ab * (double)(c->y - a->y) - ac * (double)(b->y - a->y)) * part;
+	double per_y = (ac * (double)(b->x - a->x) - ab * (double)(c->x - a->x)) * part;
+	struct slope slope = { (double)a->z + per_x * (double)(x - a->x) + per_y * (double)(y - a->y),
+		per_x * LOD_SUBPIXEL, per_y * LOD_SUBPIXEL, a->z, a->z };
+	slope.low = b->z < slope.low ? b->z : slope.low;
+	slope.low = c->z < slope.low ? c->z : slope.low;
+	slope.high = b->z > slope.high ? b->z : slope.high;
+	slope.high = c->z > slope.high ? c->z : slope.high;
+	return slope;
+}
+
+/* Weight i belongs to corner i, so it is the edge opposite to it. */
+static void texture_make(struct texture *texture, const struct eco_image *image, const struct lod_corner *const corner[3])
+{
+	texture->image = image;
+	for (int i = 0; i < 3; i++) {
+		const struct lod_corner *from = corner[(i + 1) % 3], *to = corner[(i + 2) % 3];
+		int64_t dx = (int64_t)to->x - from->x, dy = (int64_t)to->y - from->y;
+		texture->bias[i] = !(dy < 0 || (dy == 0 && dx > 0));
+		texture->z[i] = corner[i]->z;
+		texture->u[i] = (double)corner[i]->u * corner[i]->z;
+		texture->v[i] = (double)corner[i]->v * corner[i]->z;
+	}
+}
+
+static inline int32_t min3(int32_t a, int32_t b, int32_t c) { int32_t m = a < b ? a : b; return m < c ? m : c; }
+static inline int32_t max3(int32_t a, int32_t b, int32_t c) { int32_t m = a > b ? a : b; return m > c ? m : c; }
+
+struct box { int32_t left, top, right, bottom; };        /* pixels, inclusive */
+
+static inline bool box_clamp(struct box *box, const struct lod_raster *raster)
+{
+	if (box->left < 0) box->left = 0;
+	if (box->top < 0) box->top = 0;
+	if (box->right >= (int32_t)raster->width) box->right = (int32_t)raster->width - 1;
+	if (box->bottom >= (int32_t)raster->height) box->bottom = (int32_t)raster->height - 1;
+	return box->left <= box->right && box->top <= box->bottom;
+}
+
+void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
+{
+	const struct lod_corner *a = &corners[0], *b = &corners[1], *c = &corners[2];
+	int64_t area = (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);
+	if (area == 0)
+		return;
+	if (area < 0) {
+		b = &corners[2], c = &corners[1];
+		area = -area;
+	}
+	struct box box = { lod_pixel_from(min3(a->x, b->x, c->x)), lod_pixel_from(min3(a->y, b->y, c->y)),
+		lod_pixel_to(max3(a->x, b->x, c->x)), lod_pixel_to(max3(a->y, b->y, c->y)) };
+	if (!box_clamp(&box, paint->raster))
+		return;
+	int64_t x = (int64_t)box.left * LOD_SUBPIXEL + LOD_SUBPIXEL / 2, y = (int64_t)box.top * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
+	struct edge edges[3] = { edge_make(b, c, x, y), edge_make(c, a, x, y), edge_make(a, b, x, y) };
+	int64_t width = box.right - box.left + 1;
+	if (width == 1 && box.top == box.bottom && (edges[0].at | edges[1].at | edges[2].at) < 0)
+		return;
+	struct slope slope = slope_make(a, b, c, area, x, y);
+	struct texture texture = { 0 };
+	if (paint->cutout)
+		texture_make(&texture, paint->cutout, (const struct lod_corner *const[3]){ a, b, c });
+	for (int32_t row = box.top; row <= box.bottom; row++) {
+		int64_t down = row - box.top, first, end;
+		int64_t at[3] = { edges[0].at + down * edges[0].step_y, edges[1].at + down * edges[1].step_y,
+			edges[2].at + down * edges[2].step_y };
+		find_span(at, edges, width, &first, &end);
+		if (first >= end)
+			continue;
+		uint32_t left = (uint32_t)box.left, from = left + (uint32_t)first, to = left + (uint32_t)end;
+		float base = (float)(slope.at + (double)down * slope.step_y), step = (float)slope.step_x;
+		if (paint->cutout)
+			paint_cutout_span(paint, (uint32_t)row, left, from, to, base, step, &slope, &texture, at, edges);
+		else
+			paint_span(paint, (uint32_t)row, left, from, to, base, step, &slope);
+	}
+}
+
+void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z)
+{
+	struct box box = { lod_pixel_from(x0), lod_pixel_from(y0), lod_pixel_from(x1) - 1, lod_pixel_from(y1) - 1 };
+	if (!box_clamp(&box, paint->raster))
+		return;
+	struct slope flat = { z, 0, 0, z, z };
+	for (int32_t row = box.top; row <= box.bottom; row++)
+		paint_span(paint, (uint32_t)row, (uint32_t)box.left, (uint32_t)box.left, (uint32_t)box.right + 1, z, 0, &flat);
+}

@@ -1,0 +1,129 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/base/bytes.h"
+
+static void numbers_come_back_and_are_little_endian(void **state)
+{
+	static const uint8_t expected[] = { 0xfe, 0x34, 0x12, 0x78, 0x56, 0x34, 0x12, 8, 7, 6, 5, 4, 3, 2, 1, 0, 0, 0xc0, 0xbf, 0, 0, 0,
+		0, 0, 0, 4, 0x40, 'a', 'b' };
+	struct eco_writer w = { 0 };
+	struct eco_reader r;
+
+	(void)state;
+	eco_write_u8(&w, 0xfe);
+	eco_write_u16(&w, 0x1234);
+	eco_write_u32(&w, 0x12345678);
+	eco_write_u64(&w, 0x0102030405060708);
+	eco_write_f32(&w, -1.5f);
+	eco_write_f64(&w, 2.5);
+	eco_write_bytes(&w, "ab", 2);
+	eco_write_bytes(&w, NULL, 0);
+	assert_false(w.failed);
+	assert_int_equal(w.size, sizeof expected);
+	assert_memory_equal(w.bytes, expected, sizeof expected);
+
+	r = (struct eco_reader){ .bytes = w.bytes, .size = w.size };
+	assert_int_equal(eco_read_u8(&r), 0xfe);
+	assert_int_equal(eco_read_u16(&r), 0x1234);
+	assert_int_equal(eco_read_u32(&r), 0x12345678);
+	assert_true(eco_read_u64(&r) == 0x0102030405060708);
+	assert_true(eco_read_f32(&r) == -1.5f);
+	assert_true(eco_read_f64(&r) == 2.5);
+	assert_memory_equal(eco_read_bytes(&r, 2), "ab", 2);
+	assert_false(r.failed);
+	assert_int_equal(r.at, r.size);
+	eco_writer_free(&w);
+	assert_null(w.bytes);
+}
+
+static void a_reader_that_ran_out_stays_failed(void **state)
+{
+	const uint8_t bytes[] = { 1, 2, 3 };
+	struct eco_reader r = { .bytes = bytes, .size = sizeof bytes };
+
+	(void)state;
+	assert_int_equal(eco_read_u32(&r), 0);
+	assert_true(r.failed);
+	assert_int_equal(eco_read_u8(&r), 0);
+	assert_null(eco_read_bytes(&r, 0));
+	r = (struct eco_reader){ .bytes = bytes, .size = sizeof bytes };
+	assert_null(eco_read_bytes(&r, SIZE_MAX));
+	assert_true(r.failed);
+}
+
+static void varints_come_back(void **state)
+{
+	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63, UINT64_MAX };
+	struct eco_writer w = { 0 };
+	struct eco_reader r;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+		eco_write_varint(&w, values[i]);
+		eco_write_zigzag(&w, (int64_t)values[i]);
+		eco_write_zigzag(&w, -(int64_t)(values[i] >> 1));
+	}
+	r = (struct eco_reader){ .bytes = w.bytes, .size = w.size };
+	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+		assert_true(eco_read_varint(&r) == values[i]);
+		assert_true(eco_read_zigzag(&r) == (int64_t)values[i]);
+		assert_true(eco_read_zigzag(&r) == -(int64_t)(values[i] >> 1));
+	}
+	assert_false(r.failed);
+	assert_int_equal(r.at, r.size);
+	eco_writer_free(&w);
+}
+
+static void varints_have_one_spelling(void **state)
+{
+	static const struct { uint8_t bytes[11]; size_t size; } bad[] = {
+		{ { 0x80, 0 }, 2 },                                                    /* zero in two bytes */
+		{ { 0xff, 0 }, 2 },
+		{ { 0x80 }, 1 },                                                       /* truncated */
+		{ { 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 2 }, 10 },   /* 65 bits */
+		{ { 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x81, 0 }, 11 },
+		{ { 0 }, 0 },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+		struct eco_reader r = { .bytes = bad[i].bytes, .size = bad[i].size };
+
+		assert_true(eco_read_varint(&r) == 0);
+		assert_true(r.failed);
+	}
+}
+
+static void zigzag_orders_by_magnitude(void **state)
+{
+	struct eco_writer w = { 0 };
+
+	(void)state;
+	eco_write_zigzag(&w, 0);
+	eco_write_zigzag(&w, -1);
+	eco_write_zigzag(&w, 1);
+	eco_write_zigzag(&w, INT64_MIN);
+	assert_memory_equal(w.bytes, "\0\1\2", 3);
+	assert_int_equal(w.size, 13);
+	eco_writer_free(&w);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(numbers_come_back_and_are_little_endian),
+		cmocka_unit_test(a_reader_that_ran_out_stays_failed),
+		cmocka_unit_test(varints_come_back),
+		cmocka_unit_test(varints_have_one_spelling),
+		cmocka_unit_test(zigzag_orders_by_magnitude),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,104 @@
+/* Modules: found beside the program or in the folder that is named, refused with a helpful text where they are missing or not what they
+ * should be, and looked for again after that. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/base/module.h"
+
+#define FOLDER "build/tmp/modules"
+
+static void put(const char *name, const char *bytes)
+{
+	char path[200];
+	FILE *file;
+
+	mkdir("build/tmp", 0755);
+	mkdir(FOLDER, 0755);
+	snprintf(path, sizeof path, FOLDER "/%s", name);
+	unlink(path);
+	if (bytes == NULL)
+		return;
+	file = fopen(path, "wb");
+	assert_non_null(file);
+	fputs(bytes, file);
+	fclose(file);
+}
+
+static void assert_refused(enum eco_module module, const char *says, const char *and)
+{
+	struct eco_error error = { .code = ECO_OK };
+
+	assert_null(eco_module(module, &error));
+	assert_int_equal(error.code, ECO_NOT_FOUND);
+	if (strstr(error.text, says) == NULL || strstr(error.text, and) == NULL)
+		fail_msg("neither \"%s\" nor \"%s\" in: %s", says, and, error.text);
+}
+
+static void a_missing_module_says_what_for_and_where_it_was_looked_for(void **state)
+{
+	(void)state;
+	put("ecogdal.so", NULL);
+	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
+	assert_refused(ECO_MODULE_GDAL, "ecogdal.so, needed for rasters", "in " FOLDER);
+	assert_null(eco_module(ECO_MODULE_GDAL, NULL));
+}
+
+static void what_is_no_library_is_refused(void **state)
+{
+	(void)state;
+	put("ecogdal.so", "not a library");
+	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
+	assert_refused(ECO_MODULE_GDAL, "ecogdal.so, needed for rasters", "cannot be loaded");
+	put("ecogdal.so", NULL);
+}
+
+/* The module of PROJ under GDAL's name has no table of GDAL's. */
+static void another_module_under_that_name_is_refused(void **state)
+{
+	char target[4096];
+	ssize_t length = readlink("/proc/self/exe", target, sizeof target - 20);
+
+	(void)state;
+	assert_true(length > 0);
+	target[length] = 0;
+	strcpy(strstr(target, "/tests/") + 1, "ecoproj.so");
+	put("ecogdal.so", NULL);
+	assert_int_equal(symlink(target, FOLDER "/ecogdal.so"), 0);
+	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
+	assert_refused(ECO_MODULE_GDAL, FOLDER "/ecogdal.so", "is not that of this version");
+	put("ecogdal.so", NULL);
+}
+
+static void modules_above_the_programs_folder_are_found_and_kept(void **state)
+{
+	const uint32_t *table;
+
+	(void)state;
+	unsetenv(ECO_MODULES_VARIABLE);
+	table = eco_module(ECO_MODULE_PROJ, NULL);
+	assert_non_null(table);
+	assert_int_equal(*table, ECO_MODULE_VERSION);
+	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
+	assert_ptr_equal(eco_module(ECO_MODULE_PROJ, NULL), table);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_missing_module_says_what_for_and_where_it_was_looked_for),
+		cmocka_unit_test(what_is_no_library_is_refused),
+		cmocka_unit_test(another_module_under_that_name_is_refused),
+		cmocka_unit_test(modules_above_the_programs_folder_are_found_and_kept),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,189 @@
+/* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/base/range.h"
+
+#define COUNT 20000u
+
+static uint32_t next(uint32_t *state)
+{
+	*state = *state * 1664525u + 1013904223u;
+	return *state >> 8;
+}
+
+/* Of all kinds, as many as `count`; reading, compares with what was written. */
+static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
+{
+	static const int32_t numbers[] = { 0, 1, -1, 5, -700, 1 << 30, INT32_MAX, -INT32_MAX };
+	struct eco_bit rare[1], tree[256], field[8], number[ECO_RANGE_NUMBER];
+	uint32_t state = 3;
+	eco_bits_start(rare, 1);
+	eco_bits_start(tree, 256);
+	eco_bits_start(field, 8);
+	eco_bits_start(number, ECO_RANGE_NUMBER);
+	for (uint32_t i = 0; i < count; i++) {
+		bool bit = next(&state) % 100 == 0;
+		uint32_t byte = next(&state) & next(&state) & 255, wide = next(&state), bits = next(&state) % 65;
+		uint64_t raw = ((uint64_t)next(&state) << 40 ^ (uint64_t)next(&state) << 20 ^ next(&state)) & (bits == 64 ? UINT64_MAX
+			: ((uint64_t)1 << bits) - 1);
+		int32_t value = numbers[next(&state) % 8];
+		assert_int_equal(eco_range_bit(r, rare, writing && bit), bit);
+		assert_int_equal(eco_range_tree(r, tree, 8, writing ? byte : 0) & 255, byte);
+		assert_int_equal(eco_range_field(r, field, 3, 24, writing ? wide : 0), wide);
+		assert_int_equal(eco_range_field(r, field, 3, 2, writing ? wide & 3 : 0), wide & 3);
+		assert_int_equal(eco_range_field(r, field, 3, 0, 0), 0);
+		assert_true(eco_range_raw(r, bits, writing ? raw : 0) == raw);
+		assert_int_equal(eco_range_number(r, number, writing ? value : 0), value);
+	}
+}
+
+static void what_is_written_is_read(void **unused)
+{
+	(void)unused;
+	for (uint32_t count = 0; count < 300; count++) {
+		struct eco_writer w = { 0 };
+		struct eco_range r;
+		eco_write_u8(&w, 7);
+		eco_range_write(&r, &w);
+		code_mixed(&r, count, true);
+		uint32_t zeros = eco_range_end(&r);
+		assert_false(w.failed);
+		eco_range_read(&r, w.bytes + 1, w.size - 1);
+		code_mixed(&r, count, false);
+		assert_int_equal(eco_range_end(&r), zeros);
+		assert_int_equal(w.bytes[0], 7);
+		/* bytes that nobody reads are noticed */
+		for (int i = 0; i < 8; i++)
+			eco_write_u8(&w, 1);
+		eco_range_read(&r, w.bytes + w.size - 8, 8);
+		assert_int_equal(eco_range_end(&r), UINT32_MAX);
+		eco_writer_free(&w);
+	}
+}
+
+/* Within 3 % and some bytes of the entropy. */
+static void bits_take_what_they_are_worth(void **unused)
+{
+	(void)unused;
+	static const uint32_t per_thousand[] = { 2, 10, 100, 300, 500, 800, 995 };
+	for (size_t k = 0; k < sizeof per_thousand / sizeof *per_thousand; k++) {
+		struct eco_writer w = { 0 };
+		struct eco_range r;
+		struct eco_bit model;
+		uint32_t state = 11, ones = 0;
+		eco_bits_start(&model, 1);
+		eco_range_write(&r, &w);
+		for (uint32_t i = 0; i < COUNT; i++) {
+			bool bit = next(&state) % 1000 < per_thousand[k];
+			ones += bit;
+			eco_range_bit(&r, &model, bit);
+		}
+		eco_range_end(&r);
+		double p = (double)ones / COUNT, bits = -(p * log2(p) + (1 - p) * log2(1 - p)) * COUNT;
+		assert_true(w.size * 8 < bits * 1.03 + 120);
+		eco_writer_free(&w);
+	}
+}
+
+/* A run of ones that ends in a carry passes through bytes that were held back. */
+static void carries_go_through(void **unused)
+{
+	(void)unused;
+	for (uint32_t seed = 0; seed < 3000; seed++) {
+		struct eco_writer w = { 0 };
+		struct eco_range r;
+		uint32_t state = seed;
+		eco_range_write(&r, &w);
+		for (uint32_t i = 0; i < 40; i++)
+			eco_range_raw(&r, 16, next(&state) % 8 ? 0xffff : next(&state) & 1);
+		uint32_t zeros = eco_range_end(&r);
+		eco_range_read(&r, w.bytes, w.size);
+		state = seed;
+		for (uint32_t i = 0; i < 40; i++) {
+			uint32_t expected = next(&state) % 8 ? 0xffff : next(&state) & 1;
+			assert_int_equal(eco_range_raw(&r, 16, 0), expected);
+		}
+		assert_int_equal(eco_range_end(&r), zeros);
+		eco_writer_free(&w);
+	}
+}
+
+/* Numbers of some kinds, of very different sizes, among them the largest. */
+static int32_t number_of(uint32_t kind, uint32_t i, uint32_t *state)
+{
+	static const double size[] = { 0.3, 20, 3000, 1e6, 2e9 };
+	double u = (next(state) % 65536 + 0.5) / 65536, v = -size[kind] / 3 * log(u);
+	return i == 7 ? INT32_MAX : i == 8 ? -INT32_MAX : (int32_t)fmin(v, INT32_MAX) * (next(state) % 2 ? 1 : -1);
+}
+
+/* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are mostly 0. */
+static void numbers_near_their_usual_size_are_short(void **unused)
+{
+	(void)unused;
+	for (uint32_t first = 0; first < 5; first++) {
+		struct eco_writer w = { 0 };
+		struct eco_range r;
+		struct eco_near near;
+		struct eco_scale kinds[5];
+		uint32_t state = 3 + first, count = first < 4 ? 2 : 5;
+		eco_near_start(&near, kinds, 5);
+		eco_range_write(&r, &w);
+		for (uint32_t i = 0; i < COUNT; i++)
+			eco_range_near(&r, &near, &kinds[i % count], number_of((first + i % count) % 5, i, &state));
+		uint32_t zeros = eco_range_end(&r);
+		if (first == 1)
+			assert_true(w.size * 8 < (log2(2 * exp(1) * 20 / 3.0) + log2(2 * exp(1) * 1000.0)) / 2 * COUNT * 1.04 + 400);
+		state = 3 + first;
+		eco_near_start(&near, kinds, 5);
+		eco_range_read(&r, w.bytes, w.size);
+		for (uint32_t i = 0; i < COUNT; i++)
+			assert_int_equal(eco_range_near(&r, &near, &kinds[i % count], 0), number_of((first + i % count) % 5, i, &state));
+		assert_int_equal(eco_range_end(&r), zeros);
+		eco_writer_free(&w);
+	}
+}
+
+static void anything_can_be_read(void **unused)
+{
+	(void)unused;
+	uint32_t state = 5;
+	for (uint32_t i = 0; i < 2000; i++) {
+		uint8_t bytes[64];
+		struct eco_range r;
+		struct eco_bit models[256];
+		struct eco_near near;
+		struct eco_scale kind;
+		eco_near_start(&near, &kind, 1);
+		for (size_t k = 0; k < sizeof bytes; k++)
+			bytes[k] = i % 3 ? (uint8_t)next(&state) : 0xff;
+		eco_bits_start(models, 256);
+		eco_range_read(&r, bytes, i % (sizeof bytes + 1));
+		for (uint32_t k = 0; k < 100; k++) {
+			assert_true((eco_range_tree(&r, models, 8, 0) & 255) < 256);
+			assert_true(eco_range_raw(&r, 13, 0) < 1u << 13);
+			assert_true(eco_range_field(&r, models, 3, 20, 0) < 1u << 20);
+			(void)eco_range_number(&r, models, 0);
+			(void)eco_range_near(&r, &near, &kind, 0);
+		}
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_is_written_is_read),
+		cmocka_unit_test(bits_take_what_they_are_worth),
+		cmocka_unit_test(carries_go_through),
+		cmocka_unit_test(numbers_near_their_usual_size_are_short),
+		cmocka_unit_test(anything_can_be_read),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,56 @@
+/* Arrays that grow: what is in them stays, and what cannot be had leaves them as they were. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdlib.h>
+
+#include "ecofiles/base/room.h"
+
+static void items_stay_when_the_array_moves(void **state)
+{
+	uint32_t *items = NULL, capacity = 0, moves = 0;
+
+	(void)state;
+	for (uint32_t count = 0; count < 100000; count++) {
+		uint32_t before = capacity;
+
+		assert_true(eco_room(&items, &capacity, count, sizeof *items));
+		assert_true(capacity > count && capacity >= before);
+		moves += capacity != before;
+		items[count] = 7 * count;
+	}
+	for (uint32_t i = 0; i < 100000; i++)
+		assert_int_equal(items[i], 7 * i);
+	assert_true(moves < 20);
+	free(items);
+}
+
+static void what_cannot_be_had_leaves_the_array_alone(void **state)
+{
+	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 }, { 1u << 30, SIZE_MAX >> 33 } };
+	char byte, *items = &byte;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		uint32_t capacity = rows[i].capacity;
+
+		if (i == 2)
+			items = NULL;
+		assert_false(eco_room(&items, &capacity, capacity, rows[i].size));
+		assert_int_equal(capacity, rows[i].capacity);
+		assert_ptr_equal(items, i == 2 ? NULL : &byte);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(items_stay_when_the_array_moves),
+		cmocka_unit_test(what_cannot_be_had_leaves_the_array_alone),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

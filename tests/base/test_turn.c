@@ -1,0 +1,121 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/base/status.h"
+#include "ecofiles/base/turn.h"
+
+static void quarter_turns_are_exact(void **state)
+{
+	static const struct { uint16_t turn; double sine, cosine; } cases[] = {
+		{ 0, 0, 1 }, { 16384, 1, 0 }, { 32768, 0, -1 }, { 49152, -1, 0 },
+	};
+	double sine, cosine;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		eco_turn_sincos(cases[i].turn, &sine, &cosine);
+		assert_true(sine == cases[i].sine);
+		assert_true(cosine == cases[i].cosine);
+	}
+}
+
+static void every_turn_is_the_sine_within_an_ulp(void **state)
+{
+	(void)state;
+	for (uint32_t turn = 0; turn < 65536; turn++) {
+		double sine, cosine, radians = turn * (2 * 3.14159265358979323846 / 65536);
+
+		eco_turn_sincos((uint16_t)turn, &sine, &cosine);
+		assert_true(fabs(sine - sin(radians)) < 1e-15);
+		assert_true(fabs(cosine - cos(radians)) < 1e-15);
+		assert_true(fabs(sine * sine + cosine * cosine - 1) < 1e-15);
+	}
+}
+
+static void opposite_turns_mirror_to_the_bit(void **state)
+{
+	(void)state;
+	for (uint32_t turn = 0; turn < 65536; turn++) {
+		double s, c, other_s, other_c;
+
+		eco_turn_sincos((uint16_t)turn, &s, &c);
+		eco_turn_sincos((uint16_t)-turn, &other_s, &other_c);
+		assert_true(s == -other_s && c == other_c);
+		eco_turn_sincos((uint16_t)(turn + 16384), &other_s, &other_c);
+		assert_true(c == other_s && s == -other_c);
+	}
+}
+
+/* The same bits on every machine: a hash over all results. */
+static void results_are_the_golden_ones(void **state)
+{
+	static double all[2 * 65536];
+	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8, 0x00, 0xec, 0x92, 0xa3, 0xa6 };
+	struct eco_chunk_id id;
+
+	(void)state;
+	for (uint32_t turn = 0; turn < 65536; turn++)
+		eco_turn_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
+	id = eco_chunk_hash((const uint8_t *)all, sizeof all);
+	assert_memory_equal(id.bytes, golden, sizeof golden);
+}
+
+static void degrees_go_to_the_nearest_step(void **state)
+{
+	static const struct { double degrees; uint16_t turn; } cases[] = {
+		{ 0, 0 }, { 90, 16384 }, { -90, 49152 }, { 360, 0 }, { 450, 16384 }, { -720, 0 }, { 45, 8192 },
+		{ 180, 32768 },
+		{ 0.002746, 0 }, { 0.002747, 1 }, { 359.9999, 0 }, { -0.0001, 0 },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+		assert_int_equal(eco_turn_from_deg(cases[i].degrees), cases[i].turn);
+	/* Large angles give some step and no undefined conversion. */
+	(void)eco_turn_from_deg(1e300);
+	(void)eco_turn_from_deg(-1e300);
+}
+
+static void the_first_error_wins(void **state)
+{
+	struct eco_error error = { 0 };
+
+	(void)state;
+	assert_int_equal(eco_fail(&error, ECO_DAMAGED, "%s %d", "first", 1), ECO_DAMAGED);
+	assert_int_equal(eco_fail(&error, ECO_IO, "second"), ECO_IO);
+	assert_int_equal(error.code, ECO_DAMAGED);
+	assert_string_equal(error.text, "first 1");
+	assert_int_equal(eco_fail(NULL, ECO_IO, "nowhere"), ECO_IO);
+}
+
+static void every_code_has_a_name_and_an_exit_status(void **state)
+{
+	(void)state;
+	for (int code = 0; code < ECO_CODE_COUNT; code++) {
+		assert_true(strlen(eco_code_name(code)) > 0);
+		assert_int_equal(eco_exit_status(code), code == ECO_OK ? 0 : code == ECO_BAD_USAGE ? 2 : 1);
+	}
+	assert_string_equal(eco_code_name(ECO_CODE_COUNT), "unknown");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(quarter_turns_are_exact),
+		cmocka_unit_test(every_turn_is_the_sine_within_an_ulp),
+		cmocka_unit_test(opposite_turns_mirror_to_the_bit),
+		cmocka_unit_test(results_are_the_golden_ones),
+		cmocka_unit_test(degrees_go_to_the_nearest_step),
+		cmocka_unit_test(the_first_error_wins),
+		cmocka_unit_test(every_code_has_a_name_and_an_exit_status),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,281 @@
+/* Lines of wood: along the axes, as wide as the area asks. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/bone.h"
+#include "tests/support/plant_models.h"
+
+static struct lod_arena arena;
+struct made { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length, error, surface; };
+
+static void make(struct made *made, const struct soup *soup)
+{
+	memset(made, 0, sizeof *made);
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_weld(&made->mesh, &soup->model, 16, &arena);
+	lod_organs_find(&made->organs, &made->mesh, &soup->model, &arena);
+	for (uint32_t c = 0; c < made->mesh.component_count; c++) {  /* what is a tube is decided elsewhere */
+		made->organs.components[c].organ = ECO_ORGAN_WOOD;
+		made->surface += made->organs.components[c].area;
+	}
+	lod_bones_make(&made->bones, &made->mesh, &made->organs, &arena);
+	for (uint32_t i = 0; i < made->bones.count; i++) {
+		const struct lod_bone *b = &made->bones.items[i];
+		double length = lod_v3_distance(b->end[0], b->end[1]);
+		assert_true(b->width >= 0 && isfinite(b->width) && isfinite(b->error) && b->error >= 0 && isfinite(length));
+		made->length += length;
+		made->area += length * b->width;
+		made->error = fmax(made->error, b->error);
+	}
+}
+
+static void finish(struct soup *soup)
+{
+	lod_arena_free(&arena);
+	soup_free(soup);
+}
+
+static void a_straight_tube_is_one_line(void **state)
+{
+	(void)state;
+	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 }, { 16, 200 } };
+	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+		struct soup soup;
+		struct made made;
+		soup_begin(&soup);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 1, 2, 0 }, (struct lod_v3){ 2, 1, 5 }, 0.1, 0.1,
+			shapes[i].sides, shapes[i].rings);
+		make(&made, &soup);
+		assert_int_equal(made.bones.count, 1);
+		assert_true(fabs(made.length - sqrt(27)) < 0.05);
+		assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.02);
+		assert_true(made.error < 0.06);
+		finish(&soup);
+	}
+}
+
+static void a_tapering_tube_is_a_few_lines(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_begin(&soup);
+	soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
+	make(&made, &soup);
+	assert_in_range(made.bones.count, 3, 16);
+	assert_true(fabs(made.length - 8) < 0.2);
+	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
+	for (uint32_t i = 0; i < made.bones.count; i++)              /* thick below, thin above */
+		for (uint32_t j = 0; j < made.bones.count; j++)
+			if (made.bones.items[i].end[0].z + 0.5 < made.bones.items[j].end[0].z)
+				assert_true(made.bones.items[i].width >= made.bones.items[j].width * 0.99);
+	finish(&soup);
+}
+
+static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct lod_v3 top)
+{
+	struct lod_mesh mesh;
+	struct lod_organs organs;
+	struct lod_bones bones;
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_weld(&mesh, &soup->model, 16, &arena);
+	lod_organs_find(&organs, &mesh, &soup->model, &arena);
+	assert_int_equal(mesh.component_count, 1);
+	organs.components[0].organ = ECO_ORGAN_WOOD;
+	organs.components[0].stout = true;
+	lod_bones_make(&bones, &mesh, &organs, &arena);
+	assert_int_equal(bones.count, 1);
+	struct lod_v3 along = lod_v3_unit(lod_v3_sub(bones.items[0].end[1], bones.items[0].end[0]));
+	assert_true(lod_v3_dot(along, lod_v3_unit(lod_v3_sub(top, foot))) > 0.995);
+	assert_true(bones.items[0].width > 0.6 && bones.items[0].width < 0.85);
+}
+
+static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
+{
+	(void)state;
+	static const struct { struct lod_v3 foot, top; uint32_t sides; } stems[] = {
+		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 }, { { 0, 0, 0 }, { 3, 2, 1 }, 12 },
+	};
+	for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+		struct soup soup;
+		soup_begin(&soup);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), stems[i].foot, stems[i].top, 0.4, 0.4, stems[i].sides, 3);
+		expect_one_line(&soup, stems[i].foot, stems[i].top);
+		finish(&soup);
+	}
+}
+
+/* Tubes along arcs and hanging ones: wherever the lowest point is, the lines follow. */
+static void a_bent_tube_is_followed(void **state)
+{
+	(void)state;
+	for (int down = 0; down < 2; down++) {
+		struct soup soup;
+		struct made made;
+		soup_begin(&soup);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, LOD_PI }, 0.04, 0.04,
+			8, 60);
+		for (uint32_t v = 0; v < soup.model.vertex_count; v++) {     /* onto a half circle of radius 1 */
+			float *p = soup.model.position + 3 * v;
+			double angle = p[2], radius = 1 + p[0];
+			p[0] = (float)(radius * cos(angle));
+			p[2] = (float)((down ? -1 : 1) * radius * sin(angle));
+		}
+		make(&made, &soup);
+		assert_in_range(made.bones.count, 5, 40);
+		assert_true(fabs(made.length - LOD_PI) < 0.1);
+		assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
+		assert_true(made.error < 0.05);
+		for (uint32_t i = 0; i < made.bones.count; i++)
+			for (int e = 0; e < 2; e++) {
+				struct lod_v3 p = made.bones.items[i].end[e];
+				assert_true(fabs(sqrt(p.x * p.x + p.z * p.z) - 1) < 0.03);
+			}
+		finish(&soup);
+	}
+}
+
+/* A fork whose arms share the trunk's end ring vertices: one component. */
+static void a_fork_has_a_line_for_each_arm(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_begin(&soup);
+	uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false);
+	soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, 0.1, 0.1, 8, 12);
+	uint32_t ring = soup.model.vertex_count - 8;
+	for (int arm = 0; arm < 2; arm++) {
+		uint32_t first = soup.model.vertex_count;
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 3 }, (struct lod_v3){ arm ? 2 : -2, 0, 5 }, 0.05, 0.05, 8, 12);
+		for (int k = 0; k < 8; k++)
+			soup_triangle(&soup, m, first + (uint32_t)k, first + ((uint32_t)k + 1) % 8, ring + (uint32_t)k);
+	}
+	make(&made, &soup);
+	assert_int_equal(made.mesh.component_count, 1);
+	bool left = false, right = false;
+	for (uint32_t i = 0; i < made.bones.count; i++)
+		for (int e = 0; e < 2; e++) {
+			struct lod_v3 p = made.bones.items[i].end[e];
+			left = left || lod_v3_distance(p, (struct lod_v3){ -2, 0, 5 }) < 0.1;
+			right = right || lod_v3_distance(p, (struct lod_v3){ 2, 0, 5 }) < 0.1;
+		}
+	assert_true(left && right);
+	assert_in_range(made.bones.count, 3, 12);
+	assert_true(made.length > 0.9 * (3 + 2 * sqrt(8)) && made.length < 1.2 * (3 + 2 * sqrt(8)));
+	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.15);
+	finish(&soup);
+}
+
+static void an_open_strip_is_as_wide_as_it_is(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_begin(&soup);
+	uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false);
+	for (uint32_t i = 0; i <= 30; i++)
+		for (uint32_t k = 0; k < 3; k++)
+			soup_vertex(&soup, (struct lod_v3){ 0.1 * k, k == 1 ? 0.05 : 0, 0.2 * i }, 0, 0);
+	for (uint32_t i = 0; i < 30; i++)
+		for (uint32_t k = 0; k < 2; k++) {
+			uint32_t a = 3 * i + k;
+			soup_triangle(&soup, m, a, a + 1, a + 4);
+			soup_triangle(&soup, m, a, a + 4, a + 3);
+		}
+	make(&made, &soup);
+	assert_true(fabs(made.area / made.surface - 1) < 0.03);
+	finish(&soup);
+}
+
+/* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean. */
+static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_begin(&soup);
+	soup.image[0] = (struct eco_image){ 1, 8, calloc(8, 4) };
+	soup.model.image_count = 1;
+	for (int y = 0; y < 8; y++)
+		memcpy(soup.image[0].rgba + 4 * y, (uint8_t[4]){ y < 4 ? 40 : 200, y < 4 ? 30 : 190, 20, 255 }, 4);
+	soup_tube(&soup, soup_material(&soup, 255, 255, 255, 0, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
+	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
+		soup.model.uv[2 * v + 1] = soup.model.position[3 * v + 2] / 8;
+	make(&made, &soup);
+	uint32_t dark = 0, bright = 0;
+	for (uint32_t i = 0; i < made.bones.count; i++) {
+		const struct lod_bone *b = &made.bones.items[i];
+		double low = fmin(b->end[0].z, b->end[1].z), high = fmax(b->end[0].z, b->end[1].z);
+		if (high < 3.9) {
+			assert_in_range(b->rgb[0], 38, 42);
+			dark++;
+		} else if (low > 4.1) {
+			assert_in_range(b->rgb[0], 198, 202);
+			bright++;
+		}
+	}
+	assert_true(dark > 0 && bright > 0);
+	finish(&soup);
+}
+
+static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct made made;
+	soup_tree(&soup, 0, 0, false);
+	make(&made, &soup);
+	lod_bones_sort(&made.bones, 1, &arena);
+	bool seen[13] = { false };
+	double last = INFINITY;
+	for (uint32_t i = 0; i < made.bones.count; i++) {
+		const struct lod_bone *b = &made.bones.items[i];
+		double size = lod_v3_distance(b->end[0], b->end[1]) * b->width;
+		assert_true(size <= 1.6 * last);             /* half an octave, and what a linear one leaves over */
+		last = fmin(last, size);
+		seen[b->component] = true;
+	}
+	for (int c = 0; c < 13; c++)
+		assert_true(seen[c]);
+	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
+	finish(&soup);
+}
+
+static void any_soup_has_finite_lines(void **state)
+{
+	(void)state;
+	for (uint32_t seed = 1; seed <= 60; seed++) {
+		struct soup soup;
+		struct made made;
+		soup_begin(&soup);
+		soup.state = seed;
+		uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false), n = 4 + seed / 2;
+		for (uint32_t v = 0; v < n; v++)
+			soup_vertex(&soup, (struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1), seed % 3 ? soup_random(&soup, 0, 2) : 0 }, 0, 0);
+		for (uint32_t t = 0; t < 3 * n; t++)
+			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
+		make(&made, &soup);
+		finish(&soup);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_straight_tube_is_one_line),
+		cmocka_unit_test(a_tapering_tube_is_a_few_lines),
+		cmocka_unit_test(a_stout_stem_that_leans_is_a_line_that_leans),
+		cmocka_unit_test(a_bent_tube_is_followed),
+		cmocka_unit_test(a_fork_has_a_line_for_each_arm),
+		cmocka_unit_test(an_open_strip_is_as_wide_as_it_is),
+		cmocka_unit_test(lines_have_the_colour_of_the_bark_that_they_replace),
+		cmocka_unit_test(all_tubes_of_a_tree_have_lines_largest_first),
+		cmocka_unit_test(any_soup_has_finite_lines),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

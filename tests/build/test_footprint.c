@@ -1,0 +1,282 @@
+/* Footprints cover what the rasteriser covers, and count what they add. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/order/footprint.h"
+#include "tests/support/foliage_random.h"
+
+#define PIXELS 96u
+#define VIEWS 5u
+
+static struct lod_arena arena;
+static struct eco_error error;
+static struct lod_footprint print;
+
+static uint64_t bits_of(uint64_t word) { return (uint64_t)__builtin_popcountll(word); }
+
+static void begin(void)
+{
+	lod_arena_free(&arena);
+	assert_int_equal(setjmp(arena.failed), 0);
+}
+
+static struct eco_image holed(void)
+{
+	static uint8_t rgba[4 * 16 * 16];
+	for (uint32_t i = 0; i < 256; i++)
+		rgba[4 * i + 3] = (i / 16 + i % 16) % 5 < 3 ? 255 : 0;
+	return (struct eco_image){ 16, 16, rgba };
+}
+
+/* How many pixels differ from what lod_sights_draw makes of each element alone; `covered` counts its pixels. */
+static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale, uint64_t *covered)
+{
+	struct lod_sights sights;
+	struct lod_raster raster;
+	double directions[VIEWS][3];
+	uint64_t differ = 0;
+	lod_directions_spread(directions, VIEWS, 7);
+	assert_int_equal(lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
+	lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true }, &error);
+	uint32_t row_words = sights.words / PIXELS;
+	for (uint32_t v = 0; v < VIEWS; v++)
+		for (uint32_t i = 0; i < f->count; i++) {
+			uint64_t *drawn = lod_arena_take(&arena, sights.words, sizeof *drawn), *times = lod_arena_take(&arena, sights.words, 2 * sizeof *times);
+			uint64_t *none = lod_arena_take(&arena, sights.words, sizeof *none);
+			struct lod_canvas canvas = { row_words, none, (uint64_t (*)[2])times };
+			struct lod_fan fan = lod_foliage_fan(f, i, mask);
+			struct lod_fan_seen seen;
+			lod_sights_draw(&sights, v, &(struct lod_sights_drawing){ .order = &i, .count = 1, .scale = scale }, &raster, drawn);
+			lod_fan_see(&seen, &fan, &sights.eyes[v]);
+			lod_fan_add(&seen, sqrt(scale), PIXELS, &canvas);
+			for (uint32_t w = 0; w < sights.words; w++) {
+				differ += bits_of((canvas.times[w][0] ^ drawn[w]) & ~sights.wood[v][w]);
+				*covered += bits_of(drawn[w]);
+			}
+		}
+	lod_raster_free(&raster);
+	return differ;
+}
+
+static void footprints_are_what_is_drawn(void **state)
+{
+	static const struct { uint32_t corners; double leaf; float scale; bool cutout; double share; } cases[] = {
+		{ 3, 0.3, 1, false, 0.002 }, { 4, 0.3, 1, false, 0.002 }, { 6, 0.2, 2.5f, false, 0.002 }, { 6, 0.02, 1, false, 0.004 },
+		{ 5, 0.5, 40, false, 0.002 }, { 4, 0.4, 1, true, 0.02 }, { 6, 0.3, 3, true, 0.02 } };
+	(void)state;
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		struct lod_foliage f;
+		struct lod_mask mask;
+		struct eco_image image = holed();
+		uint64_t covered = 0;
+		begin();
+		lod_mask_open(&mask, &image, &arena);
+		foliage_random(&f, &(struct foliage_random){ 40, cases[k].corners, 1, cases[k].leaf, 20 + k }, &arena);
+		for (uint32_t i = 0; i < f.count && cases[k].cutout; i++) {
+			f.cutout[i] = &image;
+			for (uint32_t c = f.first[i]; c < f.first[i + 1]; c++)           /* around the image's corner */
+				for (int a = 0; a < 2; a++)
+					f.uv[c][a] = (float)(c * 7 % 11 + (uint32_t)a * 3 % 5) / 16 - 0.25f;
+		}
+		uint64_t differ = differing(&f, cases[k].cutout ? &mask : NULL, cases[k].scale, &covered);
+		if ((double)differ > cases[k].share * (double)covered)
+			fail_msg("case %zu: %lu of %lu pixels differ", k, (unsigned long)differ, (unsigned long)covered);
+	}
+}
+
+/* An eye that looks along -z at the square [-1, 1] x [-1, 1]. */
+static struct lod_eye eye_above(void)
+{
+	return (struct lod_eye){ .at = { 0, 0, 1000 }, .right = { 1, 0, 0 }, .up = { 0, 1, 0 }, .forward = { 0, 0, -1 }, .tan_x = 0.001, .tan_y = 0.001 };
+}
+
+static struct lod_fan_seen see(const float (*corner)[3], uint32_t corners)
+{
+	struct lod_eye eye = eye_above();
+	struct lod_fan_seen seen;
+	lod_fan_see(&seen, &(struct lod_fan){ corner, NULL, corners, NULL }, &eye);
+	return seen;
+}
+
+static bool cover(const float (*corner)[3], uint32_t corners, double edge)
+{
+	struct lod_fan_seen seen = see(corner, corners);
+	return lod_fan_cover(&print, &seen, edge, 64);
+}
+
+static void add(const float (*corner)[3], uint32_t corners, double edge, const struct lod_canvas *canvas)
+{
+	struct lod_fan_seen seen = see(corner, corners);
+	lod_fan_add(&seen, edge, 64, canvas);
+}
+
+static void gains_count_right_wrong_and_second(void **state)
+{
+	static const float half[4][3] = { { -1, -1, 0 }, { 0, -1, 0 }, { 0, 1, 0 }, { -1, 1, 0 } };
+	static const float top[4][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { -1, 1, 0 } };
+	uint64_t reference[64], times[64][2] = { { 0 } };
+	struct lod_canvas canvas = { 1, reference, times };
+	struct lod_gain gain = { 0 };
+	(void)state;
+	for (uint32_t y = 0; y < 64; y++)
+		reference[y] = y < 16 ? ~UINT64_C(0) : 0;                /* a quarter, at the top */
+	assert_true(cover(half, 4, 1));
+	lod_footprint_gain(&print, &canvas, &gain);
+	assert_int_equal(gain.right, 32 * 16);
+	assert_int_equal(gain.wrong, 32 * 48);
+	assert_int_equal(gain.second, 0);
+	add(half, 4, 1, &canvas);
+	assert_true(cover(top, 4, 1));
+	gain = (struct lod_gain){ 0 };
+	lod_footprint_gain(&print, &canvas, &gain);
+	assert_int_equal(gain.right, 32 * 16);
+	assert_int_equal(gain.wrong, 32 * 16);
+	assert_int_equal(gain.second, 32 * 16);
+	add(top, 4, 1, &canvas);
+	gain = (struct lod_gain){ 0 };
+	lod_footprint_gain(&print, &canvas, &gain);
+	assert_int_equal(gain.right + gain.wrong, 0);
+}
+
+/* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the whole footprint counts the same. */
+static void gains_of_cutouts_are_those_of_their_footprints(void **state)
+{
+	uint64_t reference[256], times[256][2], dice = 9;
+	static const float moved[] = { 0, 0.4f, -1.7f };
+	struct eco_image image = holed();
+	struct lod_mask mask;
+	(void)state;
+	begin();
+	lod_mask_open(&mask, &image, &arena);
+	for (uint32_t round = 0; round < 300; round++) {
+		float corner[4][3] = { { 0 } }, uv[4][2];
+		const struct lod_canvas canvas = { 2, reference, times };
+		struct lod_eye eye = eye_above();
+		struct lod_fan_seen seen;
+		struct lod_gain whole = { 0 }, open = { 0 };
+		for (uint32_t k = 0; k < 4; k++)
+			for (int a = 0; a < 2; a++) {
+				corner[k][a] = (float)foliage_dice(&dice) * 0.9f;
+				uv[k][a] = (float)(k / 2 ^ (a ? 0 : (k & 1))) + moved[round % 3];
+			}
+		for (uint32_t w = 0; w < 256; w++) {
+			reference[w] = lod_mix(3 * (round * 1000 + w));
+			times[w][0] = lod_mix(3 * (round * 1000 + w) + 1);
+			times[w][1] = times[w][0] & lod_mix(3 * (round * 1000 + w) + 2);
+		}
+		lod_fan_see(&seen, &(struct lod_fan){ (const float (*)[3])corner, (const float (*)[2])uv, 4, &mask }, &eye);
+		if (lod_fan_cover(&print, &seen, 1, 128))
+			lod_footprint_gain(&print, &canvas, &whole);
+		lod_fan_gain(&seen, 1, 128, &canvas, &open);
+		assert_memory_equal(&whole, &open, sizeof whole);
+	}
+}
+
+/* In any view as many pixels as its area has there. */
+static void points_are_squares_that_face_the_eye(void **state)
+{
+	struct lod_foliage f;
+	struct lod_sights sights;
+	double directions[VIEWS][3];
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 1, 4, 1, 0.12, 3 }, &arena);
+	lod_directions_spread(directions, VIEWS, 7);
+	assert_int_equal(lod_sights_make(&sights, &f, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		const struct lod_eye *eye = &sights.eyes[v];
+		struct lod_fan fan = lod_foliage_fan(&f, 0, NULL);
+		struct lod_fan_seen seen;
+		lod_fan_see(&seen, &fan, eye);
+		double away = seen.center[2], side = 0.2 * away * eye->tan_x;
+		for (double edge = 1; edge <= 4; edge *= 2) {
+			uint64_t covered = 0;
+			lod_fan_point(&seen, side * side, eye);
+			assert_true(lod_fan_cover(&print, &seen, edge, PIXELS));
+			for (uint32_t i = 0; i < print.rows * print.words; i++)
+				covered += bits_of(print.bits[i]);
+			double wide = fmin(1, 0.1 * edge) * PIXELS;
+			assert_true(fabs(sqrt((double)covered) - wide) <= 1.01);
+		}
+	}
+}
+
+static void what_lies_outside_covers_nothing(void **state)
+{
+	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } }, line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
+	static const float behind[3][3] = { { 0, 0, 2000 }, { 1, 0, 2000 }, { 0, 1, 2000 } };
+	uint64_t bits = 0;
+	(void)state;
+	assert_false(cover(outside, 3, 1));
+	if (cover(line, 3, 1))
+		for (uint32_t i = 0; i < print.rows * print.words; i++)
+			bits |= print.bits[i];
+	assert_int_equal(bits, 0);
+	cover(behind, 3, 1);
+}
+
+static void footprints_fill_the_picture_at_any_size(void **state)
+{
+	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 }, { 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
+	(void)state;
+	for (double edge = 4; edge < 1e12; edge *= 10) {
+		uint64_t bits = 0;
+		assert_true(cover(leaf, 6, edge));
+		for (uint32_t i = 0; i < print.rows * print.words; i++)
+			bits += bits_of(print.bits[i]);
+		assert_int_equal(bits, 64 * 64);
+	}
+}
+
+/* Folded and crossed fans: the union of their triangles, whichever way they are filled. */
+static void fans_that_turn_back_are_their_triangles(void **state)
+{
+	uint64_t dice = 5;
+	(void)state;
+	for (uint32_t round = 0; round < 500; round++) {
+		float corner[5][3] = { { 0 } };
+		uint64_t whole[64] = { 0 }, parts[64] = { 0 };
+		for (uint32_t k = 0; k < 5; k++)
+			for (int a = 0; a < 2; a++)
+				corner[k][a] = (float)foliage_dice(&dice) * 0.9f;
+		struct lod_canvas canvas = { 1, whole, (uint64_t (*)[2])lod_arena_take(&arena, 64, 16) };
+		add((const float (*)[3])corner, 5, 1, &canvas);
+		for (uint32_t t = 0; t < 3; t++) {
+			float triangle[3][3];
+			memcpy(triangle[0], corner[0], sizeof triangle[0]);
+			memcpy(triangle[1], corner[t + 1], 2 * sizeof triangle[0]);
+			if (cover((const float (*)[3])triangle, 3, 1))
+				for (uint32_t y = 0; y < print.rows; y++)
+					parts[print.y + y] |= print.bits[y];
+		}
+		uint64_t differ = 0;
+		for (uint32_t y = 0; y < 64; y++)
+			differ += bits_of(canvas.times[y][0] ^ parts[y]);
+		if (differ > 2)
+			fail_msg("round %u: %u pixels differ", round, (unsigned)differ);
+	}
+}
+
+static int end(void **state)
+{
+	(void)state;
+	lod_arena_free(&arena);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(footprints_are_what_is_drawn),
+		cmocka_unit_test(gains_count_right_wrong_and_second), cmocka_unit_test(gains_of_cutouts_are_those_of_their_footprints),
+		cmocka_unit_test(points_are_squares_that_face_the_eye),
+		cmocka_unit_test(what_lies_outside_covers_nothing),
+		cmocka_unit_test(footprints_fill_the_picture_at_any_size),
+		cmocka_unit_test(fans_that_turn_back_are_their_triangles),
+	};
+	return cmocka_run_group_tests(tests, NULL, end);
+}

@@ -1,0 +1,65 @@
+/* The hull: density and normals. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/order/iso_surface.h"
+#include "tests/support/plant_models.h"
+
+#define MOST 4000
+
+static struct lod_arena arena;
+static struct soup dice;
+static struct lod_v3 center[MOST];
+static struct lod_hull hull;
+
+/* A ball of leaves of radius 5 around (0, 0, 10): the iso-surface is a little larger. */
+static void ball(void)
+{
+	assert_int_equal(setjmp(arena.failed), 0);
+	dice.state = 9;
+	for (uint32_t i = 0; i < MOST; i++)
+		center[i] = lod_v3_add(lod_v3_scale(soup_direction(&dice), 5 * cbrt(soup_random(&dice, 0, 1))), (struct lod_v3){ 0, 0, 10 });
+	lod_hull_make(&hull, center, MOST, 30, &arena);
+}
+
+static void density_is_a_sum_of_balls(void **state)
+{
+	(void)state;
+	assert_int_equal(setjmp(arena.failed), 0);
+	struct lod_v3 one = { 1, 2, 3 }, two[2] = { { 0, 0, 0 }, { 100, 0, 0 } };
+	lod_hull_make(&hull, &one, 1, 20, &arena);
+	assert_true(fabs(lod_hull_density(&hull, one) - 1) < 0.3);       /* between nodes half a radius apart */
+	lod_hull_make(&hull, two, 2, 20, &arena);
+	assert_true(hull.radius >= 100 / 64.0);
+	assert_true(lod_hull_density(&hull, (struct lod_v3){ 50, 0, 0 }) == 0);
+	lod_arena_free(&arena);
+}
+
+static void normals_point_outwards(void **state)
+{
+	(void)state;
+	ball();
+	double worst = 1;
+	for (uint32_t i = 0; i < MOST; i++) {
+		struct lod_v3 normal, out = lod_v3_unit(lod_v3_sub(center[i], (struct lod_v3){ 0, 0, 10 }));
+		if (lod_v3_distance(center[i], (struct lod_v3){ 0, 0, 10 }) < 4)
+			continue;
+		assert_true(lod_hull_normal(&hull, center[i], &normal));
+		worst = fmin(worst, lod_v3_dot(normal, out));
+	}
+	assert_true(worst > 0.8);
+	lod_arena_free(&arena);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(density_is_a_sum_of_balls),
+		cmocka_unit_test(normals_point_outwards),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

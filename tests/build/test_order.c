@@ -1,0 +1,179 @@
+/* Orders by name: at random, by density, by orientation, and both. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/order/order.h"
+#include "tests/support/plant_models.h"
+
+#define MOST 4000
+
+static struct lod_arena arena;
+static struct soup dice;
+static struct lod_v3 center[MOST], normal[MOST];
+static double survival[MOST], again[MOST];
+
+static const enum lod_order_method baselines[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+#define BASELINES (sizeof baselines / sizeof *baselines)
+
+static void order_by(double *out, enum lod_order_method method, uint32_t count, double height, uint32_t seed)
+{
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed }, &arena);
+	assert_null(arena.last);
+	for (uint32_t i = 0; i < count; i++)
+		assert_true(out[i] >= 0 && out[i] < 2.5);
+}
+
+static void order(double *out, uint32_t count, double height, uint32_t seed)
+{
+	order_by(out, LOD_ORDER_COMBINED, count, height, seed);
+}
+
+static double mean(const double *values, uint32_t first, uint32_t end)
+{
+	double sum = 0;
+	for (uint32_t i = first; i < end; i++)
+		sum += values[i];
+	return sum / (end - first);
+}
+
+static void crown(uint32_t count)
+{
+	dice.state = 7;
+	for (uint32_t i = 0; i < count; i++) {
+		center[i] = lod_v3_scale(soup_direction(&dice), 5 * sqrt(soup_random(&dice, 0, 1)));
+		normal[i] = soup_direction(&dice);
+	}
+}
+
+static void values_are_in_range_and_repeatable(void **state)
+{
+	(void)state;
+	crown(MOST);
+	for (size_t m = 0; m < BASELINES; m++) {
+		order_by(survival, baselines[m], MOST, 10, 1);
+		order_by(again, baselines[m], MOST, 10, 1);
+		assert_memory_equal(survival, again, sizeof survival);
+		order_by(again, baselines[m], MOST, 10, 2);
+		assert_true(memcmp(survival, again, sizeof survival) != 0);
+	}
+}
+
+/* A seed's random order has no direction: halves of the plant lose alike. */
+static void stochastic_order_ignores_place_and_normal(void **state)
+{
+	(void)state;
+	crown(MOST);
+	order_by(survival, LOD_ORDER_STOCHASTIC, MOST, 10, 1);
+	double sum[2] = { 0, 0 }, count[2] = { 0, 0 };
+	for (uint32_t i = 0; i < MOST; i++) {
+		sum[center[i].z > 0] += survival[i];
+		count[center[i].z > 0]++;
+	}
+	assert_true(fabs(sum[0] / count[0] - 0.5) < 0.03 && fabs(sum[1] / count[1] - 0.5) < 0.03);
+	for (uint32_t i = 0; i < MOST; i++)
+		center[i] = normal[i] = (struct lod_v3){ 0, 0, 0 };
+	order_by(again, LOD_ORDER_STOCHASTIC, MOST, 0, 1);
+	assert_memory_equal(survival, again, sizeof survival);
+}
+
+static void every_order_has_a_name(void **state)
+{
+	(void)state;
+	for (int m = 0; m < LOD_ORDER_COUNT; m++)
+		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
+}
+
+/* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does not know. */
+static void what_faces_outwards_survives(void **state)
+{
+	(void)state;
+	dice.state = 3;
+	for (uint32_t i = 0; i < MOST; i++) {
+		struct lod_v3 d = soup_direction(&dice);
+		center[i] = lod_v3_scale(d, 5);
+		normal[i] = i < MOST / 2 ? lod_v3_scale(d, -1) : lod_v3_cross(d, soup_direction(&dice));
+	}
+	order(survival, MOST, 10, 1);
+	assert_true(mean(survival, 0, MOST / 2) > mean(survival, MOST / 2, MOST) + 0.3);
+	order_by(survival, LOD_ORDER_ORIENTATION, MOST, 10, 1);
+	assert_true(mean(survival, 0, MOST / 2) > mean(survival, MOST / 2, MOST) + 0.3);
+	order_by(survival, LOD_ORDER_DENSITY, MOST, 10, 1);
+	assert_true(fabs(mean(survival, 0, MOST / 2) - mean(survival, MOST / 2, MOST)) < 0.05);
+}
+
+/* Three quarters of the elements in one corner: the first to go come from there, until density is even. */
+static void dense_regions_are_thinned_first(void **state)
+{
+	(void)state;
+	dice.state = 5;
+	for (uint32_t i = 0; i < MOST; i++) {
+		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4), soup_random(&dice, 0, 4) };
+		center[i] = i % 4 ? lod_v3_scale(p, 0.5) : lod_v3_add(p, (struct lod_v3){ 6, 0, 0 });
+		normal[i] = (struct lod_v3){ 0, 0, 0 };
+	}
+	for (int m = 0; m < 2; m++) {
+		order_by(survival, m ? LOD_ORDER_DENSITY : LOD_ORDER_COMBINED, MOST, 10, 1);
+		uint32_t low[2] = { 0, 0 };
+		for (uint32_t i = 0; i < MOST; i++)
+			low[i % 4 != 0] += survival[i] < 0.3;
+		assert_true(low[1] > 100);
+		assert_true(low[0] < low[1] / 20);
+	}
+}
+
+static void odd_plants_are_ordered_too(void **state)
+{
+	(void)state;
+	center[0] = normal[0] = (struct lod_v3){ 1, 2, 3 };
+	order(survival, 1, 0, 1);
+	for (uint32_t i = 0; i < 100; i++)
+		center[i] = (struct lod_v3){ 1, 2, 3 };          /* all in one point */
+	order(survival, 100, 0, 1);
+	for (uint32_t i = 0; i < 100; i++)
+		center[i] = (struct lod_v3){ 1e4 * i, 0, 0 };    /* a long flat cover */
+	for (size_t m = 0; m < BASELINES; m++)
+		order_by(survival, baselines[m], 100, 0.01, 1);
+	order(survival, 0, 1, 1);
+}
+
+static void keys_sort_as_their_numbers(void **state)
+{
+	(void)state;
+	const double values[] = { -1e300, -2, -1.5, -1e-300, 0, 1e-300, 0.5, 1, 1e300 };
+	for (size_t i = 1; i < sizeof values / sizeof *values; i++)
+		assert_true(lod_sort_key(values[i - 1]) < lod_sort_key(values[i]));
+	assert_true(lod_sort_key(-0.0) == lod_sort_key(0.0));
+}
+
+static void sorting_is_stable(void **state)
+{
+	(void)state;
+	struct lod_keyed items[MOST];
+	assert_int_equal(setjmp(arena.failed), 0);
+	for (uint32_t i = 0; i < MOST; i++)
+		items[i] = (struct lod_keyed){ lod_mix(i) % 50 << (i % 2 ? 40 : 3), i };
+	lod_sort(&arena, items, MOST);
+	for (uint32_t i = 1; i < MOST; i++)
+		assert_true(items[i - 1].key < items[i].key || (items[i - 1].key == items[i].key && items[i - 1].value < items[i].value));
+	lod_arena_free(&arena);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(values_are_in_range_and_repeatable),
+		cmocka_unit_test(stochastic_order_ignores_place_and_normal),
+		cmocka_unit_test(every_order_has_a_name),
+		cmocka_unit_test(what_faces_outwards_survives),
+		cmocka_unit_test(dense_regions_are_thinned_first),
+		cmocka_unit_test(odd_plants_are_ordered_too),
+		cmocka_unit_test(keys_sort_as_their_numbers),
+		cmocka_unit_test(sorting_is_stable),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,655 @@
+/* Wood, foliage and flowers by shape and colour. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/organ.h"
+#include "lod/build/organ_name.h"
+#include "tests/support/plant_models.h"
+
+static struct lod_arena arena;
+
+struct found { struct lod_mesh mesh; struct lod_organs organs; };
+
+static void find(struct found *found, const struct soup *soup)
+{
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_weld(&found->mesh, &soup->model, 14, &arena);
+	lod_organs_find(&found->organs, &found->mesh, &soup->model, &arena);
+}
+
+/* Organ of the only component of `material`, or of all of them if they agree. */
+static int organ_of(const struct found *found, uint32_t material)
+{
+	int organ = -1;
+	for (uint32_t c = 0; c < found->mesh.component_count; c++)
+		if (found->organs.components[c].material == material) {
+			assert_true(organ < 0 || organ == found->organs.components[c].organ);
+			organ = found->organs.components[c].organ;
+		}
+	return organ;
+}
+
+static void finish(struct soup *soup)
+{
+	lod_arena_free(&arena);
+	soup_free(soup);
+}
+
+static void tubes_are_measured_by_their_curvature(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	soup_tube(&soup, soup_material(&soup, 100, 70, 40, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 1, 4 }, 0.1, 0.1, 16, 20);
+	for (uint32_t i = 0; i < soup.model.triangle_count; i += 3) {        /* winding must not matter */
+		uint32_t swap = soup.model.index[3 * i];
+		soup.model.index[3 * i] = soup.model.index[3 * i + 1];
+		soup.model.index[3 * i + 1] = swap;
+	}
+	find(&found, &soup);
+	const struct lod_component *c = &found.organs.components[0];
+	assert_true(fabs(c->radius - 0.1) < 0.003);
+	assert_true(fabs(c->length - sqrt(18)) < 0.02);
+	assert_int_equal(c->organ, ECO_ORGAN_WOOD);
+	finish(&soup);
+}
+
+static void a_tree_is_told_apart_whatever_its_textures(void **state)
+{
+	(void)state;
+	for (int textured = 0; textured < 2; textured++) {
+		struct soup soup;
+		struct found found;
+		soup_tree(&soup, 400, 30, textured);
+		find(&found, &soup);
+		assert_int_equal(organ_of(&found, 0), ECO_ORGAN_WOOD);
+		assert_int_equal(organ_of(&found, 1), ECO_ORGAN_FOLIAGE);
+		assert_int_equal(organ_of(&found, 2), ECO_ORGAN_FLOWER);
+		finish(&soup);
+	}
+}
+
+static void names_do_not_matter(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 400, 0, false);
+	strcpy(soup.material[0].name, "Leaves");
+	strcpy(soup.material[1].name, "Bark");
+	find(&found, &soup);
+	assert_int_equal(organ_of(&found, 0), ECO_ORGAN_WOOD);
+	assert_int_equal(organ_of(&found, 1), ECO_ORGAN_FOLIAGE);
+	finish(&soup);
+}
+
+static void one_material_for_all_is_no_obstacle(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	uint32_t wood = 0;
+	soup_tree(&soup, 400, 0, false);
+	memset(soup.model.material, 0, soup.model.triangle_count * sizeof *soup.model.material);
+	find(&found, &soup);
+	for (uint32_t c = 0; c < found.mesh.component_count; c++)
+		wood += found.organs.components[c].organ == ECO_ORGAN_WOOD;
+	assert_int_equal(wood, 13);
+	finish(&soup);
+}
+
+static void hulls_and_blades_are_foliage(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	uint32_t hull = soup_material(&soup, 40, 120, 30, ECO_NONE, false), blade = soup_material(&soup, 40, 120, 30, ECO_NONE, false);
+	soup_ball(&soup, hull, (struct lod_v3){ 0, 0, 3 }, 1.5, 12);
+	for (int i = 0; i < 9; i++)          /* closed, flat: a lens for a cross-section */
+		soup_tube(&soup, blade, (struct lod_v3){ i, 5, 0 }, (struct lod_v3){ i, 5.2, 1 }, 0.03, 0.03, 4, 3);
+	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
+		if (soup.model.position[3 * v + 1] > 4.5f)
+			soup.model.position[3 * v + 1] = 5 + 0.1f * (soup.model.position[3 * v + 1] - 5);
+	find(&found, &soup);
+	assert_int_equal(organ_of(&found, hull), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(&found, blade), ECO_ORGAN_FOLIAGE);
+	finish(&soup);
+}
+
+static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	uint32_t image = soup_disc_image(&soup, 16), leaf = soup_material(&soup, 255, 255, 255, image, true);
+	uint32_t bark = soup_material(&soup, 255, 255, 255, image, true);
+	soup_tube(&soup, leaf, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.1, 0.05, 8, 10);
+	uint32_t first = soup.model.vertex_count;
+	soup_tube(&soup, bark, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 2, 0, 5 }, 0.1, 0.05, 8, 10);
+	for (uint32_t i = 2 * first; i < 2 * soup.model.vertex_count; i++)
+		soup.model.uv[i] = 0.4F + 0.05F * soup.model.uv[i];          /* the middle of the disc */
+	find(&found, &soup);
+	assert_int_equal(organ_of(&found, leaf), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(&found, bark), ECO_ORGAN_WOOD);
+	finish(&soup);
+}
+
+static void a_patch_inlaid_in_bark_is_bark(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 50, 0, false);
+	uint32_t dark = soup_material(&soup, 10, 10, 10, ECO_NONE, false);
+	soup.model.material[20] = soup.model.material[21] = dark;
+	find(&found, &soup);
+	assert_int_equal(organ_of(&found, dark), ECO_ORGAN_WOOD);
+	finish(&soup);
+}
+
+static void colours_of_the_majority_are_no_flowers(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 40, 400, false);    /* autumn: mostly red */
+	find(&found, &soup);
+	assert_int_equal(organ_of(&found, 2), ECO_ORGAN_FOLIAGE);
+	finish(&soup);
+}
+
+static void closed_surfaces_count_half(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	double area = 0;
+	soup_begin(&soup);
+	soup_ball(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), (struct lod_v3){ 0, 0, 1 }, 1, 40);
+	find(&found, &soup);
+	for (uint32_t t = 0; t < found.mesh.triangle_count; t++)
+		area += found.organs.area[t];
+	assert_true(fabs(area - 2 * LOD_PI) < 0.02);
+	finish(&soup);
+}
+
+static void transparent_parts_do_not_count(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	uint32_t m = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
+	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+	find(&found, &soup);
+	assert_true(fabs(found.organs.area[0] + found.organs.area[1] - 0.16 * LOD_PI) < 0.07);
+	assert_in_range(found.organs.rgb[0][0], 40, 90);
+	finish(&soup);
+}
+
+/* ---- Made plants: what they are made of, and what that is ---- */
+
+static uint32_t named(struct soup *s, const char *name, uint8_t r, uint8_t g, uint8_t b)
+{
+	uint32_t m = soup_material(s, r, g, b, ECO_NONE, false);
+	strncpy(s->material[m].name, name, sizeof s->material[m].name - 1);
+	return m;
+}
+
+/* A closed box; `size` along x, y, z. */
+static void box(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 size)
+{
+	static const uint8_t face[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+	uint32_t first = s->model.vertex_count;
+	for (int i = 0; i < 8; i++)
+		soup_vertex(s, lod_v3_add(at, (struct lod_v3){ i & 1 ? size.x / 2 : -size.x / 2, i & 2 ? size.y / 2 : -size.y / 2,
+			i & 4 ? size.z : 0 }), 0, 0);
+	for (int f = 0; f < 6; f++) {
+		soup_triangle(s, material, first + face[f][0], first + face[f][1], first + face[f][2]);
+		soup_triangle(s, material, first + face[f][0], first + face[f][2], first + face[f][3]);
+	}
+}
+
+/* A pot with walls: outside up, inside down, a bottom. Open on top. */
+static void pot(struct soup *s, uint32_t material, double radius, double height)
+{
+	uint32_t n = 16, first = s->model.vertex_count;
+	static const double ring[4][2] = { { 0.7, 0 }, { 1, 1 }, { 0.9, 1 }, { 0.6, 0.1 } };
+	for (int i = 0; i < 4; i++)
+		for (uint32_t k = 0; k < n; k++)
+			soup_vertex(s, (struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n), radius * ring[i][0] * sin(2 * LOD_PI * k / n),
+				height * ring[i][1] }, 0, 0);
+	uint32_t bottom = soup_vertex(s, (struct lod_v3){ 0, 0, 0 }, 0, 0), inside = soup_vertex(s, (struct lod_v3){ 0, 0, 0.1 * height }, 0, 0);
+	for (uint32_t k = 0; k < n; k++) {
+		uint32_t l = (k + 1) % n;
+		for (uint32_t i = 0; i < 3; i++) {
+			soup_triangle(s, material, first + i * n + k, first + i * n + l, first + (i + 1) * n + l);
+			soup_triangle(s, material, first + i * n + k, first + (i + 1) * n + l, first + (i + 1) * n + k);
+		}
+		soup_triangle(s, material, bottom, first + l, first + k);
+		soup_triangle(s, material, inside, first + 3 * n + k, first + 3 * n + l);
+	}
+}
+
+static void disc(struct soup *s, uint32_t material, double z, double radius)
+{
+	uint32_t n = 16, middle = soup_vertex(s, (struct lod_v3){ 0, 0, z }, 0, 0);
+	for (uint32_t k = 0; k < n; k++)
+		soup_vertex(s, (struct lod_v3){ radius * cos(2 * LOD_PI * k / n), radius * sin(2 * LOD_PI * k / n), z }, 0, 0);
+	for (uint32_t k = 0; k < n; k++)
+		soup_triangle(s, material, middle, middle + 1 + k, middle + 1 + (k + 1) % n);
+}
+
+/* A bent strip of `n` quads from `at` along `d`, sinking at the end. */
+static void frond(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 d, double width, int n)
+{
+	struct lod_v3 across = lod_v3_scale(lod_v3_unit(lod_v3_cross(d, (struct lod_v3){ 0, 0, 1 })), width / 2);
+	uint32_t first = s->model.vertex_count;
+	for (int i = 0; i <= n; i++) {
+		double w = (double)i / n;
+		struct lod_v3 p = lod_v3_add(at, lod_v3_add(lod_v3_scale(d, w), (struct lod_v3){ 0, 0, -0.6 * w * w * lod_v3_length(d) }));
+		soup_vertex(s, lod_v3_add(p, across), 0, 0);
+		soup_vertex(s, lod_v3_sub(p, across), 0, 0);
+	}
+	for (int i = 0; i < n; i++) {
+		uint32_t a = first + 2 * (uint32_t)i;
+		soup_triangle(s, material, a, a + 1, a + 3);
+		soup_triangle(s, material, a, a + 3, a + 2);
+	}
+}
+
+/* Branches that hang together: tubes that share their first vertex with the trunk's last ring. */
+static void bare_tree(struct soup *s, uint32_t material)
+{
+	soup_tube(s, material, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, 0.15, 0.1, 8, 8);
+	for (int i = 0; i < 12; i++) {
+		struct lod_v3 d = soup_direction(s);
+		d.z = fabs(d.z) + 0.3;
+		soup_tube(s, material, (struct lod_v3){ 0, 0, 1.5 + 0.12 * i }, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(d, 2)), 0.04,
+			0.01, 5, 8);
+	}
+}
+
+enum { W = ECO_ORGAN_WOOD, F = ECO_ORGAN_FOLIAGE, B = ECO_ORGAN_FLOWER };
+
+static void ringed_palm(struct soup *s)  /* ring on ring, each its own */
+{
+	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
+	for (int i = 0; i < 10; i++)
+		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 }, 0.16, 0.13, 8, 1);
+	for (int i = 0; i < 14; i++)
+		frond(s, crown, (struct lod_v3){ 0, 0, 5 }, lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
+}
+
+static void palm(struct soup *s)
+{
+	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
+	for (int i = 0; i < 10; i++)         /* rings around a stem */
+		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 }, 0.16, 0.13, 8, 1);
+	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.12, 0.12, 8, 10);
+	for (int i = 0; i < 14; i++)
+		frond(s, crown, (struct lod_v3){ 0, 0, 5 }, lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
+}
+
+static void bamboo(struct soup *s)
+{
+	uint32_t culm = named(s, "a", 90, 140, 50), leaf = named(s, "b", 60, 150, 40);
+	for (int i = 0; i < 9; i++) {
+		soup_tube(s, culm, (struct lod_v3){ 0.3 * i, 0.1 * i, 0 }, (struct lod_v3){ 0.3 * i, 0.1 * i + 0.3, 5 }, 0.04, 0.02, 8, 12);
+		soup_leaves(s, leaf, 60, (struct lod_v3){ 0.3 * i, 0.1 * i, 4 }, 0.8, 0.2);
+	}
+}
+
+static void grass_of_boxes(struct soup *s)
+{
+	uint32_t blade = named(s, "", 153, 153, 153);
+	for (int i = 0; i < 30; i++)
+		box(s, blade, (struct lod_v3){ soup_random(s, 0, 1), soup_random(s, 0, 1), 0 }, (struct lod_v3){ 0.03, 0.003, soup_random(s, 0.4, 0.6) });
+}
+
+static void grass_of_spikes(struct soup *s)
+{
+	uint32_t blade = named(s, "", 80, 120, 50);
+	for (int i = 0; i < 12; i++)
+		soup_tube(s, blade, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0.1, 1 }, 0.02, 0.001, 4, 2);
+}
+
+static void cactus(struct soup *s)
+{
+	uint32_t green = named(s, "", 60, 110, 60);
+	soup_tube(s, green, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, 0.1, 0.09, 12, 10);
+	soup_tube(s, green, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.8, 0, 2.5 }, 0.05, 0.05, 12, 10);
+}
+
+static void low_poly_tree(struct soup *s)
+{
+	uint32_t trunk = named(s, "", 153, 153, 153);
+	soup_tube(s, trunk, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2 }, 0.1, 0.07, 6, 2);
+	uint32_t crown = named(s, "", 153, 153, 153);
+	soup_ball(s, crown, (struct lod_v3){ 0, 0, 3 }, 1.2, 6);
+}
+
+static void stout_trunk_and_hull(struct soup *s)
+{
+	uint32_t trunk = named(s, "", 110, 90, 70), crown = named(s, "", 70, 110, 60);
+	soup_tube(s, trunk, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.7 }, 0.25, 0.2, 12, 4);
+	soup_ball(s, crown, (struct lod_v3){ 0, 0, 2.5 }, 2, 12);
+}
+
+static void stump(struct soup *s)
+{
+	soup_tube(s, named(s, "", 110, 80, 60), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.5 }, 0.4, 0.35, 12, 3);
+}
+
+static void named_rock(struct soup *s)
+{
+	soup_ball(s, named(s, "Rock_01", 128, 128, 128), (struct lod_v3){ 0, 0, 0.5 }, 0.5, 8);
+}
+
+static void hedge(struct soup *s)
+{
+	box(s, named(s, "", 60, 100, 50), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 4, 0.6, 1.2 });
+}
+
+static void potted(struct soup *s)
+{
+	uint32_t clay = named(s, "", 170, 100, 80), soil = named(s, "", 60, 45, 35), stem = named(s, "", 90, 120, 60), leaf = named(s, "", 60, 140, 40);
+	pot(s, clay, 0.25, 0.4);
+	disc(s, soil, 0.36, 0.22);
+	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.3 }, (struct lod_v3){ 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8);
+	soup_leaves(s, leaf, 100, (struct lod_v3){ 0, 0, 1.1 }, 0.5, 0.2);
+}
+
+static void tulip(struct soup *s)        /* mostly petals, large ones */
+{
+	uint32_t stem = named(s, "", 80, 130, 60), leaf = named(s, "", 70, 130, 70), petal = named(s, "", 210, 40, 30);
+	for (int i = 0; i < 4; i++) {
+		soup_tube(s, stem, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0, 0.4 }, 0.008, 0.006, 6, 6);
+		for (int k = 0; k < 6; k++)
+			frond(s, petal, (struct lod_v3){ 0.1 * i, 0, 0.4 }, (struct lod_v3){ 0.02 * cos(k), 0.02 * sin(k), 0.09 }, 0.06, 6);
+		frond(s, leaf, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.05, 0.08, 0.2 }, 0.02, 8);
+	}
+}
+
+static void cherry_in_bloom(struct soup *s)
+{
+	uint32_t bark = named(s, "", 80, 60, 55), petal = named(s, "", 240, 170, 200);
+	bare_tree(s, bark);
+	soup_leaves(s, petal, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.1);
+}
+
+static void autumn(struct soup *s)       /* yellow, orange and red, some still green */
+{
+	uint32_t bark = named(s, "", 90, 75, 60), yellow = named(s, "", 220, 180, 40), red = named(s, "", 200, 60, 30), green = named(s, "", 90, 120, 40);
+	bare_tree(s, bark);
+	soup_leaves(s, yellow, 300, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, red, 200, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, green, 150, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+}
+
+static void some_leaves_turn_yellow(struct soup *s)
+{
+	uint32_t bark = named(s, "", 90, 75, 60), green = named(s, "", 90, 130, 50), yellow = named(s, "", 210, 180, 60);
+	bare_tree(s, bark);
+	soup_leaves(s, green, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+	soup_leaves(s, yellow, 40, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
+}
+
+static void vine(struct soup *s)
+{
+	uint32_t stem = named(s, "", 153, 153, 153), leaf = named(s, "", 154, 154, 154);
+	struct lod_v3 at = { 0, 0, 0 };
+	for (int i = 0; i < 20; i++) {
+		struct lod_v3 next = { 0.3 * cos(0.5 * i), 0.3 * sin(0.5 * i), 0.15 * i };
+		soup_tube(s, stem, at, next, 0.012, 0.012, 5, 2);
+		at = next;
+	}
+	soup_leaves(s, leaf, 80, (struct lod_v3){ 0, 0, 1.5 }, 1, 0.1);
+}
+
+static void posts_and_rails(struct soup *s)
+{
+	uint32_t wood = named(s, "", 130, 110, 90);
+	for (int i = 0; i < 5; i++)
+		box(s, wood, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ 0.1, 0.1, 1.2 });
+	for (int i = 0; i < 2; i++)
+		box(s, wood, (struct lod_v3){ 2, 0.08, 0.4 + 0.5 * i }, (struct lod_v3){ 4, 0.05, 0.1 });
+}
+
+static void brown_crown_of_hulls(struct soup *s)
+{
+	uint32_t stem = named(s, "a", 98, 67, 62), crown = named(s, "b", 169, 111, 69), top = named(s, "c", 140, 90, 50);
+	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2.4 }, 0.1, 0.06, 8, 6);
+	soup_ball(s, crown, (struct lod_v3){ 0.2, 0, 2 }, 0.9, 8);
+	soup_ball(s, top, (struct lod_v3){ -0.2, 0.1, 2.9 }, 0.6, 8);
+}
+
+static void hollow_log(struct soup *s)   /* with a sheet of snow */
+{
+	uint32_t log = named(s, "Holz", 98, 67, 62), snow = named(s, "Snow", 170, 162, 174);
+	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4);
+	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4);
+	soup_quad(s, snow, (struct lod_v3){ -1, -0.1, 0.62 }, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 0, 0.2, 0 });
+}
+
+static void plants_are_what_they_look_like(void **state)
+{
+	(void)state;
+	static const struct { const char *name; void (*make)(struct soup *s); int organ[4]; } plants[] = {
+		{ "palm", palm, { W, F, -1, -1 } },
+		{ "palm of rings", ringed_palm, { W, F, -1, -1 } },
+		{ "bamboo", bamboo, { W, F, -1, -1 } },
+		{ "grass of thin boxes", grass_of_boxes, { F, -1, -1, -1 } },
+		{ "grass of spikes", grass_of_spikes, { F, -1, -1, -1 } },
+		{ "bare tree", NULL, { W, -1, -1, -1 } },
+		{ "cactus", cactus, { F, -1, -1, -1 } },
+		{ "low-poly tree without colours", low_poly_tree, { W, F, -1, -1 } },
+		{ "stout trunk and hull", stout_trunk_and_hull, { W, F, -1, -1 } },
+		{ "stump", stump, { W, -1, -1, -1 } },
+		{ "rock by its name", named_rock, { W, -1, -1, -1 } },
+		{ "hedge", hedge, { F, -1, -1, -1 } },
+		{ "potted plant", potted, { W, W, W, F } },
+		{ "tulips", tulip, { W, F, B, -1 } },
+		{ "cherry in bloom", cherry_in_bloom, { W, B, -1, -1 } },
+		{ "autumn", autumn, { W, F, F, F } },
+		{ "some yellow leaves", some_leaves_turn_yellow, { W, F, F, -1 } },
+		{ "vine", vine, { W, F, -1, -1 } },
+		{ "brown crown of hulls", brown_crown_of_hulls, { W, F, F, -1 } },
+		{ "hollow log by its name", hollow_log, { W, F, -1, -1 } },
+		{ "fence", posts_and_rails, { W, -1, -1, -1 } },
+	};
+	uint32_t wrong = 0;
+	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
+		struct soup soup;
+		struct found found;
+		soup_begin(&soup);
+		if (plants[i].make)
+			plants[i].make(&soup);
+		else
+			bare_tree(&soup, named(&soup, "", 153, 153, 153));
+		find(&found, &soup);
+		for (uint32_t c = 0; c < found.mesh.component_count; c++) {
+			const struct lod_component *part = &found.organs.components[c];
+			if (part->organ == plants[i].organ[part->material])
+				continue;
+			print_error("%s: a component of material %u, %u triangles, is %s\n", plants[i].name, part->material, part->triangle_count,
+				eco_organ_names[part->organ]);
+			wrong++;
+		}
+		finish(&soup);
+	}
+	assert_int_equal(wrong, 0);
+}
+
+static double organ_area(const struct found *found, int organ)
+{
+	double area = 0;
+	for (uint32_t c = 0; c < found->mesh.component_count; c++)
+		area += found->organs.components[c].organ == organ ? found->organs.components[c].area : 0;
+	return area;
+}
+
+/* One mesh, one material: leaves share a corner with the twig that they sit on. */
+static void leaves_welded_to_twigs_are_foliage(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	uint32_t m = named(&soup, "", 153, 153, 153), twig = soup.model.vertex_count;
+	double leaf_area = 0;
+	soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.05, 0.03, 6, 60);
+	for (uint32_t i = 0; i < 200; i++) {
+		uint32_t foot = twig + 6 + i;
+		struct lod_v3 p = lod_v3_of(soup.model.position + 3 * foot), d = lod_v3_scale(soup_direction(&soup), 0.2);
+		struct lod_v3 u = lod_v3_scale(lod_v3_unit(lod_v3_cross(d, soup_direction(&soup))), 0.1);
+		uint32_t a = soup_vertex(&soup, lod_v3_add(p, lod_v3_add(d, u)), 0, 0), b = soup_vertex(&soup, lod_v3_add(p, lod_v3_sub(d, u)), 0, 0);
+		soup_triangle(&soup, m, foot, a, b);
+		leaf_area += 0.02;
+	}
+	find(&found, &soup);
+	assert_true(fabs(organ_area(&found, ECO_ORGAN_FOLIAGE) / leaf_area - 1) < 0.02);
+	assert_true(organ_area(&found, ECO_ORGAN_WOOD) > 1.1);
+	finish(&soup);
+}
+
+/* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
+static void a_palette_texture_parts_trunk_and_crown(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	static uint8_t pixels[2][4] = { { 110, 80, 60, 255 }, { 60, 120, 50, 255 } };
+	soup_begin(&soup);
+	soup.image[0] = (struct eco_image){ 2, 1, malloc(sizeof pixels) };
+	memcpy(soup.image[0].rgba, pixels, sizeof pixels);
+	soup.model.image_count = 1;
+	uint32_t m = soup_material(&soup, 255, 255, 255, 0, false), rings = 24, n = 8;
+	for (uint32_t i = 0; i <= rings; i++)        /* a turned body: stem, then a ball on it */
+		for (uint32_t k = 0; k < n; k++) {
+			double z = 0.2 * i, t = (z - 2.4) / 2.4, r = i <= 12 ? 0.1 : 0.1 + 1.2 * sqrt(fmax(0, t * (1 - t)) * 4);
+			soup_vertex(&soup, (struct lod_v3){ r * cos(2 * LOD_PI * k / n), r * sin(2 * LOD_PI * k / n), z }, i < 12 ? 0.25 : 0.75, 0.5);
+		}
+	for (uint32_t i = 0; i < rings; i++)
+		for (uint32_t k = 0; k < n; k++) {
+			uint32_t a = i * n + k, b = i * n + (k + 1) % n;
+			soup_triangle(&soup, m, a, b, b + n);
+			soup_triangle(&soup, m, a, b + n, a + n);
+		}
+	find(&found, &soup);
+	assert_true(fabs(organ_area(&found, ECO_ORGAN_WOOD) - 2 * LOD_PI * 0.1 * 2.4) < 0.2);
+	assert_true(organ_area(&found, ECO_ORGAN_FOLIAGE) > 6);
+	finish(&soup);
+}
+
+/* An import makes a material of each colour: same name, no image. */
+static void vertex_colours_do_not_shatter_a_trunk(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_begin(&soup);
+	for (uint8_t i = 0; i < 6; i++)
+		named(&soup, "scan", (uint8_t)(90 + 10 * i), (uint8_t)(80 + 9 * i), (uint8_t)(60 + 8 * i));
+	bare_tree(&soup, 0);
+	for (uint32_t t = 0; t < soup.model.triangle_count; t++)
+		soup.model.material[t] = (uint32_t)(lod_mix(t) % 6);
+	find(&found, &soup);
+	assert_int_equal(found.mesh.component_count, 13);
+	assert_true(organ_area(&found, ECO_ORGAN_FOLIAGE) == 0);
+	finish(&soup);
+}
+
+static void what_has_no_colour_has_that_of_its_organ(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 400, 0, false);
+	for (uint32_t i = 0; i < soup.model.material_count; i++) {
+		memset(soup.model.materials[i].rgb, 153, 3);
+		soup.model.materials[i].colourless = true;
+	}
+	find(&found, &soup);
+	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
+		const uint8_t *rgb = found.organs.rgb[t];
+		bool wood = found.organs.components[found.mesh.component[t]].organ == ECO_ORGAN_WOOD;
+		assert_true(wood ? rgb[0] > rgb[1] && rgb[1] > rgb[2] : rgb[1] > rgb[0] && rgb[1] > rgb[2]);
+	}
+	finish(&soup);
+}
+
+static void rules_win_over_everything(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct found found;
+	soup_tree(&soup, 200, 0, false);
+	uint32_t n = soup.model.triangle_count, trunk = 0;
+	uint8_t *organ = malloc(n);
+	memset(organ, ECO_ORGAN_FOUND, n);
+	while (soup.model.material[trunk] == 0 && trunk < 8 * 24 * 2)
+		organ[trunk++] = ECO_ORGAN_FLOWER;
+	for (uint32_t t = 0; t < n; t++)
+		if (soup.model.material[t] == 1)
+			organ[t] = t % 4 < 2 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOUND;
+	soup.model.organ = organ;
+	find(&found, &soup);
+	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
+		uint8_t rule = organ[found.mesh.source[t]], is = found.organs.components[found.mesh.component[t]].organ;
+		assert_int_equal(is, rule != ECO_ORGAN_FOUND ? rule : soup.model.material[found.mesh.source[t]] == 0 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+	}
+	free(organ);
+	finish(&soup);
+}
+
+static void names_hint_in_many_languages(void **state)
+{
+	(void)state;
+	static const struct { const char *name; enum lod_hint hint; } names[] = {
+		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD }, { "Birkenrinde", LOD_HINT_WOOD }, { "TreeTrunk01", LOD_HINT_WOOD },
+		{ "écorce", LOD_HINT_WOOD }, { "corteza de pino", LOD_HINT_WOOD }, { "кора", LOD_HINT_WOOD }, { "PotMat", LOD_HINT_WOOD },
+		{ "Blumenkasten", LOD_HINT_WOOD }, { "Bl\xc3\xbctenstiel", LOD_HINT_WOOD }, { "branches", LOD_HINT_WOOD },
+		{ "leaves", LOD_HINT_FOLIAGE }, { "Leaf.003", LOD_HINT_FOLIAGE }, { "LEAVES", LOD_HINT_FOLIAGE }, { "Laub", LOD_HINT_FOLIAGE },
+		{ "feuillage", LOD_HINT_FOLIAGE }, { "hojas", LOD_HINT_FOLIAGE }, { "PineNeedles", LOD_HINT_FOLIAGE }, { "листья", LOD_HINT_FOLIAGE },
+		{ "petal_red", LOD_HINT_FLOWER }, { "Blüte", LOD_HINT_FLOWER }, { "fleur", LOD_HINT_FLOWER }, { "CherryBlossom", LOD_HINT_FLOWER },
+		{ "stamens", LOD_HINT_FLOWER },
+		{ "", LOD_HINT_NONE }, { "Material.001", LOD_HINT_NONE }, { "DefaultMaterial", LOD_HINT_NONE }, { "Green", LOD_HINT_NONE },
+		{ "Blume_Blatt", LOD_HINT_NONE }, { "bark_leaf_atlas", LOD_HINT_NONE }, { "12345", LOD_HINT_NONE }, { "logo", LOD_HINT_NONE },
+		{ "boisterous", LOD_HINT_WOOD },     /* a beginning is enough: a hint is no proof */
+	};
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (lod_name_hint(names[i].name) != names[i].hint)
+			fail_msg("%s hints at %d", names[i].name, lod_name_hint(names[i].name));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(tubes_are_measured_by_their_curvature),
+		cmocka_unit_test(a_tree_is_told_apart_whatever_its_textures),
+		cmocka_unit_test(names_do_not_matter),
+		cmocka_unit_test(one_material_for_all_is_no_obstacle),
+		cmocka_unit_test(hulls_and_blades_are_foliage),
+		cmocka_unit_test(cut_outs_are_never_wood_but_an_atlas_may_hold_bark),
+		cmocka_unit_test(a_patch_inlaid_in_bark_is_bark),
+		cmocka_unit_test(colours_of_the_majority_are_no_flowers),
+		cmocka_unit_test(closed_surfaces_count_half),
+		cmocka_unit_test(transparent_parts_do_not_count),
+		cmocka_unit_test(plants_are_what_they_look_like),
+		cmocka_unit_test(leaves_welded_to_twigs_are_foliage),
+		cmocka_unit_test(a_palette_texture_parts_trunk_and_crown),
+		cmocka_unit_test(vertex_colours_do_not_shatter_a_trunk),
+		cmocka_unit_test(what_has_no_colour_has_that_of_its_organ),
+		cmocka_unit_test(rules_win_over_everything),
+		cmocka_unit_test(names_hint_in_many_languages),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,641 @@
+/* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/format/chunk.h"
+#include "lod/build/plant.h"
+#include "lod/geometry.h"
+#include "tests/support/plant_models.h"
+
+/* ---- Plants to try ---- */
+
+enum kind { SMALL_TREE, TREE_WITH_CELLS, TEXTURED_TREE, BARE_TREE, GRASS, HULL, KINDS };
+
+static void make_model(struct soup *soup, enum kind kind)
+{
+	switch (kind) {
+	case SMALL_TREE: soup_tree(soup, 300, 25, false); return;
+	case TREE_WITH_CELLS: soup_tree(soup, 4000, 900, false); return;
+	case TEXTURED_TREE: soup_tree(soup, 1500, 40, true); return;
+	case BARE_TREE: soup_tree(soup, 0, 0, false); return;
+	default: soup_begin(soup);
+	}
+	uint32_t green = soup_material(soup, 60, 150, 40, ECO_NONE, false);
+	if (kind == HULL)
+		soup_ball(soup, green, (struct lod_v3){ 0, 0, 1 }, 1, 30);
+	for (uint32_t i = 0; i < 900 && kind == GRASS; i++) {
+		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1), 0.2 };
+		soup_quad(soup, green, at, (struct lod_v3){ 0.01, 0, 0 }, (struct lod_v3){ soup_random(soup, -0.1, 0.1), soup_random(soup, -0.1, 0.1), 0.4 });
+	}
+}
+
+static struct lod_plant_options options_for(enum kind kind)
+{
+	return (struct lod_plant_options){ .name = "test", .seed = 3, .order = LOD_ORDER_COMBINED, .grid_bits = 14,
+		.cell_triangles = kind == SMALL_TREE ? 0 : 600, .importance = { [ECO_ORGAN_FLOWER] = 3 } };
+}
+
+static void build(struct lod_plant *plant, struct soup *soup, enum kind kind)
+{
+	struct eco_error error = { 0 };
+	struct lod_plant_options options = options_for(kind);
+	make_model(soup, kind);
+	if (lod_plant_build(plant, &soup->model, &options, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+}
+
+static void finish(struct lod_plant *plant, struct soup *soup)
+{
+	lod_plant_free(plant);
+	soup_free(soup);
+}
+
+/* ---- Nothing lost, nothing twice ---- */
+
+struct corners { int32_t p[9]; };
+
+static int compare_corners(const void *a, const void *b)
+{
+	return memcmp(a, b, sizeof(struct corners));
+}
+
+static int compare_position(const void *a, const void *b)
+{
+	return memcmp(a, b, 3 * sizeof(int32_t));
+}
+
+static void add_triangle(struct corners *to, const int32_t *a, const int32_t *b, const int32_t *c)
+{
+	memcpy(to->p, a, 12);
+	memcpy(to->p + 3, b, 12);
+	memcpy(to->p + 6, c, 12);
+	qsort(to->p, 3, 12, compare_position);
+}
+
+/* Triangles of full detail: all fans, and the last level of wood. */
+static uint32_t stored_triangles(const struct lod_plant *plant, struct corners *out)
+{
+	uint32_t n = 0;
+	for (uint32_t l = 0; l < plant->ladder_count; l++) {
+		const struct eco_ladder *ladder = &plant->ladders[l];
+		if (ladder->triangles == ECO_NONE)
+			continue;
+		const struct eco_elements *e = &plant->lists[ladder->triangles].elements;
+		uint32_t first = ladder->level_count > 1 ? ladder->level_end[ladder->level_count - 2] : 0, triangle = 0;
+		const int32_t *p = e->position;
+		for (uint32_t i = 0; i < e->element_count; p += 3 * e->corners[i++])
+			for (uint32_t k = 0; k + 2 < e->corners[i]; k++)
+				if (triangle++ >= first)
+					add_triangle(&out[n++], p, p + 3 * (k + 1), p + 3 * (k + 2));
+	}
+	qsort(out, n, sizeof *out, compare_corners);
+	return n;
+}
+
+static uint32_t source_triangles(const struct lod_plant *plant, const struct eco_model *model, struct corners *out)
+{
+	const struct eco_list *list = &plant->lists[0].list;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		int32_t p[3][3];
+		for (int k = 0; k < 3; k++)
+			for (int a = 0; a < 3; a++)
+				p[k][a] = (int32_t)floor((model->position[3 * model->index[3 * t + k] + a] - list->grid_origin[a]) / list->grid_step[a] + 0.5);
+		add_triangle(&out[t], p[0], p[1], p[2]);
+	}
+	qsort(out, model->triangle_count, sizeof *out, compare_corners);
+	return model->triangle_count;
+}
+
+static void every_triangle_is_stored_once(void **state)
+{
+	(void)state;
+	for (enum kind kind = 0; kind < KINDS; kind++) {
+		struct soup soup;
+		struct lod_plant plant;
+		build(&plant, &soup, kind);
+		uint32_t dropped = 0, n = soup.model.triangle_count;
+		for (int d = 0; d < ECO_DROP_COUNT; d++)
+			dropped += plant.dropped[d];
+		assert_int_equal(plant.triangles_in, plant.triangles_stored + dropped);
+		assert_int_equal(plant.triangles_in, n);
+		assert_int_equal(dropped, 0);            /* nothing here is too small or hidden */
+		struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
+		assert_int_equal(stored_triangles(&plant, stored), n);
+		source_triangles(&plant, &soup.model, source);
+		assert_memory_equal(stored, source, n * sizeof *stored);
+		free(stored);
+		free(source);
+		finish(&plant, &soup);
+	}
+}
+
+static void organs_are_counted(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, TREE_WITH_CELLS);
+	assert_int_equal(plant.organ[ECO_ORGAN_WOOD].components, 13);
+	assert_int_equal(plant.organ[ECO_ORGAN_FOLIAGE].elements, 4000);
+	assert_int_equal(plant.organ[ECO_ORGAN_FLOWER].elements, 900);
+	assert_true(fabs(plant.organ[ECO_ORGAN_FOLIAGE].area - 4000 * 0.12 * 0.08) < 0.01);
+	assert_true(fabs(plant.plant.area - plant.organ[0].area - plant.organ[1].area - plant.organ[2].area) < 0.01);
+	assert_true(plant.plant.height_m > 5 && plant.plant.height_m < 7);
+	assert_string_equal(plant.plant.name, "test");
+	finish(&plant, &soup);
+}
+
+/* ---- Lists ---- */
+
+static void check_list(const struct lod_plant *plant, const struct lod_list_draft *draft)
+{
+	const struct eco_elements *e = &draft->elements;
+	const struct eco_list *list = &draft->list;
+	uint32_t corners = 0, primitives = 0;
+	assert_true(e->element_count > 0);
+	assert_int_equal(list->element_count, e->element_count);
+	assert_int_equal(list->primitive_count, e->primitive_count);
+	assert_int_equal(e->extra_count, eco_list_extra_count(list));
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		corners += e->corners[i];
+		primitives += e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
+		if (list->attributes & ECO_ATTR_COLOR)
+			assert_in_range(e->extra[i * e->extra_count], 0, list->palette_count - 1);
+		if (list->attributes & ECO_ATTR_WIDTH)
+			assert_true(e->extra[i * e->extra_count + 1] >= 1);
+	}
+	assert_int_equal(corners, e->corner_count);
+	assert_int_equal(primitives, e->primitive_count);
+	for (uint32_t i = 0; i < 3 * corners; i++)
+		assert_in_range(e->position[i] + 2, 0, (1 << 14) + 4);
+	for (uint32_t i = 0; i < 2 * corners && e->uv; i++)
+		assert_true(e->uv[i] >= 0);
+	assert_true(list->image == ECO_NONE || list->image < plant->image_count);
+	assert_true((list->attributes & ECO_ATTR_UV ? 1 : 0) == (e->uv != NULL));
+	assert_true(list->palette_first + list->palette_count <= plant->palette_count);
+	assert_true(draft->end_count >= 1);
+	for (uint32_t c = 0; c < draft->end_count; c++)
+		assert_true(draft->ends[c] > (c ? draft->ends[c - 1] : 0));
+	assert_int_equal(draft->ends[draft->end_count - 1], e->element_count);
+}
+
+/* Each form has an element for each of its partner's, close to it, and of the same area in all. */
+static void check_form(const struct lod_plant *plant, const struct lod_list_draft *form)
+{
+	const struct lod_list_draft *fans = &plant->lists[form->list.partner];
+	const struct eco_elements *f = &fans->elements, *e = &form->elements;
+	const int32_t *p = f->position, *q = e->position;
+	uint32_t at = form->list.kind == ECO_LIST_POINTS ? eco_list_extra_at(&form->list, ECO_ATTR_SIZE) : 0;
+	double sizes = 0;
+	assert_int_equal(e->element_count, f->element_count);
+	assert_int_equal(form->end_count, fans->end_count);
+	assert_memory_equal(form->ends, fans->ends, form->end_count * sizeof *form->ends);
+	for (uint32_t i = 0; i < f->element_count; p += 3 * f->corners[i], q += 3 * e->corners[i], i++) {
+		struct lod_v3 low = { p[0], p[1], p[2] }, high = low;
+		assert_int_equal(e->corners[i], e->corners[0]);
+		for (uint32_t k = 1; k < f->corners[i]; k++) {
+			low = (struct lod_v3){ fmin(low.x, p[3 * k]), fmin(low.y, p[3 * k + 1]), fmin(low.z, p[3 * k + 2]) };
+			high = (struct lod_v3){ fmax(high.x, p[3 * k]), fmax(high.y, p[3 * k + 1]), fmax(high.z, p[3 * k + 2]) };
+		}
+		double slack = form->list.kind == ECO_LIST_POINTS ? 1 : 0.3 * lod_v3_distance(low, high) + 2;
+		for (uint32_t k = 0; k < e->corners[i]; k++) {
+			assert_true(q[3 * k] >= low.x - slack && q[3 * k + 1] >= low.y - slack && q[3 * k + 2] >= low.z - slack);
+			assert_true(q[3 * k] <= high.x + slack && q[3 * k + 1] <= high.y + slack && q[3 * k + 2] <= high.z + slack);
+		}
+		if (form->list.kind == ECO_LIST_POINTS)
+			sizes += eco_size((uint32_t)e->extra[i * e->extra_count + at]);
+	}
+	if (form->list.kind == ECO_LIST_POINTS)
+		assert_true(form->list.unit_area > 0 && sizes > 0.5 * e->element_count && sizes < 2.5 * e->element_count);
+	assert_true(form->list.primitive_count * eco_list_vertices(&form->list) <= 3 * fans->list.primitive_count);
+}
+
+static void lists_are_consistent(void **state)
+{
+	(void)state;
+	for (enum kind kind = 0; kind < KINDS; kind++) {
+		struct soup soup;
+		struct lod_plant plant;
+		build(&plant, &soup, kind);
+		for (uint32_t l = 0; l < plant.list_count; l++) {
+			check_list(&plant, &plant.lists[l]);
+			for (int a = 0; a < 3; a++) {            /* one grid for the whole plant */
+				assert_true(plant.lists[l].list.grid_origin[a] == plant.lists[0].list.grid_origin[a]);
+				assert_true(plant.lists[l].list.grid_step[a] == plant.lists[0].list.grid_step[0]);
+			}
+			if (plant.lists[l].list.coder == ECO_CODER_FORM)
+				check_form(&plant, &plant.lists[l]);
+		}
+		finish(&plant, &soup);
+	}
+}
+
+static void every_chunk_can_be_coded(void **state)
+{
+	(void)state;
+	struct eco_error error = { 0 };
+	for (enum kind kind = 0; kind < KINDS; kind++) {
+		struct soup soup;
+		struct lod_plant plant;
+		build(&plant, &soup, kind);
+		for (uint32_t l = 0; l < plant.list_count; l++) {
+			const struct lod_list_draft *draft = &plant.lists[l];
+			for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
+				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner] : draft;
+				struct eco_chunk_input input = { &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
+				uint8_t *bytes;
+				size_t size;
+				enum eco_code code = of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
+					: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &error);
+				if (code != ECO_OK)
+					fail_msg("list %u chunk %u: %s", l, c, error.text);
+				free(bytes);
+			}
+		}
+		finish(&plant, &soup);
+	}
+}
+
+/* ---- Ladders and cells ---- */
+
+static bool inside(const struct eco_anchor *anchor, const struct lod_list_draft *draft)
+{
+	for (uint32_t i = 0; i < draft->elements.corner_count; i++) {
+		double sum = 0;
+		for (int a = 0; a < 3; a++) {
+			double d = draft->list.grid_origin[a] + draft->elements.position[3 * i + a] * draft->list.grid_step[a] - anchor->center[a];
+			sum += d * d;
+		}
+		if (sqrt(sum) > anchor->radius)
+			return false;
+	}
+	return true;
+}
+
+static uint32_t primitives(const struct lod_plant *plant, uint32_t list)
+{
+	return list == ECO_NONE ? 0 : plant->lists[list].list.primitive_count;
+}
+
+static void check_ladder(const struct lod_plant *plant, const struct eco_ladder *l)
+{
+	const uint32_t lists[4] = { l->points, l->lines, l->simple, l->triangles };
+	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(plant, l->lines) : plant->lists[l->triangles].list.element_count, last = 0;
+	assert_true(l->anchor < plant->plant.anchor_count);
+	assert_true((l->flags & ECO_LADDER_NEAR ? 1 : 0) == (l->anchor > 0));
+	assert_true(l->importance == (l->organ == ECO_ORGAN_FLOWER ? 3 : 1));
+	assert_true(l->area > 0);
+	for (int i = 0; i < 4; i++)
+		if (lists[i] != ECO_NONE) {
+			assert_true(inside(&plant->anchors[0], &plant->lists[lists[i]]));
+			assert_true(inside(&plant->anchors[l->anchor], &plant->lists[lists[i]]));
+		}
+	if (l->organ == ECO_ORGAN_WOOD)
+		assert_int_equal(l->before, 0);
+	if (l->flags != ECO_LADDER_FAR && l->anchor > 0)
+		assert_int_equal(l->total, l->before + own);
+	assert_true(l->total >= own);
+	for (uint32_t i = 0; i < l->level_count; i++) {
+		bool is_end = false;
+		const struct lod_list_draft *draft = &plant->lists[l->triangles];
+		for (uint32_t c = 0; c < draft->end_count; c++)
+			is_end = is_end || draft->ends[c] == l->level_end[i];
+		assert_true(is_end);
+		assert_true(l->level_end[i] - last > (i ? l->level_end[i - 1] - (i > 1 ? l->level_end[i - 2] : 0) : 0));
+		last = l->level_end[i];
+	}
+	if (l->level_count)
+		assert_int_equal(last, primitives(plant, l->triangles));
+}
+
+static void ladders_are_consistent(void **state)
+{
+	(void)state;
+	for (enum kind kind = 0; kind < KINDS; kind++) {
+		struct soup soup;
+		struct lod_plant plant;
+		build(&plant, &soup, kind);
+		assert_true((plant.plant.anchor_count > 1) == (kind != SMALL_TREE));
+		uint32_t anchor = 0;
+		for (uint32_t l = 0; l < plant.ladder_count; l++) {
+			check_ladder(&plant, &plant.ladders[l]);
+			assert_true(plant.ladders[l].anchor >= anchor || anchor > 0);
+			anchor = plant.ladders[l].anchor ? plant.ladders[l].anchor : anchor;
+			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);        /* the whole plant's come first */
+		}
+		finish(&plant, &soup);
+	}
+}
+
+/* Regions of the cells add up to the whole: samples, area, and what the coarse list holds of them. */
+static void cells_add_up(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, TREE_WITH_CELLS);
+	assert_true(plant.plant.anchor_count > 8);
+	for (uint32_t organ = ECO_ORGAN_FOLIAGE; organ <= ECO_ORGAN_FLOWER; organ++) {
+		const struct eco_ladder *whole = NULL;
+		uint32_t total = 0, before = 0;
+		double area = 0;
+		for (uint32_t l = 0; l < plant.ladder_count; l++) {
+			const struct eco_ladder *ladder = &plant.ladders[l];
+			if (ladder->organ != organ)
+				continue;
+			if (ladder->anchor == 0)
+				whole = ladder;
+			total += ladder->anchor ? ladder->total : 0;
+			before += ladder->anchor ? ladder->before : 0;
+			area += ladder->anchor ? ladder->area : 0;
+		}
+		assert_non_null(whole);
+		assert_int_equal(whole->flags, 0);
+		assert_int_equal(total, whole->total);
+		assert_int_equal(before, primitives(&plant, whole->points));
+		assert_true(before >= 256 && before <= total / 3);
+		assert_true(fabs(area - whole->area) < 1e-3 * area);
+	}
+	finish(&plant, &soup);
+}
+
+static void small_groups_are_not_sharded(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, TEXTURED_TREE);         /* 40 flowers */
+	uint32_t flowers = 0;
+	for (uint32_t l = 0; l < plant.ladder_count; l++)
+		flowers += plant.ladders[l].organ == ECO_ORGAN_FLOWER;
+	assert_int_equal(flowers, 1);
+	assert_int_equal(plant.image_count, 1);
+	finish(&plant, &soup);
+}
+
+static void blades_become_points_and_lines_of_the_same_area(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, GRASS);
+	double area = 0;
+	for (uint32_t l = 0; l < plant.ladder_count; l++) {
+		const struct eco_ladder *ladder = &plant.ladders[l];
+		assert_true(ladder->points != ECO_NONE && ladder->lines != ECO_NONE);
+		const struct lod_list_draft *lines = &plant.lists[ladder->lines];
+		assert_int_equal(lines->elements.element_count, plant.lists[ladder->triangles].elements.element_count);
+		for (uint32_t i = 0; i < lines->elements.element_count; i++) {
+			const int32_t *p = lines->elements.position + 6 * i;
+			struct lod_v3 d = { p[3] - p[0], p[4] - p[1], p[5] - p[2] };
+			area += lod_v3_length(d) * lines->elements.extra[2 * i + 1] * lines->list.grid_step[0] * lines->list.grid_step[0];
+		}
+		assert_true(ladder->length > 0);
+		assert_true(ladder->epsilon < 0.01);
+	}
+	assert_true(fabs(area / plant.plant.area - 1) < 0.02);
+	finish(&plant, &soup);
+}
+
+/* ---- Behaviour ---- */
+
+static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
+{
+	(void)state;
+	struct lod_plant plant;
+	struct soup soup;
+	struct eco_error error = { 0 };
+	struct lod_plant_options options = options_for(SMALL_TREE);
+	make_model(&soup, SMALL_TREE);
+	for (uint32_t i = 0; i < soup.model.material_count; i++) {
+		memset(soup.model.materials[i].rgb, 153, 3);
+		soup.model.materials[i].colourless = true;
+	}
+	assert_int_equal(lod_plant_build(&plant, &soup.model, &options, &error), ECO_OK);
+	uint32_t looked_up = 0;
+	for (uint32_t l = 0; l < plant.list_count; l++) {
+		const struct eco_elements *e = &plant.lists[l].elements;
+		const struct eco_list *list = &plant.lists[l].list;
+		for (uint32_t i = 0; i < e->element_count && (list->attributes & ECO_ATTR_COLOR); i++) {
+			const uint8_t *rgb = plant.palette[list->palette_first + (uint32_t)e->extra[i * e->extra_count]];
+			assert_false(rgb[0] == rgb[1] && rgb[1] == rgb[2]);
+			looked_up++;
+		}
+	}
+	assert_true(looked_up > 300);
+	finish(&plant, &soup);
+}
+
+static void two_builds_are_equal(void **state)
+{
+	(void)state;
+	struct soup soup, other;
+	struct lod_plant a, b;
+	build(&a, &soup, TEXTURED_TREE);
+	build(&b, &other, TEXTURED_TREE);
+	assert_int_equal(a.list_count, b.list_count);
+	assert_int_equal(a.ladder_count, b.ladder_count);
+	assert_memory_equal(a.ladders, b.ladders, a.ladder_count * sizeof *a.ladders);
+	assert_memory_equal(a.anchors, b.anchors, a.plant.anchor_count * sizeof *a.anchors);
+	assert_memory_equal(a.palette, b.palette, 3 * a.palette_count);
+	for (uint32_t l = 0; l < a.list_count; l++) {
+		const struct eco_elements *x = &a.lists[l].elements, *y = &b.lists[l].elements;
+		assert_int_equal(x->corner_count, y->corner_count);
+		assert_memory_equal(x->corners, y->corners, x->element_count);
+		assert_memory_equal(x->position, y->position, 12 * (size_t)x->corner_count);
+		if (x->uv)
+			assert_memory_equal(x->uv, y->uv, 8 * (size_t)x->corner_count);
+		if (x->extra)
+			assert_memory_equal(x->extra, y->extra, 4 * (size_t)x->extra_count * x->element_count);
+	}
+	finish(&a, &soup);
+	finish(&b, &other);
+}
+
+struct watch { double last, stop; };
+
+static bool watch_progress(void *ctx, double share)
+{
+	struct watch *watch = ctx;
+	assert_true(share >= watch->last && share <= 1);
+	watch->last = share;
+	return share < watch->stop;
+}
+
+static void progress_ascends_and_may_stop_the_build(void **state)
+{
+	(void)state;
+	struct soup soup;
+	make_model(&soup, TREE_WITH_CELLS);
+	for (int i = 0; i < 5; i++) {
+		struct watch watch = { 0, i < 4 ? 0.3 * i : 2 };
+		struct lod_plant plant;
+		struct eco_error error = { 0 };
+		struct lod_plant_options options = options_for(TREE_WITH_CELLS);
+		options.progress = watch_progress;
+		options.ctx = &watch;
+		enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
+		assert_int_equal(code, i < 4 ? ECO_INTERRUPTED : ECO_OK);
+		assert_true((plant.lists != NULL) == (code == ECO_OK));
+		assert_true(i < 4 || watch.last == 1);
+		lod_plant_free(&plant);
+	}
+	soup_free(&soup);
+}
+
+static void models_without_anything_to_draw_are_refused(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	struct lod_plant_options options = { .name = "nothing" };
+	for (int points = 0; points < 3; points++) {
+		struct eco_error error = { 0 };
+		soup_begin(&soup);
+		for (int i = 0; i < 3 * points; i++)
+			soup_vertex(&soup, (struct lod_v3){ points == 2 ? i : 0, 0, 0 }, 0, 0);
+		for (int i = 0; i < points; i++)
+			soup_triangle(&soup, 0, 0, 1, 2);
+		assert_int_equal(lod_plant_build(&plant, &soup.model, &options, &error), ECO_BAD_INPUT);
+		assert_non_null(strstr(error.text, "nothing"));
+		assert_null(plant.lists);
+		soup_free(&soup);
+	}
+}
+
+static void coarse_grids_drop_and_count(void **state)
+{
+	(void)state;
+	struct soup soup;
+	make_model(&soup, SMALL_TREE);
+	for (uint32_t bits = 1; bits <= 12; bits++) {
+		struct lod_plant plant;
+		struct eco_error error = { 0 };
+		struct lod_plant_options options = { .order = LOD_ORDER_COMBINED, .grid_bits = bits };
+		uint32_t dropped = 0;
+		enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
+		for (int d = 0; d < ECO_DROP_COUNT && code == ECO_OK; d++)
+			dropped += plant.dropped[d];
+		assert_true(code == ECO_OK || bits < 5);
+		if (code == ECO_OK)
+			assert_int_equal(plant.triangles_in, plant.triangles_stored + dropped);
+		lod_plant_free(&plant);
+	}
+	soup_free(&soup);
+}
+
+/* Random triangles with few vertices: fans, loops and edges with many triangles of every kind. */
+static void any_soup_is_stored_completely(void **state)
+{
+	(void)state;
+	for (uint32_t seed = 1; seed <= 40; seed++) {
+		struct soup soup;
+		struct lod_plant plant;
+		struct eco_error error = { 0 };
+		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED, .grid_bits = 10, .cell_triangles = 20 };
+		soup_begin(&soup);
+		soup.state = seed;
+		uint32_t m = soup_material(&soup, 255, 255, 255, seed % 2 ? soup_disc_image(&soup, 8) : ECO_NONE, seed % 4 == 1), n = 5 + seed;
+		for (uint32_t v = 0; v < n; v++)
+			soup_vertex(&soup, (struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1), soup_random(&soup, 0, 1) },
+				soup_random(&soup, -40, 40), soup_random(&soup, 0, 1));
+		for (uint32_t t = 0; t < 4 * n; t++)
+			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n + 1), (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
+		if (lod_plant_build(&plant, &soup.model, &options, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		uint32_t dropped = 0;
+		for (int d = 0; d < ECO_DROP_COUNT; d++)
+			dropped += plant.dropped[d];
+		assert_int_equal(4 * n, plant.triangles_stored + dropped);
+		struct corners *stored = calloc(8 * n, sizeof *stored);
+		assert_int_equal(stored_triangles(&plant, stored), plant.triangles_stored);
+		free(stored);
+		for (uint32_t l = 0; l < plant.list_count; l++)
+			assert_int_equal(plant.lists[l].ends[plant.lists[l].end_count - 1], plant.lists[l].elements.element_count);
+		finish(&plant, &soup);
+	}
+}
+
+/* ---- Geometry ---- */
+
+static double area_of(const float *p)
+{
+	struct lod_v3 a = lod_v3_of(p), b = lod_v3_of(p + 3), c = lod_v3_of(p + 6);
+	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a))) / 2;
+}
+
+static void geometry_of_a_range_is_part_of_the_whole(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, TEXTURED_TREE);
+	for (uint32_t l = 0; l < plant.list_count; l++) {
+		const struct lod_list_draft *d = &plant.lists[l];
+		uint32_t n = d->elements.primitive_count, floats = 3 * eco_list_vertices(&d->list);
+		float *all = calloc(n, 36), *part = calloc(n, 36), *uv = calloc(n, 24), *width = calloc(n, 4);
+		int32_t *color = calloc(n, 4);
+		assert_int_equal(lod_list_geometry(&d->list, &d->elements, 0, n, 2, &(struct lod_geometry){ all, uv, width, color, NULL }), n);
+		for (uint32_t first = 0; first < n; first += n / 3 + 1) {
+			uint32_t end = first + n / 5 < n ? first + n / 5 : n;
+			assert_int_equal(lod_list_geometry(&d->list, &d->elements, first, end, 2, &(struct lod_geometry){ .position = part }), end - first);
+			assert_memory_equal(part, all + (size_t)floats * first, 4 * (size_t)floats * (end - first));
+		}
+		free(all);
+		free(part);
+		free(uv);
+		free(width);
+		free(color);
+	}
+	finish(&plant, &soup);
+}
+
+static void scale_is_a_factor_of_area_about_the_centre(void **state)
+{
+	(void)state;
+	struct soup soup;
+	struct lod_plant plant;
+	build(&plant, &soup, SMALL_TREE);
+	for (uint32_t l = 0; l < plant.ladder_count; l++) {
+		const struct lod_list_draft *d = plant.ladders[l].organ == ECO_ORGAN_FOLIAGE ? &plant.lists[plant.ladders[l].triangles] : NULL;
+		float one[18], scaled[18];
+		if (!d)
+			continue;
+		assert_int_equal(d->elements.corners[0], 4);
+		lod_list_geometry(&d->list, &d->elements, 0, 2, 1, &(struct lod_geometry){ .position = one });
+		lod_list_geometry(&d->list, &d->elements, 0, 2, 2.25f, &(struct lod_geometry){ .position = scaled });
+		assert_true(fabs(area_of(scaled) / area_of(one) - 2.25) < 1e-3);
+		for (int a = 0; a < 3; a++) {            /* corners 0, 1, 2 and 3 keep their mean */
+			double before = one[a] + one[3 + a] + one[6 + a] + one[15 + a], after = scaled[a] + scaled[3 + a] + scaled[6 + a] + scaled[15 + a];
+			assert_true(fabs(before - after) < 1e-4);
+		}
+	}
+	finish(&plant, &soup);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_triangle_is_stored_once),
+		cmocka_unit_test(organs_are_counted),
+		cmocka_unit_test(lists_are_consistent),
+		cmocka_unit_test(every_chunk_can_be_coded),
+		cmocka_unit_test(ladders_are_consistent),
+		cmocka_unit_test(cells_add_up),
+		cmocka_unit_test(small_groups_are_not_sharded),
+		cmocka_unit_test(blades_become_points_and_lines_of_the_same_area),
+		cmocka_unit_test(what_has_no_colour_is_drawn_in_its_organ_s_everywhere),
+		cmocka_unit_test(two_builds_are_equal),
+		cmocka_unit_test(progress_ascends_and_may_stop_the_build),
+		cmocka_unit_test(models_without_anything_to_draw_are_refused),
+		cmocka_unit_test(coarse_grids_drop_and_count),
+		cmocka_unit_test(any_soup_is_stored_completely),
+		cmocka_unit_test(geometry_of_a_range_is_part_of_the_whole),
+		cmocka_unit_test(scale_is_a_factor_of_area_about_the_centre),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,187 @@
+/* Plants with the greedy order: growth codes, simpler forms, and when the order is made. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "lod/build/plant.h"
+#include "tests/support/plant_models.h"
+
+#define LEAVES 200u
+
+static struct lod_plant_options options = { .name = "test", .seed = 3, .grid_bits = 12, .views = 3, .pixels = 64 };
+
+/* Leaves of two triangles; `fans`: of four. */
+static void make_tree(struct soup *soup, bool fans)
+{
+	soup_tree(soup, LEAVES, 25, false);
+	uint32_t green = soup_material(soup, 60, 150, 40, ECO_NONE, false);
+	for (uint32_t i = 0; i < LEAVES && fans; i++) {
+		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1), soup_random(soup, 2, 4) };
+		soup_quad(soup, green, at, (struct lod_v3){ 0.1, 0, 0 }, (struct lod_v3){ 0, 0.1, 0.03 });
+	}
+}
+
+static void build(struct lod_plant *plant, enum lod_order_method order, uint32_t bits)
+{
+	struct soup soup;
+	struct eco_error error = { 0 };
+	struct lod_plant_options o = options;
+	o.order = order;
+	o.grid_bits = bits;
+	make_tree(&soup, false);
+	if (lod_plant_build(plant, &soup.model, &o, &error))
+		fail_msg("%s", error.text);
+	soup_free(&soup);
+}
+
+static const struct lod_list_draft *leaves_of(const struct lod_plant *plant, const struct lod_list_draft **simple)
+{
+	for (uint32_t i = 0; i < plant->ladder_count; i++)
+		if (plant->ladders[i].organ == ECO_ORGAN_FOLIAGE && plant->ladders[i].triangles != ECO_NONE) {
+			*simple = plant->ladders[i].simple == ECO_NONE ? NULL : &plant->lists[plant->ladders[i].simple];
+			return &plant->lists[plant->ladders[i].triangles];
+		}
+	fail_msg("no leaves");
+	return NULL;
+}
+
+static void each_leaf_has_a_code_and_a_simpler_form(void **state)
+{
+	struct lod_plant plant;
+	const struct lod_list_draft *simple;
+	(void)state;
+	build(&plant, LOD_ORDER_GREEDY, 12);
+	const struct lod_list_draft *leaves = leaves_of(&plant, &simple);
+	assert_true(leaves->list.attributes & ECO_ATTR_GROWTH);
+	uint32_t extra = leaves->elements.extra_count;
+	for (uint32_t i = 0; i < leaves->elements.element_count; i++)
+		assert_in_range(leaves->elements.extra[(size_t)extra * i + extra - 1], 0, ECO_GROWTHS - 1);
+	assert_non_null(simple);
+	assert_int_equal(simple->list.coder, ECO_CODER_FORM);
+	assert_int_equal(&plant.lists[simple->list.partner] - leaves, 0);
+	assert_int_equal(simple->elements.element_count, leaves->elements.element_count);
+	assert_true(simple->elements.primitive_count < leaves->elements.primitive_count);
+	for (uint32_t i = 0; i < simple->elements.element_count; i++) {
+		const uint32_t s = simple->elements.extra_count;
+		assert_int_equal(simple->elements.corners[i], simple->elements.corners[0]);
+		assert_int_equal(simple->elements.extra[(size_t)s * i + s - 1], leaves->elements.extra[(size_t)extra * i + extra - 1]);
+	}
+	lod_plant_free(&plant);
+}
+
+static void static_orders_have_neither(void **state)
+{
+	(void)state;
+	for (int order = LOD_ORDER_STOCHASTIC; order < LOD_ORDER_COUNT; order++) {
+		struct lod_plant plant;
+		const struct lod_list_draft *simple;
+		build(&plant, (enum lod_order_method)order, 12);
+		assert_false(leaves_of(&plant, &simple)->list.attributes & ECO_ATTR_GROWTH);
+		assert_null(simple);
+		lod_plant_free(&plant);
+	}
+}
+
+static void orders_differ(void **state)
+{
+	struct lod_plant a, b;
+	const struct lod_list_draft *simple;
+	(void)state;
+	build(&a, LOD_ORDER_STOCHASTIC, 12);
+	for (int order = 0; order < LOD_ORDER_COUNT; order++) {
+		build(&b, (enum lod_order_method)order, 12);
+		const struct eco_elements *x = &leaves_of(&a, &simple)->elements, *y = &leaves_of(&b, &simple)->elements;
+		assert_int_equal(x->corner_count, y->corner_count);
+		assert_true((order == LOD_ORDER_STOCHASTIC) == !memcmp(x->position, y->position, 3 * (size_t)x->corner_count * sizeof *x->position));
+		lod_plant_free(&b);
+	}
+	lod_plant_free(&a);
+}
+
+static void the_same_again(void **state)
+{
+	struct lod_plant a, b;
+	(void)state;
+	build(&a, LOD_ORDER_GREEDY, 12);
+	build(&b, LOD_ORDER_GREEDY, 12);
+	assert_int_equal(a.list_count, b.list_count);
+	for (uint32_t i = 0; i < a.list_count; i++) {
+		const struct eco_elements *x = &a.lists[i].elements, *y = &b.lists[i].elements;
+		assert_int_equal(x->corner_count, y->corner_count);
+		assert_memory_equal(x->position, y->position, 3 * (size_t)x->corner_count * sizeof *x->position);
+		assert_int_equal(x->extra_count, y->extra_count);
+		if (x->extra)
+			assert_memory_equal(x->extra, y->extra, (size_t)x->extra_count * x->element_count * sizeof *x->extra);
+	}
+	lod_plant_free(&a);
+	lod_plant_free(&b);
+}
+
+/* While the grid is still to be chosen there is a draft, which measuring replaces. */
+static void order_waits_for_the_grid(void **state)
+{
+	struct lod_plant plant;
+	struct soup soup;
+	struct eco_error error = { 0 };
+	struct lod_plant_options o = options;
+	const struct lod_list_draft *simple;
+	(void)state;
+	build(&plant, LOD_ORDER_GREEDY, 0);
+	assert_false(leaves_of(&plant, &simple)->list.attributes & ECO_ATTR_GROWTH);
+	o.grid_bits = 0;
+	make_tree(&soup, false);
+	assert_int_equal(lod_plant_measure(&plant, &soup.model, &o, &error), ECO_OK);
+	assert_true(leaves_of(&plant, &simple)->list.attributes & ECO_ATTR_GROWTH);
+	assert_true(plant.curve_count > 0);
+	soup_free(&soup);
+	lod_plant_free(&plant);
+}
+
+struct patience { uint32_t left; double last; };
+
+static bool lose_patience(void *ctx, double share)
+{
+	struct patience *patience = ctx;
+	assert_true(share >= 0 && share <= 1);
+	patience->last = share;
+	return patience->left-- > 0;
+}
+
+/* Wherever it is stopped, nothing is left behind. */
+static void it_can_be_stopped(void **state)
+{
+	(void)state;
+	enum eco_code code = ECO_INTERRUPTED;
+	for (uint32_t calls = 0; code; calls += 1 + calls) {
+		struct patience patience = { calls, 0 };
+		struct lod_plant_options o = options;
+		struct lod_plant plant;
+		struct soup soup;
+		struct eco_error error = { 0 };
+		o.progress = lose_patience;
+		o.ctx = &patience;
+		make_tree(&soup, true);
+		code = lod_plant_build(&plant, &soup.model, &o, &error);
+		assert_true(code == ECO_OK || code == ECO_INTERRUPTED);
+		if (code)
+			assert_null(plant.lists);
+		lod_plant_free(&plant);
+		soup_free(&soup);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(each_leaf_has_a_code_and_a_simpler_form),
+		cmocka_unit_test(static_orders_have_neither),
+		cmocka_unit_test(orders_differ),
+		cmocka_unit_test(the_same_again),
+		cmocka_unit_test(order_waits_for_the_grid),
+		cmocka_unit_test(it_can_be_stopped),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

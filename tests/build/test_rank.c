@@ -1,0 +1,314 @@
+/* Our order: what prefixes cover on views that it was not made from, and that nothing but the leaves and the seed decides it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/format/list.h"
+#include "lod/build/order/footprint.h"
+#include "lod/build/order/rank.h"
+#include "lod/build/order/rank_simple.h"
+#include "tests/support/foliage_random.h"
+
+#define PIXELS 128u
+#define VIEWS 6u
+
+static struct lod_arena arena;
+static struct eco_error error;
+
+static void begin(void)
+{
+	lod_arena_free(&arena);
+	assert_int_equal(setjmp(arena.failed), 0);
+}
+
+static struct lod_rank make(const struct lod_foliage *foliage, struct lod_rank_options options)
+{
+	struct lod_rank rank;
+	options.views = options.views ? options.views : 12;
+	options.pixels = options.pixels ? options.pixels : 128;
+	if (lod_rank_make(&rank, foliage, &options, &arena, &error))
+		fail_msg("%s", error.text);
+	return rank;
+}
+
+/* Q of a prefix on views that no order was made from, each element grown by its code, or all by `scale` where `growth` is NULL. `wrong`: the
+ * share of wrong pixels, of those of the reference; or NULL. */
+static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth, float scale,
+	const struct lod_simple *shape, double *wrong)
+{
+	struct lod_sights sights;
+	struct lod_raster raster;
+	double directions[VIEWS][3];
+	uint64_t shown = 0, both = 0, wanted = 0;
+	float *factor = lod_arena_take(&arena, foliage->count, sizeof *factor);
+	for (uint32_t i = 0; i < foliage->count; i++)
+		factor[i] = eco_growth(growth ? growth[i] : ECO_GROWTH_PLAIN, scale);
+	lod_directions_spread(directions, VIEWS, 991);
+	assert_int_equal(lod_sights_make(&sights, foliage, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
+	lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true }, &error);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		uint64_t *mask = lod_arena_take(&arena, sights.words, sizeof *mask);
+		lod_sights_draw(&sights, v, &(struct lod_sights_drawing){ .order = order, .count = count, .factor = factor, .shape = shape }, &raster, mask);
+		for (uint32_t w = 0; w < sights.words; w++) {
+			shown += (uint64_t)__builtin_popcountll(mask[w]);
+			both += (uint64_t)__builtin_popcountll(mask[w] & sights.reference[v][w]);
+		}
+		wanted += sights.reference_pixels[v];
+	}
+	lod_raster_free(&raster);
+	double p = 1 - (double)both / (double)shown, r = 1 - (double)both / (double)wanted;
+	if (wrong)
+		*wrong = ((double)shown + (double)wanted - 2 * (double)both) / (double)wanted;
+	return 1 - sqrt(p * p + r * r);
+}
+
+static double quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth, float scale,
+	const struct lod_simple *shape)
+{
+	return quality_and_wrong(foliage, order, count, growth, scale, shape, NULL);
+}
+
+static double best_quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth)
+{
+	double best = -1;
+	for (float part = 0.15f; part < 2.6f; part *= 1.35f)
+		best = fmax(best, quality(foliage, order, count, growth, 1 + ((float)foliage->count / (float)count - 1) * part, NULL));
+	return best;
+}
+
+static void assert_permutation(const struct lod_foliage *foliage, const struct lod_rank *rank)
+{
+	bool *seen = lod_arena_take(&arena, foliage->count, sizeof *seen);
+	for (uint32_t i = 0; i < foliage->count; i++) {
+		assert_true(rank->order[i] < foliage->count);
+		assert_false(seen[rank->order[i]]);
+		seen[rank->order[i]] = true;
+		assert_true(rank->growth[i] < ECO_GROWTHS);
+	}
+}
+
+static void assert_shapes(const struct lod_foliage *foliage, const struct lod_rank *rank)
+{
+	for (uint32_t i = 0; i < foliage->count; i++) {
+		assert_int_equal(rank->simple[i].corners, 3);
+		for (uint32_t k = 0; k < rank->simple[i].corners; k++)
+			for (int a = 0; a < 3; a++)
+				assert_true(isfinite(rank->simple[i].corner[k][a]));
+	}
+}
+
+/* One prefix may be unlucky by what the views happen to be; all from a third of the leaves on together are better by far. */
+static void prefixes_beat_chance_on_other_views(void **state)
+{
+	static const struct foliage_random plants[] = { { 500, 6, 1, 0.12, 3 }, { 400, 4, 1, 0.12, 4 }, { 300, 3, 1, 0.16, 5 } };
+	static const double share[] = { 0.02, 0.1, 0.3, 0.6, 0.9 };
+	(void)state;
+	for (size_t p = 0; p < sizeof plants / sizeof *plants; p++) {
+		struct lod_foliage f;
+		double won = 0;
+		begin();
+		foliage_random(&f, &plants[p], &arena);          /* numbered at random: element i is as good as any */
+		struct lod_rank rank = make(&f, (struct lod_rank_options){ .seed = 1, .views = 24 });
+		assert_permutation(&f, &rank);
+		assert_shapes(&f, &rank);
+		for (size_t k = 0; k < sizeof share / sizeof *share; k++) {
+			uint32_t count = (uint32_t)(share[k] * f.count);
+			double ours = best_quality(&f, rank.order, count, rank.growth), chance = best_quality(&f, NULL, count, NULL);
+			if (ours < chance - 0.03)
+				fail_msg("plant %zu, %u leaves: Q %.3f, by chance %.3f", p, count, ours, chance);
+			won += k < 2 ? 0 : (ours - chance) / 3;
+		}
+		if (won < 0.02)
+			fail_msg("plant %zu: better than chance by %.3f", p, won);
+	}
+}
+
+static void a_triangle_for_each_leaf_keeps_most_of_the_picture(void **state)
+{
+	struct lod_foliage f;
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 300, 6, 1, 0.12, 8 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 2, .pixels = 64 });
+	double q = quality(&f, NULL, f.count, NULL, 1, rank.simple);
+	if (q < 0.8)
+		fail_msg("Q of triangles is %.3f", q);
+}
+
+static void a_plain_order_has_plain_codes(void **state)
+{
+	struct lod_foliage f;
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 200, 4, 1, 0.1, 2 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .plain = true });
+	assert_permutation(&f, &rank);
+	for (uint32_t i = 0; i < f.count; i++)
+		assert_int_equal(rank.growth[i], ECO_GROWTH_PLAIN);
+}
+
+static void unscaled_prefixes_cover_more_than_chance(void **state)
+{
+	struct lod_foliage f;
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 600, 4, 1, 0.12, 6 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .unscaled = true });
+	assert_permutation(&f, &rank);
+	for (uint32_t count = 60; count < 600; count += 120)
+		assert_true(quality(&f, rank.order, count, NULL, 1, NULL) > quality(&f, NULL, count, NULL, 1, NULL));
+}
+
+static double least_wrong(const struct lod_foliage *foliage, const struct lod_rank *rank, uint32_t count)
+{
+	double least = 1, wrong;
+	for (float scale = 1; scale < 60; scale *= 1.3f) {
+		quality_and_wrong(foliage, rank->order, count, rank->growth, scale, NULL, &wrong);
+		least = fmin(least, wrong);
+	}
+	return least;
+}
+
+/* A sparse plant: what Q is won with, as many pixels too many as too few, are wrong pixels that could be spared. */
+static void orders_for_wrong_pixels_have_fewer(void **state)
+{
+	struct lod_foliage f;
+	double ours = 0, of_q = 0;
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 7 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 24, .wrong_pixels = true, .from_share = 0.08 });
+	struct lod_rank other = make(&f, (struct lod_rank_options){ .views = 24 });
+	assert_permutation(&f, &rank);
+	for (uint32_t percent = 10; percent <= 90; percent += 20) {
+		ours += least_wrong(&f, &rank, 300 * percent / 100);
+		of_q += least_wrong(&f, &other, 300 * percent / 100);
+	}
+	if (ours >= of_q)
+		fail_msg("wrong pixels sum to %.3f of the picture, by an order for Q to %.3f", ours, of_q);
+}
+
+/* ---- The same whatever runs it ---- */
+
+static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	(void)ctx;
+	while (count)
+		piece(pieces, --count);
+}
+
+static void threads_decide_nothing(void **state)
+{
+	struct lod_foliage f;
+	(void)state;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 700, 5, 1, 0.1, 9 }, &arena);
+	struct lod_rank a = make(&f, (struct lod_rank_options){ .seed = 4 });
+	struct lod_rank b = make(&f, (struct lod_rank_options){ .seed = 4, .each = backwards });
+	struct lod_rank c = make(&f, (struct lod_rank_options){ .seed = 5 });
+	assert_memory_equal(a.order, b.order, f.count * sizeof *a.order);
+	assert_memory_equal(a.growth, b.growth, f.count);
+	assert_true(memcmp(a.order, c.order, f.count * sizeof *a.order) != 0);
+	for (uint32_t i = 0; i < f.count; i++)
+		assert_memory_equal(a.simple[i].corner, b.simple[i].corner, a.simple[i].corners * sizeof a.simple[i].corner[0]);
+}
+
+static bool until(void *ctx, double share)
+{
+	uint32_t *left = ctx;
+	assert_true(share >= 0 && share <= 1);
+	return *left && --*left;
+}
+
+static void an_interrupted_order_says_so(void **state)
+{
+	(void)state;
+	for (uint32_t asked = 0; asked < 6; asked++) {
+		struct lod_foliage f;
+		struct lod_rank rank;
+		uint32_t left = asked;
+		begin();
+		foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 9 }, &arena);
+		enum eco_code code = lod_rank_make(&rank, &f, &(struct lod_rank_options){ .views = 6, .pixels = 64, .progress = until, .ctx = &left },
+			&arena, &error);
+		assert_int_equal(code, ECO_INTERRUPTED);
+	}
+}
+
+/* ---- Odd plants ---- */
+
+static void odd_plants_are_ordered_too(void **state)
+{
+	static const struct foliage_random odd[] = { { 1, 4, 0, 0.1, 1 }, { 2, 3, 0, 0.1, 1 }, { 40, 6, 0, 0, 1 }, { 40, 5, 0, 0.2, 1 },
+		{ 50, 4, 1e-6, 1e-7, 1 }, { 50, 4, 1e5, 1, 1 }, { 30, 6, 1, 1e-9, 1 }, { 5, 6, 0.01, 5, 1 } };
+	(void)state;
+	for (size_t k = 0; k < sizeof odd / sizeof *odd; k++)
+		for (uint32_t flat = 0; flat < 2; flat++) {
+			struct lod_foliage f;
+			begin();
+			foliage_random(&f, &odd[k], &arena);
+			for (uint32_t i = 0; i < f.first[f.count] && flat; i++)
+				f.corner[i][2] = 0;
+			struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 5, .pixels = 64 });
+			assert_permutation(&f, &rank);
+			assert_shapes(&f, &rank);
+		}
+}
+
+/* ---- Simpler leaves ---- */
+
+static void a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque(void **state)
+{
+	const float corner[5][3] = { { -1, -1, 0 }, { 1, -1, 0 }, { 1, 1, 0 }, { 0, 1, 0 }, { -1, 1, 0 } };
+	const float uv[5][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0.5f, 1 }, { 0, 1 } };
+	uint64_t opaque[16];
+	struct lod_simple simple;
+	(void)state;
+	for (uint32_t y = 0; y < 16; y++)
+		opaque[y] = y >= 4 && y < 12 ? 0x0ff0 : 0;
+	struct lod_mask mask = { 16, 16, 1, opaque };
+	lod_simple_fit(&simple, &(struct lod_fan){ corner, uv, 5, &mask });
+	assert_int_equal(simple.corners, 3);
+	const float (*c)[3] = (const float (*)[3])simple.corner;
+	float area = fabsf((c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1])) / 2;
+	assert_true(area > 0.7f && area < 1.2f);             /* the opaque square in the middle has 1, the whole card 4 */
+	for (int a = 0; a < 2; a++)
+		assert_true(fabsf(c[0][a] + c[1][a] + c[2][a]) < 0.6f);
+}
+
+static void leaves_of_one_triangle_stand_for_themselves(void **state)
+{
+	const float corner[3][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 2 } };
+	struct lod_simple simple;
+	(void)state;
+	lod_simple_fit(&simple, &(struct lod_fan){ corner, NULL, 3, NULL });
+	assert_int_equal(simple.corners, 3);
+	assert_memory_equal(simple.corner, corner, sizeof corner);
+}
+
+static int end(void **state)
+{
+	(void)state;
+	lod_arena_free(&arena);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(prefixes_beat_chance_on_other_views),
+		cmocka_unit_test(a_triangle_for_each_leaf_keeps_most_of_the_picture),
+		cmocka_unit_test(a_plain_order_has_plain_codes),
+		cmocka_unit_test(unscaled_prefixes_cover_more_than_chance),
+		cmocka_unit_test(orders_for_wrong_pixels_have_fewer),
+		cmocka_unit_test(threads_decide_nothing),
+		cmocka_unit_test(an_interrupted_order_says_so),
+		cmocka_unit_test(odd_plants_are_ordered_too),
+		cmocka_unit_test(a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque),
+		cmocka_unit_test(leaves_of_one_triangle_stand_for_themselves),
+	};
+	return cmocka_run_group_tests(tests, NULL, end);
+}

@@ -1,0 +1,269 @@
+/* Middles of triangles, of what is opaque of them; and palettes for their colours. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/format/list.h"
+#include "lod/light.h"
+#include "lod/build/palette.h"
+#include "lod/build/sample.h"
+#include "lod/raster/texel.h"
+#include "tests/support/plant_models.h"
+
+static const uint8_t green[3] = { 20, 200, 40 };
+
+static void a_plain_triangle_is_seen_at_its_middle(void **state)
+{
+	(void)state;
+	struct soup dice = { .state = 9 };
+	for (uint32_t i = 0; i < 200; i++) {
+		int32_t corner[3][3];
+		for (int k = 0; k < 9; k++)
+			corner[k / 3][k % 3] = (int32_t)soup_random(&dice, 0, 100000);
+		struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .tint = green };
+		struct lod_sample sample;
+		lod_sample_triangle(&in, &sample);
+		assert_memory_equal(sample.rgb, green, 3);
+		struct lod_v3 p[3];
+		for (int k = 0; k < 3; k++) {
+			assert_true(fabs(sample.at[k] - (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) < 1e-6);
+			p[k] = (struct lod_v3){ corner[k][0], corner[k][1], corner[k][2] };
+		}
+		double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
+		assert_true(fabs(sample.area - area) < 1e-6 * area);
+	}
+}
+
+static void cut_outs_are_seen_where_they_are_opaque(void **state)
+{
+	(void)state;
+	struct soup soup;
+	soup_begin(&soup);
+	soup_disc_image(&soup, 64);
+	/* a quarter of the disc of radius 0.4 around (0.5, 0.5): its middle is 4 r / (3 pi) from its corner */
+	int32_t corner[3][3] = { { 32000, 32000, 0 }, { 96000, 32000, 0 }, { 32000, 96000, 0 } };
+	int32_t uv[6] = { ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2, ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2 };
+	const uint8_t white[3] = { 255, 255, 255 };
+	struct lod_arena arena = { 0 };
+	struct lod_texels texels;
+	struct lod_sample sample;
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_texels_open(&texels, soup.image, true, &arena);
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	lod_sample_triangle(&in, &sample);
+	double share = lod_texels_mean(&texels, white, uv, (uint8_t[3]){ 0 });
+	assert_true(share > 0.2 && share < 0.9 && fabs(sample.area - share * 2048e6) < 1);
+	assert_true(sample.at[0] > 36000 && sample.at[0] < 60000 && fabs(sample.at[0] - sample.at[1]) < 3000 && sample.at[2] == 0);
+	assert_in_range(sample.rgb[0], 60, 90);              /* half of its texels are dark, half bright: the mean light */
+	lod_arena_free(&arena);
+	soup_free(&soup);
+}
+
+static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
+{
+	(void)state;
+	struct soup soup;
+	soup_begin(&soup);
+	soup_disc_image(&soup, 64);
+	int32_t corner[3][3] = { { 0, 0, 0 }, { 3000, 0, 0 }, { 0, 3000, 0 } }, uv[6] = { 100, 100, 200, 100, 100, 200 };
+	struct lod_arena arena = { 0 };
+	struct lod_texels texels;
+	struct lod_sample sample;
+	assert_int_equal(setjmp(arena.failed), 0);
+	lod_texels_open(&texels, soup.image, true, &arena);
+	const uint8_t white[3] = { 255, 255, 255 };
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	lod_sample_triangle(&in, &sample);
+	assert_true(fabs(sample.at[0] - 1000) < 1e-6 && fabs(sample.at[1] - 1000) < 1e-6);
+	assert_true(sample.area == 0);
+	assert_memory_equal(sample.rgb, texels.rgb, 3);
+	assert_in_range(sample.rgb[0], 67, 71);
+	lod_arena_free(&arena);
+	soup_free(&soup);
+}
+
+static void texels_wrap(void **state)
+{
+	(void)state;
+	struct soup soup;
+	soup_begin(&soup);
+	soup_disc_image(&soup, 64);
+	const double places[][2] = { { 0.3, 0.6 }, { 0.01, 0.99 } };
+	for (size_t i = 0; i < 2; i++)
+		for (int turn = -3; turn <= 3; turn++)
+			assert_ptr_equal(lod_texel_at(soup.image, places[i][0] + turn, places[i][1] - turn),
+				lod_texel_at(soup.image, places[i][0], places[i][1]));
+	soup_free(&soup);
+}
+
+/* ---- Palettes ---- */
+
+/* ---- Means, against brute force ---- */
+
+/* Blotches of colour, holes with a colour of their own that must never show. */
+static struct eco_image blotched_image(uint32_t width, uint32_t height)
+{
+	struct eco_image image = { width, height, malloc((size_t)width * height * 4) };
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			uint64_t blotch = lod_mix(x / 7 + 1000 * (y / 5));
+			bool hole = blotch % 3 == 0;
+			uint8_t rgba[4] = { hole ? 255 : 0, (uint8_t)(40 + blotch % 160), (uint8_t)(20 + y * 200 / height), hole ? 90 : 200 };
+			memcpy(image.rgba + 4 * ((size_t)y * width + x), rgba, 4);
+		}
+	return image;
+}
+
+/* n * n points of the triangle, looked up one by one. */
+static double brute_mean(const struct eco_image *image, bool cutout, const int32_t uv[6], int n, double light[3])
+{
+	double hits = 0, all = 0;
+	light[0] = light[1] = light[2] = 0;
+	for (int i = 0; i < n; i++)
+		for (int j = 0; i + j < n; j++) {
+			double b = (i + 1 / 3.0) / n, c = (j + 1 / 3.0) / n, a = 1 - b - c;
+			const uint8_t *texel = lod_texel_at(image, (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE,
+				(a * uv[1] + b * uv[3] + c * uv[5]) / ECO_UV_ONE);
+			all++;
+			if (cutout && texel[3] < 128)
+				continue;
+			hits++;
+			for (int k = 0; k < 3; k++)
+				light[k] += lod_light_of[texel[k]];
+		}
+	for (int k = 0; k < 3 && hits > 0; k++)
+		light[k] /= hits * 65535;
+	return hits / all;
+}
+
+/* size: of the triangles, in turns of the texture; share: allowed error */
+struct mean_case { uint32_t width, height; double size, shift, share; };
+
+static __attribute__((noinline)) void compare_means(const struct mean_case *c, bool cutout, struct soup *dice,
+	struct lod_arena *arena)
+{
+	static const uint8_t white[3] = { 255, 255, 255 };
+	struct eco_image image = blotched_image(c->width, c->height);
+	struct lod_texels texels;
+	lod_texels_open(&texels, &image, cutout, arena);
+	for (int n = 0; n < 8; n++) {
+		int32_t uv[6];
+		double light[3];
+		uint8_t rgb[3] = { 0, 0, 0 }, again[3];
+		for (int a = 0; a < 2; a++) {
+			double at = c->shift + soup_random(dice, -1, 1) * c->size, along = c->size * soup_random(dice, 0.7, 1);
+			uv[a] = (int32_t)(at * ECO_UV_ONE);
+			uv[2 + a] = (int32_t)((at + along * (a == 0 ? 1 : soup_random(dice, -0.3, 0.3))) * ECO_UV_ONE);
+			uv[4 + a] = (int32_t)((at + along * (a == 1 ? 1 : soup_random(dice, -0.3, 0.3))) * ECO_UV_ONE);
+		}
+		double want = brute_mean(&image, cutout, uv, 400, light), share = lod_texels_mean(&texels, white, uv, rgb);
+		assert_true(fabs(share - want) <= c->share + 1e-9);
+		assert_true(lod_texels_mean(&texels, white, uv, again) == share);
+		assert_true(share == 0 || memcmp(rgb, again, 3) == 0);
+		assert_true(!cutout || share == 0 || rgb[0] == 0);       /* holes are bright red */
+		for (int k = 1; k < 3 && c->share <= 0.03 && share > 0; k++)
+			assert_true(fabs(lod_light_of[rgb[k]] / 65535.0 - light[k]) < 0.02);
+	}
+	free(image.rgba);
+}
+
+static void means_are_those_of_brute_force(void **state)
+{
+	(void)state;
+	static const struct mean_case cases[] = {
+		{ 256, 256, 0.002, 0, 0.03 },        /* less than a texel */
+		{ 256, 256, 0.02, 3.7, 0.03 },
+		{ 256, 256, 0.3, 0, 0.02 }, { 256, 256, 1, -2.25, 0.01 }, { 100, 300, 0.9, 12, 0.01 },
+		{ 256, 256, 25, -700, 0.02 },        /* repeated, far away */
+		{ 16, 16, 90, 0, 0.02 }, { 1, 1, 5, 0, 0 }, { 1, 64, 3, 0, 0.02 },
+		{ 3000, 900, 0.2, 0, 0.02 }, { 3000, 900, 1.5, -1, 0.02 },   /* summed in blocks */
+	};
+	struct soup dice = { .state = 3 };
+	struct lod_arena arena = { 0 };
+	assert_int_equal(setjmp(arena.failed), 0);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		for (int cutout = 0; cutout < 2; cutout++) {
+			compare_means(&cases[i], cutout, &dice, &arena);
+			lod_arena_free(&arena);
+		}
+}
+
+static void light_survives_the_way_there_and_back(void **state)
+{
+	(void)state;
+	for (uint32_t i = 0; i < 256; i++) {
+		double c = i / 255.0, linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+		assert_int_equal(lod_light_byte(lod_light_of[i]), i);
+		assert_true(fabs(lod_light_of[i] - 65535 * linear) <= 0.5 + 1e-6);
+	}
+	assert_int_equal(lod_light_byte(-5), 0);
+	assert_int_equal(lod_light_byte(1e9), 255);
+	assert_int_equal(lod_light_byte(65535 / 2.0), 188);         /* half the light of white */
+}
+
+static struct lod_palette palette;
+
+static void few_colours_are_kept_exactly(void **state)
+{
+	(void)state;
+	struct lod_arena arena = { 0 };
+	uint8_t rgb[200][3];
+	uint32_t weights[200];
+	assert_int_equal(setjmp(arena.failed), 0);
+	for (uint32_t i = 0; i < 200; i++) {
+		uint8_t colour[3] = { (uint8_t)(i % 64 * 3), (uint8_t)(i % 64), 7 };
+		memcpy(rgb[i], colour, 3);
+		weights[i] = i;
+	}
+	lod_palette_make(&palette, (const uint8_t (*)[3])rgb, weights, 200, &arena);
+	assert_int_equal(palette.count, 64);
+	for (uint32_t i = 0; i < 200; i++)
+		assert_memory_equal(palette.rgb[lod_palette_index(&palette, rgb[i])], rgb[i], 3);
+	lod_arena_free(&arena);
+}
+
+static void many_colours_are_cut_to_near_ones(void **state)
+{
+	(void)state;
+	struct lod_arena arena = { 0 };
+	static uint8_t rgb[30000][3];
+	static uint32_t weights[30000];
+	struct soup dice = { .state = 4 };
+	static double error;
+	assert_int_equal(setjmp(arena.failed), 0);
+	for (uint32_t i = 0; i < 30000; i++) {       /* greens, and a few reds */
+		double t = soup_random(&dice, 0, 1);
+		uint8_t colour[3] = { (uint8_t)(i % 100 ? 40 + 80 * t : 200), (uint8_t)(i % 100 ? 90 + 120 * t : 20), (uint8_t)soup_random(&dice, 20, 60) };
+		memcpy(rgb[i], colour, 3);
+		weights[i] = 1;
+	}
+	lod_palette_make(&palette, (const uint8_t (*)[3])rgb, weights, 30000, &arena);
+	assert_in_range(palette.count, 32, LOD_PALETTE_MAX);
+	for (uint32_t i = 0; i < 30000; i++) {
+		const uint8_t *entry = palette.rgb[lod_palette_index(&palette, rgb[i])];
+		for (int k = 0; k < 3; k++)
+			error += abs(entry[k] - rgb[i][k]);
+	}
+	assert_true(error / 90000 < 4);
+	const uint8_t red[3] = { 200, 20, 40 };
+	assert_true(abs(palette.rgb[lod_palette_index(&palette, red)][0] - 200) < 8);
+	lod_arena_free(&arena);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_plain_triangle_is_seen_at_its_middle),
+		cmocka_unit_test(cut_outs_are_seen_where_they_are_opaque),
+		cmocka_unit_test(nothing_opaque_gives_the_middle_in_the_mean_colour),
+		cmocka_unit_test(texels_wrap),
+		cmocka_unit_test(means_are_those_of_brute_force),
+		cmocka_unit_test(light_survives_the_way_there_and_back),
+		cmocka_unit_test(few_colours_are_kept_exactly),
+		cmocka_unit_test(many_colours_are_cut_to_near_ones),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

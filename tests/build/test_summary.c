@@ -1,0 +1,410 @@
+/* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match; through placements too. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/plan.h"
+#include "lod/plan/summary_curve.h"
+#include "lod/plan/visibility.h"
+#include "lod/build/summary.h"
+
+/* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one (area 1) with a pool near its
+ * foot, a large one (area 8) with a pool two metres up. */
+enum { TILES = 4, LISTS = 4, PLACES = 40 };
+
+struct world {
+	struct eco_scene scene;
+	struct eco_tile tiles[TILES];
+	struct eco_child children[4];
+	struct eco_group groups[LISTS];
+	struct eco_list lists[LISTS];
+	struct eco_plant plants[2];
+	uint8_t places[PLACES * ECO_PLACE_BYTES];
+	struct lod_pool pools[2];
+	float pool_at[2][16][3];
+	uint16_t pool_color[2][16];
+};
+
+static void put_place(struct world *w, uint32_t index, int32_t x, int32_t y, uint16_t turn, uint32_t scale)
+{
+	int32_t position[3] = { x, y, 0 };
+	uint8_t *at = w->places + ECO_PLACE_BYTES * index;
+	memset(at, 0, ECO_PLACE_BYTES);
+	memcpy(at, position, 12);                /* tests run on little-endian machines */
+	memcpy(at + 12, &turn, 2);
+	memcpy(at + 16, &scale, 4);
+}
+
+static void put_group(struct world *w, uint32_t g, uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
+{
+	uint64_t first = w->scene.place_count;
+	w->lists[g] = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .primitive_count = count, .element_count = count, .owner = tile,
+		.plant = plant, .grid_origin = { x, y, 0 }, .grid_step = { 0.01, 0.01, 0.01 } };
+	w->groups[g] = (struct eco_group){ tile, plant, g, first };
+	for (uint32_t i = 0; i < count; i++)
+		put_place(w, (uint32_t)first + i, (int32_t)(i * 100), (int32_t)(i % 3 * 100), (uint16_t)(i * 7000), 65536);
+	w->scene.place_count += count;
+	w->tiles[tile].instance_count += count;
+	w->tiles[tile].area += count * (double)w->plants[plant].area;
+}
+
+static void make_world(struct world *w)
+{
+	memset(w, 0, sizeof *w);
+	w->plants[0].area = 1;
+	w->plants[1].area = 8;
+	for (uint32_t i = 0; i < TILES; i++)
+		w->tiles[i] = (struct eco_tile){ .summary = ECO_NONE, .group_first = i == 0 ? 0 : i - 1, .group_count = i == 0 ? 0 : 1 };
+	w->tiles[3].group_count = 2;
+	put_group(w, 0, 1, 0, 10, 0, 0);
+	put_group(w, 1, 2, 1, 10, 100, 0);
+	put_group(w, 2, 3, 0, 8, 0, 0);
+	put_group(w, 3, 3, 1, 1, 5, 5);
+	w->children[0] = (struct eco_child){ .tile = 1, .scale = 1 };
+	w->children[1] = (struct eco_child){ .tile = 2, .scale = 1 };
+	w->children[2] = (struct eco_child){ .tile = 3, .placed = true, .at = { 500, 0, 3 }, .turn = 16384, .scale = 1 };
+	w->children[3] = (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 }, .scale = 2 };
+	w->tiles[0].child_count = 4;
+	w->tiles[0].area = 10 + 80 + 16 + 16 * 4;
+	w->tiles[0].instance_count = 38;
+	for (int p = 0; p < 2; p++) {
+		for (int i = 0; i < 16; i++) {
+			w->pool_at[p][i][0] = (float)(i % 4) * 0.1f;
+			w->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
+			w->pool_color[p][i] = (uint16_t)(10 * p + i % 3);
+		}
+		w->pools[p] = (struct lod_pool){ 16, w->pool_at[p], w->pool_color[p], (uint8_t)(100 + p) };
+	}
+	w->scene.tiles = w->tiles;
+	w->scene.tile_count = TILES;
+	w->scene.children = w->children;
+	w->scene.child_count = 4;
+	w->scene.groups = w->groups;
+	w->scene.group_count = LISTS;
+	w->scene.lists = w->lists;
+	w->scene.list_count = LISTS;
+	w->scene.plants = w->plants;
+	w->scene.plant_count = 2;
+	w->scene.places = w->places;
+}
+
+static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint32_t count)
+{
+	struct lod_summary s;
+	assert_int_equal(lod_summary_make(&s, &(struct lod_summary_input){ &w->scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
+	return s;
+}
+
+static void test_as_many_points_as_asked(void **state)
+{
+	static struct world w;
+	(void)state;
+	make_world(&w);
+	for (uint32_t tile = 0; tile < TILES; tile++) {
+		for (uint32_t count = 0; count < 400; count += 37) {
+			struct lod_summary s = summary_of(&w, tile, count);
+			assert_int_equal(s.count, count);
+			free(s.points);
+		}
+	}
+}
+
+static void test_points_follow_area(void **state)
+{
+	static struct world w;
+	double per[4] = { 0 };               /* leaf 1, leaf 2, placed right, placed left */
+	(void)state;
+	make_world(&w);
+	struct lod_summary s = summary_of(&w, 0, 1700);
+	for (uint32_t i = 0; i < s.count; i++) {
+		double x = s.points[i].at[0];
+		per[x < -100 ? 3 : x > 300 ? 2 : x > 80 ? 1 : 0]++;
+	}
+	assert_true(fabs(per[0] - 100) <= 2);
+	assert_true(fabs(per[1] - 800) <= 2);
+	assert_true(fabs(per[2] - 160) <= 2);
+	assert_true(fabs(per[3] - 640) <= 2);
+	free(s.points);
+	/* inside a leaf: 8 small ones have half the area */
+	double large = 0;
+	s = summary_of(&w, 3, 1000);
+	for (uint32_t i = 0; i < s.count; i++)
+		large += s.points[i].plant == 1;
+	assert_true(fabs(large - 500) <= 10);
+	free(s.points);
+}
+
+static void test_points_lie_on_plants(void **state)
+{
+	static struct world w;
+	(void)state;
+	make_world(&w);
+	struct lod_summary s = summary_of(&w, 1, 300);
+	for (uint32_t i = 0; i < s.count; i++) {
+		double nearest = INFINITY;
+		for (uint32_t k = 0; k < 10; k++) {
+			double dx = s.points[i].at[0] - k, dy = s.points[i].at[1] - k % 3;
+			nearest = fmin(nearest, sqrt(dx * dx + dy * dy));
+		}
+		assert_true(nearest <= 0.31);
+		assert_true(fabs(s.points[i].at[2] - 0.1) < 1e-6);
+		assert_int_equal(s.points[i].plant, 0);
+		assert_true(s.points[i].color < 3);
+	}
+	free(s.points);
+	/* placed twice as large, 2 m up becomes 4 m; turned a quarter, +x becomes +y; lifted by 3 m */
+	s = summary_of(&w, 0, 1000);
+	for (uint32_t i = 0; i < s.count; i++) {
+		const struct lod_summary_point *p = &s.points[i];
+		if (p->at[0] < -100)
+			assert_true(fabs(p->at[2] - (p->plant ? 4 : 0.2)) < 1e-5);
+		else if (p->at[0] > 300) {
+			assert_true(fabs(p->at[2] - (p->plant ? 5 : 3.1)) < 1e-5);
+			assert_true(p->at[1] > -0.5 && p->at[0] < 501);
+		}
+	}
+	free(s.points);
+}
+
+static void test_keys_match_owners(void **state)
+{
+	static struct world w;
+	(void)state;
+	make_world(&w);
+	struct lod_summary s = summary_of(&w, 0, 500);
+	for (uint32_t i = 0; i < s.count; i++) {
+		const struct lod_summary_point *p = &s.points[i];
+		uint32_t leaf = p->at[0] > 300 || p->at[0] < -100 ? 3 : p->at[0] > 80 ? 2 : 1;
+		uint32_t path = p->at[0] > 300 ? eco_owner_step(&w.scene, 0, 2) : p->at[0] < -100 ? eco_owner_step(&w.scene, 0, 3) : 0;
+		uint64_t plant = eco_owner_instance(eco_owner_leaf(leaf) + path, p->plant, 5);
+		uint64_t other = eco_owner_instance(eco_owner_leaf(leaf == 1 ? 2 : 1) + path, p->plant, 5);
+		assert_true(eco_owner_match(eco_owner_summary(p->key, p->plant), plant));
+		assert_false(eco_owner_match(eco_owner_summary(p->key, p->plant), other));
+	}
+	free(s.points);
+}
+
+static int by_place(const void *a, const void *b) { return memcmp(a, b, sizeof(struct lod_summary_point)); }
+
+/* A parent takes the beginnings of its children's sequences: what it takes of a leaf, a longer summary of that leaf has too. */
+static void test_parents_merge_children(void **state)
+{
+	static struct world w;
+	(void)state;
+	make_world(&w);
+	struct lod_summary parent = summary_of(&w, 0, 170), leaf = summary_of(&w, 2, 200);
+	uint32_t taken = 0;
+	qsort(leaf.points, leaf.count, sizeof *leaf.points, by_place);
+	for (uint32_t i = 0; i < parent.count; i++) {
+		if (parent.points[i].at[0] < 80 || parent.points[i].at[0] > 300)
+			continue;
+		taken++;
+		parent.points[i].key = (uint16_t)(parent.points[i].key - eco_owner_leaf(2));   /* as the leaf counts itself */
+		assert_non_null(bsearch(&parent.points[i], leaf.points, leaf.count, sizeof *leaf.points, by_place));
+	}
+	assert_true(taken >= 78);
+	free(parent.points);
+	free(leaf.points);
+}
+
+/* Of nested eco files their stored summaries are enough; one that has none is left out. */
+static void test_nested_summaries_stand_for_their_files(void **state)
+{
+	static struct world w;
+	struct lod_summary inner, outer;
+	struct lod_summary_root root = { 0 };
+	const struct lod_summary_root *roots[TILES] = { NULL };
+	struct lod_summary_input input = { .scene = &w.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
+	(void)state;
+	make_world(&w);
+	w.tiles[0].child_first = w.tiles[0].child_count = 2;     /* both of tile 3 */
+	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	assert_int_equal(outer.count, 0);
+	free(outer.points);
+	inner = summary_of(&w, 3, 200);
+	assert_int_equal(lod_summary_list(&inner, &w.scene, 3, 20, &root.list, &root.elements, NULL), ECO_OK);
+	roots[3] = &root;
+	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	assert_int_equal(outer.count, 100);
+	for (uint32_t i = 0; i < outer.count; i++)
+		assert_true(fabs(fabs(outer.points[i].at[0]) - 500) < 20);
+	free(outer.points);
+	free(inner.points);
+	eco_elements_free(&root.elements);
+}
+
+static void test_list_holds_the_points(void **state)
+{
+	static struct world w;
+	struct eco_list list;
+	struct eco_elements e;
+	(void)state;
+	make_world(&w);
+	struct lod_summary s = summary_of(&w, 2, 256);
+	assert_int_equal(lod_summary_list(&s, &w.scene, 2, 40, &list, &e, NULL), ECO_OK);
+	assert_int_equal(e.element_count, 256);
+	assert_true(fabs((double)list.unit_area * 256 - w.tiles[2].area / 2) < 1e-3);
+	assert_true(list.level >= 100 && list.level < 110);      /* between those of its plants */
+	for (uint32_t i = 0; i < s.count; i++) {
+		for (int a = 0; a < 3; a++) {
+			double at = list.grid_origin[a] + list.grid_step[a] * e.position[3 * i + (uint32_t)a];
+			assert_true(fabs(at - s.points[i].at[a]) <= 0.5 * list.grid_step[a] + 1e-12);
+		}
+		assert_int_equal(e.extra[3 * i], s.points[i].color);
+		assert_int_equal(e.extra[3 * i + 1], s.points[i].plant);
+		assert_int_equal(e.extra[3 * i + 2], s.points[i].key);
+	}
+	eco_elements_free(&e);
+	free(s.points);
+}
+
+static void test_counts_are_bounded(void **state)
+{
+	static const struct { uint64_t instances; uint32_t points; } cases[] = { { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
+		{ 5000, 4096 }, { UINT64_MAX, 4096 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		assert_int_equal(lod_summary_count(&(struct eco_tile){ .instance_count = cases[i].instances }), cases[i].points);
+}
+
+/* ---- Pools ---- */
+
+/* A plant of a card of 4 m^2 at z = 1 (foliage, colour 1) and a triangle of area 1 (wood, colour 0) below or above it. */
+static uint32_t pooled_leaves(int32_t stem_z)
+{
+	uint8_t fan[] = { 4 }, tri[] = { 3 };
+	int32_t card[] = { 0, 0, 100, 200, 0, 100, 200, 200, 100, 0, 200, 100 }, one[] = { 1 }, zero[] = { 0 };
+	int32_t stem[] = { 0, 0, stem_z, 200, 0, stem_z, 0, 100, stem_z };
+	struct lod_list_draft drafts[2] = {
+		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
+		  .elements = { 1, 4, 2, 1, fan, card, NULL, one, NULL } },
+		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
+		  .elements = { 1, 3, 1, 1, tri, stem, NULL, zero, NULL } } };
+	struct eco_ladder ladders[2] = {
+		{ .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 0 },
+		{ .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 1, .level_count = 1, .level_end = { 1 } } };
+	struct eco_anchor anchor = { { 0, 0, 0 }, 1 };
+	struct lod_plant plant = { .anchors = &anchor, .ladders = ladders, .ladder_count = 2, .lists = drafts, .list_count = 2 };
+	struct lod_pool pool;
+	uint32_t leaves = 0;
+	plant.organ[ECO_ORGAN_FOLIAGE].area = 4;
+	plant.organ[ECO_ORGAN_WOOD].area = 1;
+	assert_int_equal(lod_pool_make(&pool, &plant, 30, 1000, NULL), ECO_OK);
+	assert_int_equal(pool.count, 1000);
+	for (uint32_t i = 0; i < pool.count; i++) {
+		bool leaf = fabsf(pool.position[i][2] - 1) < 0.1f;
+		leaves += leaf;
+		assert_int_equal(pool.color[i], leaf ? 31 : 30);
+		assert_true(pool.position[i][0] >= 0 && pool.position[i][0] <= 2.00001f && pool.position[i][1] >= 0 && pool.position[i][1] <= 2.00001f);
+	}
+	lod_pool_free(&pool);
+	plant.ladder_count = 0;
+	assert_int_equal(lod_pool_make(&pool, &plant, 30, 1000, NULL), ECO_OK);
+	assert_int_equal(pool.count, 1);
+	lod_pool_free(&pool);
+	return leaves;
+}
+
+static void test_pool_follows_what_is_seen(void **state)
+{
+	uint32_t below = pooled_leaves(90), above = pooled_leaves(150);
+	(void)state;
+	print_message("          leaves %u of 1000 with the stem below them, %u with it above\n", below, above);
+	assert_true(above > 650 && above < 850);         /* nearly what the areas are */
+	assert_true(below > 900);                        /* what hides is seen, from nearly everywhere */
+}
+
+static void test_power_below(void **state)
+{
+	(void)state;
+	assert_true(lod_power_below(1) == 1);
+	assert_true(lod_power_below(0.9999) == 0.5);
+	assert_true(lod_power_below(1023.9) == 512);
+	assert_true(lod_power_below(0.0012) == 0.0009765625);
+}
+
+/* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much of it. */
+static void test_large_splats_do_not_fill_a_low_tile(void **state)
+{
+	(void)state;
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096 };
+	double last = 0;
+	for (double high = 100; high >= 1.5; high /= 2) {
+		view.wide = 10000 / high;
+		view.high = high;
+		double fn = (double)lod_summary_curve(&view, 4).fn;
+		assert_true(fn >= last && fn <= 1);
+		last = fn;
+	}
+	assert_true(last > 0.9);
+	for (double n = 1, before = 1; n <= view.points; n *= 2) {
+		double fn = (double)lod_summary_curve(&view, n).fn;
+		assert_true(fn <= before);
+		before = fn;
+	}
+}
+
+/* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far larger, hardly any of many small ones. */
+static void test_large_splats_stand_out_around_their_tile(void **state)
+{
+	(void)state;
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .worth = 100 };
+	assert_true(lod_summary_outside(&view, 1) == 0);         /* where the tile lies in the picture is not known */
+	view.wide = 200;
+	view.high = 10;
+	double before = INFINITY;
+	for (double n = 1; n <= view.points; n *= 2) {
+		double outside = lod_summary_outside(&view, n) * view.worth;
+		assert_true(outside < before && outside <= view.area);
+		before = outside;
+	}
+	assert_true(lod_summary_outside(&view, 1) * view.worth > 0.9 * (view.area - view.wide * view.high));
+	assert_true(before < 0.1 * view.area);
+}
+
+/* Ellipsoids from all around, against points on them. */
+static void test_heights_in_the_picture_are_those_of_points(void **state)
+{
+	(void)state;
+	for (int pitch = -60; pitch <= 60; pitch += 30)
+		for (int k = -2; k <= 2; k++) {
+			double sine = sin(pitch * 0.017453292519943295), cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;
+			struct lod_eye eye = { .forward = { cosine, 0, sine }, .up = { -sine, 0, cosine }, .right = { 0, -1, 0 } };
+			double at[3], across = 3, up = 7, far = 1e5;
+			for (int i = 0; i < 3; i++)
+				at[i] = far * (eye.forward[i] + slope * eye.up[i]);
+			for (int t = 0; t < 720; t++) {
+				double x = at[0] + across * cos(t * 0.008726646), z = at[2] + up * sin(t * 0.008726646);
+				double y = (eye.up[0] * x + eye.up[2] * z) / (eye.forward[0] * x + eye.forward[2] * z);
+				most = fmax(most, (y - slope) * far);
+			}
+			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);
+			assert_true(fabs(lod_tilt_height(&tilt, across, up) - most) < 0.01);
+		}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_as_many_points_as_asked),
+		cmocka_unit_test(test_points_follow_area),
+		cmocka_unit_test(test_points_lie_on_plants),
+		cmocka_unit_test(test_keys_match_owners),
+		cmocka_unit_test(test_parents_merge_children),
+		cmocka_unit_test(test_nested_summaries_stand_for_their_files),
+		cmocka_unit_test(test_list_holds_the_points),
+		cmocka_unit_test(test_counts_are_bounded),
+		cmocka_unit_test(test_pool_follows_what_is_seen),
+		cmocka_unit_test(test_power_below),
+		cmocka_unit_test(test_large_splats_do_not_fill_a_low_tile),
+		cmocka_unit_test(test_large_splats_stand_out_around_their_tile),
+		cmocka_unit_test(test_heights_in_the_picture_are_those_of_points),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,188 @@
+/* Tiling: every thing in one leaf, bounds that hold bodies, leaves of few, order that a pack can rely on. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/mix.h"
+#include "ecofiles/format/model.h"
+#include "lod/build/tile.h"
+
+enum layout { SCATTERED, CLUSTERED, ONE_PLACE, ONE_LINE, FAR_AWAY };
+
+static double unit(uint64_t seed, uint64_t n) { return eco_mix_unit(eco_mix(seed, n)); }
+
+static void lay_out(struct lod_tile_item *items, uint32_t count, enum layout layout)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		double x = unit(1, i) * 100, y = unit(2, i) * 70;
+		if (layout == CLUSTERED && i % 10) {
+			x = 3 + x * 1e-4;
+			y = 5 + y * 1e-4;
+		}
+		if (layout == ONE_PLACE)
+			x = y = 17.25;
+		if (layout == ONE_LINE)
+			y = -4;
+		if (layout == FAR_AWAY) {
+			x += 4e6;
+			y -= 5e6;
+		}
+		items[i] = (struct lod_tile_item){ .at = { x, y, unit(3, i) }, .reach = 0.1 + unit(4, i), .below = 0.01, .above = 2 * unit(5, i),
+			.plant = i % 7 == 6 ? ECO_NONE : i % 3, .index = i };
+	}
+}
+
+static void check_leaf(const struct lod_tiles *tiles, const struct lod_tile_node *node, const struct lod_tile_item *items,
+	uint32_t *seen, uint32_t most)
+{
+	bool apart = false;
+	for (uint32_t k = node->item_first; k < node->item_first + node->item_count; k++) {
+		const struct lod_tile_item *item = &items[tiles->order[k]];
+		seen[tiles->order[k]]++;
+		for (int i = 0; i < 3; i++) {
+			assert_true(item->at[i] - (i < 2 ? item->reach : item->below) >= node->low[i]);
+			assert_true(item->at[i] + (i < 2 ? item->reach : item->above) <= node->high[i]);
+		}
+		if (k > node->item_first) {
+			const struct lod_tile_item *before = &items[tiles->order[k - 1]];
+			assert_true(before->plant <= item->plant);
+			apart = apart || before->at[0] != item->at[0] || before->at[1] != item->at[1];
+		}
+	}
+	if (apart)
+		assert_true(node->item_count <= most);
+}
+
+static void check_inner(const struct lod_tiles *tiles, uint32_t id)
+{
+	const struct lod_tile_node *node = &tiles->nodes[id];
+	uint32_t next = node->item_first;
+	assert_true(node->child_count >= 2);
+	for (uint32_t c = 0; c < node->child_count; c++) {
+		const struct lod_tile_node *child = &tiles->nodes[node->child[c]];
+		assert_true(node->child[c] > id);
+		assert_int_equal(child->item_first, next);
+		next += child->item_count;
+		for (int i = 0; i < 3; i++) {
+			assert_true(child->low[i] >= node->low[i]);
+			assert_true(child->high[i] <= node->high[i]);
+		}
+	}
+	assert_int_equal(next, node->item_first + node->item_count);
+}
+
+static void check(uint32_t count, uint32_t most, enum layout layout)
+{
+	struct lod_tile_item *items = calloc(count + 1u, sizeof *items);
+	uint32_t *seen = calloc(count + 1u, sizeof *seen), reached = 1;
+	struct lod_tiles tiles;
+	lay_out(items, count, layout);
+	assert_int_equal(lod_tiles_build(&tiles, items, count, most, NULL), ECO_OK);
+	assert_int_equal(tiles.nodes[0].item_count, count);
+	for (uint32_t n = 0; n < tiles.node_count; n++) {
+		reached += tiles.nodes[n].child_count;
+		if (tiles.nodes[n].child_count == 0)
+			check_leaf(&tiles, &tiles.nodes[n], items, seen, most);
+		else
+			check_inner(&tiles, n);
+	}
+	assert_int_equal(reached, tiles.node_count);
+	for (uint32_t i = 0; i < count; i++)
+		assert_int_equal(seen[i], 1);
+	if (layout == SCATTERED && count > 4 * most)
+		assert_true(tiles.node_count > count / most);
+	lod_tiles_free(&tiles);
+	free(items);
+	free(seen);
+}
+
+static void test_each_thing_in_one_leaf(void **state)
+{
+	static const uint32_t counts[] = { 0, 1, 2, 127, 128, 129, 1000, 5000 }, mosts[] = { 1, 4, 128 };
+	(void)state;
+	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+		for (size_t m = 0; m < sizeof mosts / sizeof *mosts; m++)
+			for (int layout = SCATTERED; layout <= FAR_AWAY; layout++)
+				check(counts[c], mosts[m], (enum layout)layout);
+}
+
+/* In the mean, of evenly scattered things, whatever their number. */
+static void test_leaves_are_not_nearly_empty(void **state)
+{
+	static struct lod_tile_item items[10000];
+	(void)state;
+	for (uint32_t count = 129; count <= 10000; count += count / 8) {
+		struct lod_tiles tiles;
+		uint32_t leaves = 0;
+		lay_out(items, count, SCATTERED);
+		for (uint32_t i = 0; i < count; i++)
+			items[i].at[1] = unit(2, i) * 100;
+		assert_int_equal(lod_tiles_build(&tiles, items, count, 128, NULL), ECO_OK);
+		for (uint32_t n = 0; n < tiles.node_count; n++)
+			leaves += tiles.nodes[n].child_count == 0;
+		assert_true(leaves * 50 <= count);
+		lod_tiles_free(&tiles);
+	}
+}
+
+static void test_same_input_same_tiles(void **state)
+{
+	struct lod_tile_item items[800];
+	struct lod_tiles a, b;
+	(void)state;
+	lay_out(items, 800, CLUSTERED);
+	assert_int_equal(lod_tiles_build(&a, items, 800, 16, NULL), ECO_OK);
+	assert_int_equal(lod_tiles_build(&b, items, 800, 16, NULL), ECO_OK);
+	assert_int_equal(a.node_count, b.node_count);
+	assert_memory_equal(a.order, b.order, 800 * sizeof *a.order);
+	lod_tiles_free(&a);
+	lod_tiles_free(&b);
+}
+
+/* Neighbours in Morton order are near each other: much shorter steps than in the order of the file. */
+static void test_neighbours_lie_near(void **state)
+{
+	struct lod_tile_item items[1000];
+	struct lod_tiles tiles;
+	double steps = 0, before = 0;
+	(void)state;
+	lay_out(items, 1000, SCATTERED);
+	for (int i = 0; i < 1000; i++)
+		items[i].plant = 0;
+	assert_int_equal(lod_tiles_build(&tiles, items, 1000, 1000, NULL), ECO_OK);
+	for (int i = 1; i < 1000; i++) {
+		const double *a = items[tiles.order[i - 1]].at, *b = items[tiles.order[i]].at;
+		steps += abs((int)(a[0] - b[0])) + abs((int)(a[1] - b[1]));
+		before += abs((int)(items[i - 1].at[0] - items[i].at[0])) + abs((int)(items[i - 1].at[1] - items[i].at[1]));
+	}
+	assert_true(steps < before / 5);
+	lod_tiles_free(&tiles);
+}
+
+static void test_morton_interleaves(void **state)
+{
+	(void)state;
+	assert_int_equal(lod_morton(0, 0), 0);
+	assert_int_equal(lod_morton(1, 0), 1);
+	assert_int_equal(lod_morton(0, 1), 2);
+	assert_int_equal(lod_morton(3, 5), 0x27);
+	assert_true(lod_morton(UINT32_MAX, UINT32_MAX) == UINT64_MAX);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_each_thing_in_one_leaf),
+		cmocka_unit_test(test_leaves_are_not_nearly_empty),
+		cmocka_unit_test(test_same_input_same_tiles),
+		cmocka_unit_test(test_neighbours_lie_near),
+		cmocka_unit_test(test_morton_interleaves),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,309 @@
+/* Drawing with OpenGL: what is counted, hidden, coloured, and kept on the GPU between frames. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_shade.h"
+#include "tests/support/view_scene.h"
+
+static struct view_scene scene;
+static struct view_gl *gl;
+
+static int open_all(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct view_gl_options options = { view.width, view.height };
+	struct eco_error error = { 0 };
+	scene_make(&scene, NULL, 0);
+	if (view_gl_open(&gl, &options, &error))
+		print_message("OpenGL tests are skipped: %s\n", error.text);
+	else
+		print_message("drawn by %s\n", view_gl_renderer(gl));
+	return 0;
+}
+
+static int close_all(void **state)
+{
+	(void)state;
+	view_gl_close(gl);
+	scene_free(&scene);
+	return 0;
+}
+
+static struct view_store *empty_store(void)
+{
+	struct view_store *store;
+	struct view_store_options options = { 0 };
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	return store;
+}
+
+/* Draws what the store holds. */
+static struct view_picture draw(struct view_gl *with, const struct view_store *store, const struct eco_view *view, bool ground,
+	enum view_tint tint)
+{
+	struct lod_eye eye;
+	struct view_selection selection;
+	struct view_picture picture;
+	struct eco_error error = { 0 };
+	lod_eye_make(&eye, view);
+	assert_int_equal(view_select_make(&selection, store, &eye, NULL), ECO_OK);
+	if (!ground)
+		view_ground_free(&selection.ground);
+	struct view_gl_job job = { store, &selection, &eye, 0.1, tint };
+	assert_int_equal(view_picture_init(&picture, view->width, view->height, NULL), ECO_OK);
+	view_gl_draw(with, &job, &picture, &error);
+	assert_string_equal(error.text, "");
+	assert_true(picture.vertices == selection.vertices);
+	view_select_free(&selection);
+	return picture;
+}
+
+static uint32_t covered(const struct view_picture *p)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < p->width * p->height; i++)
+		count += p->cover[i] != 0;
+	return count;
+}
+
+static void assert_same(const struct view_picture *a, const struct view_picture *b)
+{
+	size_t pixels = (size_t)a->width * a->height;
+	assert_memory_equal(a->cover, b->cover, pixels);
+	assert_memory_equal(a->owner, b->owner, 8 * pixels);
+	assert_memory_equal(a->rgb, b->rgb, 3 * pixels);
+}
+
+static void empty_store_draws_an_empty_picture(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view();
+	struct view_store *store = empty_store();
+	struct view_picture p = draw(gl, store, &view, false, VIEW_TINT_NONE);
+	assert_int_equal(covered(&p), 0);
+	assert_true(p.vertices == 0);
+	view_picture_free(&p);
+	view_store_free(store);
+}
+
+static void ground_hides_and_is_not_covered(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view(), below = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct view_picture with = draw(gl, store, &view, true, VIEW_TINT_NONE), without = draw(gl, store, &view, false, VIEW_TINT_NONE);
+	assert_true(covered(&with) > 10000 && covered(&without) > covered(&with));
+	for (uint32_t i = 0; i < with.width * with.height; i++)
+		assert_true(!with.cover[i] || without.cover[i]);
+	eco_plan_free(&plan);
+	view_store_free(store);
+	/* from under a hill, looking up: the ground lies between, all over the picture */
+	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1, below.target[2] = 0;
+	scene_plan(&scene, &below, 1, &plan);
+	struct lod_eye eye;
+	lod_eye_make(&eye, &below);
+	plan.run_count = 1;                      /* the others stand on no ground */
+	assert_true(plan.cuts[1].list == L_SUMMARY);
+	memmove(plan.cuts + 1, plan.cuts + 2, (--plan.cut_count - 1) * sizeof *plan.cuts);
+	plan.vertices = scene_count(&scene, &plan, &eye, &plan.visible_plants);
+	assert_true(plan.vertices > 0);
+	store = scene_store(&scene, &plan, NULL);
+	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE), open = draw(gl, store, &below, false, VIEW_TINT_NONE);
+	/* but for feet: the ground's triangles are not exactly what plants were put on */
+	assert_true(covered(&hidden) * 50 < covered(&open));
+	view_picture_free(&open);
+	eco_plan_free(&plan);
+	view_store_free(store);
+	view_picture_free(&with);
+	view_picture_free(&without);
+	view_picture_free(&hidden);
+}
+
+static void mask_does_not_depend_on_shading(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct view_picture plain = draw(gl, store, &view, true, VIEW_TINT_NONE), tinted = draw(gl, store, &view, true, VIEW_TINT_KIND);
+	size_t pixels = (size_t)plain.width * plain.height;
+	assert_memory_equal(plain.cover, tinted.cover, pixels);
+	assert_memory_equal(plain.owner, tinted.owner, 8 * pixels);
+	assert_true(memcmp(plain.rgb, tinted.rgb, 3 * pixels) != 0);
+	view_picture_free(&plain);
+	view_picture_free(&tinted);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+/* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
+static void tint_shows_all_four_kinds(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	uint32_t green = 0, red = 0, blue = 0, yellow = 0;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct view_picture p = draw(gl, store, &view, true, VIEW_TINT_KIND);
+	for (uint32_t i = 0; i < p.width * p.height; i++) {
+		const uint8_t *c = p.rgb + 3 * (size_t)i;
+		if (!p.cover[i])
+			continue;
+		green += c[1] > c[0] + 40 && c[1] > c[2] + 40;
+		red += c[0] > c[1] + 40 && c[0] > c[2] + 40 && c[1] < c[0] / 2;
+		blue += c[2] > c[0] + 40 && c[2] > c[1] + 20;
+		yellow += c[0] > c[2] + 40 && c[1] > c[2] + 20 && c[1] >= c[0] / 2;
+	}
+	print_message("pixels: triangles %u, lines %u, points %u, blends %u\n", green, red, blue, yellow);
+	assert_true(green > 500 && red > 20 && blue > 500 && yellow > 500);
+	view_picture_free(&p);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void held_stream(const struct view_store *store, const struct eco_plan *plan, struct eco_writer *w)
+{
+	struct eco_holdings holdings;
+	uint32_t held[L_COUNT];
+	assert_int_equal(view_store_holdings(store, &holdings, NULL), ECO_OK);
+	for (uint32_t id = 0; id < L_COUNT; id++)
+		held[id] = eco_holdings_chunks(&holdings, id);
+	free(holdings.items);
+	scene_stream(&scene, plan, held, w);
+}
+
+/* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing before. */
+static void uploads_in_parts_draw_the_same(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view();
+	struct view_gl_options options = { view.width, view.height };
+	struct eco_plan small, large;
+	struct eco_writer w;
+	struct view_gl *fresh;
+	scene_plan(&scene, &view, 0.1, &small);
+	scene_plan(&scene, &view, 1, &large);
+	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
+	struct view_store *store = scene_store(&scene, &small, NULL);
+	struct view_picture first = draw(fresh, store, &view, true, VIEW_TINT_NONE);
+	held_stream(store, &large, &w);
+	assert_int_equal(scene_feed(store, &w, NULL), ECO_OK);
+	struct view_picture grown = draw(fresh, store, &view, true, VIEW_TINT_NONE);
+	view_gl_close(fresh);
+	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
+	struct view_picture whole = draw(fresh, store, &view, true, VIEW_TINT_NONE);
+	assert_same(&grown, &whole);
+	assert_true(covered(&first) < covered(&whole));
+	view_gl_close(fresh);
+	view_picture_free(&first);
+	view_picture_free(&grown);
+	view_picture_free(&whole);
+	eco_writer_free(&w);
+	view_store_free(store);
+	eco_plan_free(&small);
+	eco_plan_free(&large);
+}
+
+static void repeated_frames_are_the_same(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct view_picture a = draw(gl, store, &view, true, VIEW_TINT_NONE), b = draw(gl, store, &view, true, VIEW_TINT_NONE);
+	assert_same(&a, &b);
+	view_picture_free(&a);
+	view_picture_free(&b);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void wrong_size_is_refused(void **state)
+{
+	(void)state;
+	if (!gl)
+		skip();
+	struct view_store *store = empty_store();
+	struct view_selection selection = { 0 };
+	struct lod_eye eye = { 0 };
+	struct view_gl_job job = { store, &selection, &eye, 0.1, VIEW_TINT_NONE };
+	struct view_picture picture;
+	assert_int_equal(view_picture_init(&picture, 7, 5, NULL), ECO_OK);
+	assert_int_not_equal(view_gl_draw(gl, &job, &picture, NULL), ECO_OK);
+	view_picture_free(&picture);
+	view_store_free(store);
+}
+
+/* Needs no OpenGL: shadows fall away from the sun, to the north-east, and nowhere without plants. */
+static void shadows_fall_to_the_north_east(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	struct lod_eye eye;
+	struct view_selection s;
+	struct view_shade shade;
+	scene_plan(&scene, &view, 1, &plan);
+	lod_eye_make(&eye, &view);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
+	uint32_t tree = 0;
+	while (s.instances[tree].plant != 0)
+		tree++;
+	struct view_selection alone = { .instances = &s.instances[tree], .instance_count = 1 };
+	assert_int_equal(view_shade_make(&shade, store, &alone, NULL), ECO_OK);
+	double sum = 0, x = 0, y = 0;
+	for (int j = 0; j < VIEW_SHADE_PIXELS; j++)
+		for (int i = 0; i < VIEW_SHADE_PIXELS; i++) {
+			double v = shade.texels[2 * (j * VIEW_SHADE_PIXELS + i)];
+			sum += v, x += v * i, y += v * j;
+		}
+	double texel = shade.size_m / VIEW_SHADE_PIXELS;
+	assert_true(sum > 0);
+	assert_true(shade.low[0] + x / sum * texel > s.instances[tree].place.at[0] + 1);
+	assert_true(shade.low[1] + y / sum * texel > s.instances[tree].place.at[1] + 1);
+	view_shade_free(&shade);
+	alone.instance_count = 0;
+	assert_int_equal(view_shade_make(&shade, store, &alone, NULL), ECO_OK);
+	for (size_t i = 0; i < 2u * VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS; i++)
+		assert_int_equal(shade.texels[i], 0);
+	view_shade_free(&shade);
+	view_select_free(&s);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(empty_store_draws_an_empty_picture), cmocka_unit_test(ground_hides_and_is_not_covered),
+		cmocka_unit_test(mask_does_not_depend_on_shading), cmocka_unit_test(tint_shows_all_four_kinds),
+		cmocka_unit_test(uploads_in_parts_draw_the_same), cmocka_unit_test(repeated_frames_are_the_same),
+		cmocka_unit_test(wrong_size_is_refused), cmocka_unit_test(shadows_fall_to_the_north_east),
+	};
+	return cmocka_run_group_tests(tests, open_all, close_all);
+}

@@ -1,0 +1,306 @@
+/* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of canned answers. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <arpa/inet.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "client-min/view_fetch.h"
+#include "tests/support/view_scene.h"
+
+#define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
+
+static struct view_scene scene;
+
+struct server {
+	int listener;
+	uint16_t port;
+	const char *head;                /* status line and headers, without Content-Length */
+	uint32_t busy;                   /* so many requests are answered with 503 before */
+	const uint8_t *body; size_t size, declared;
+	char heard[8192]; size_t heard_size;
+	pthread_t thread;
+};
+
+static size_t content_length(const char *text)
+{
+	const char *at = strstr(text, "Content-Length:");
+	return at ? strtoul(at + 15, NULL, 10) : 0;
+}
+
+static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+
+/* Reads one request whole, sends the answer, closes. */
+static void *serve(void *ctx)
+{
+	struct server *s = ctx;
+	char head[512], *end = NULL;
+	for (uint32_t i = 0; i < s->busy; i++) {
+		int refused = accept(s->listener, NULL, NULL);
+		assert_true(recv(refused, head, sizeof head, 0) > 0);
+		send(refused, busy_answer, sizeof busy_answer - 1, MSG_NOSIGNAL);
+		shutdown(refused, SHUT_WR);
+		while (recv(refused, head, sizeof head, 0) > 0)
+			continue;
+		close(refused);
+	}
+	int c = accept(s->listener, NULL, NULL);
+	while (!end || s->heard_size < (size_t)(end + 4 - s->heard) + content_length(s->heard)) {
+		ssize_t n = recv(c, s->heard + s->heard_size, sizeof s->heard - 1 - s->heard_size, 0);
+		if (n <= 0)
+			break;
+		s->heard_size += (size_t)n;
+		s->heard[s->heard_size] = '\0';
+		end = strstr(s->heard, "\r\n\r\n");
+	}
+	int size = snprintf(head, sizeof head, "%sContent-Length: %zu\r\nConnection: close\r\n\r\n", s->head, s->declared);
+	send(c, head, (size_t)size, MSG_NOSIGNAL);
+	for (size_t at = 0; at < s->size;) {
+		size_t piece = s->size - at < 1000 ? s->size - at : 1000;
+		ssize_t n = send(c, s->body + at, piece, MSG_NOSIGNAL);
+		if (n <= 0)
+			break;
+		at += (size_t)n;
+	}
+	close(c);
+	return NULL;
+}
+
+static void start_busy(struct server *s, uint32_t busy, const char *head, const void *body, size_t size, size_t declared)
+{
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t length = sizeof at;
+	*s = (struct server){ .head = head, .busy = busy, .body = body, .size = size, .declared = declared };
+	s->listener = socket(AF_INET, SOCK_STREAM, 0);
+	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
+	assert_int_equal(listen(s->listener, 4), 0);
+	getsockname(s->listener, (struct sockaddr *)&at, &length);
+	s->port = ntohs(at.sin_port);
+	assert_int_equal(pthread_create(&s->thread, NULL, serve, s), 0);
+}
+
+static void start(struct server *s, const char *head, const void *body, size_t size, size_t declared)
+{
+	start_busy(s, 0, head, body, size, declared);
+}
+
+static void stop(struct server *s)
+{
+	pthread_join(s->thread, NULL);
+	close(s->listener);
+}
+
+static enum eco_code ask(struct server *s, struct view_store *store, uint64_t body_max, struct view_fetch_result *result,
+	struct eco_error *error)
+{
+	char url[64];
+	struct view_fetch *fetch;
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
+	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
+	struct view_fetch_options options = { .url = url, .body_max = body_max, .patience_ms = s->busy ? 20000 : 0 };
+	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
+	enum eco_code code = view_fetch_stream(fetch, store, &request, result, error);
+	view_fetch_free(fetch);
+	stop(s);
+	return code;
+}
+
+static struct view_store *new_store(void)
+{
+	struct view_store *store;
+	struct view_store_options options = { 0 };
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	return store;
+}
+
+static void good_stream(struct eco_plan *plan, struct eco_writer *w)
+{
+	struct eco_view view = scene_view();
+	scene_plan(&scene, &view, 1, plan);
+	scene_stream(&scene, plan, NULL, w);
+}
+
+static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: plan;dur=7.25\r\n";
+
+static void stream_arrives_in_pieces(void **state)
+{
+	(void)state;
+	struct server s;
+	struct eco_plan plan;
+	struct eco_writer w;
+	struct view_fetch_result result;
+	struct eco_error error = { 0 };
+	struct view_store *store = new_store();
+	good_stream(&plan, &w);
+	start(&s, ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	assert_true(result.status == 200 && result.bytes == w.size && result.plan_ms == 7.25 && !result.nothing);
+	assert_true(result.first_byte_ms <= result.stream_ms);
+	assert_true(view_store_plan(store)->vertices == plan.vertices);
+	assert_non_null(strstr(s.heard, "POST /v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,1&fov_y_deg=45&width=480&height=320"
+		"&vertices=1000&bytes=5000000 HTTP/1.1\r\n"));
+	assert_int_equal(content_length(s.heard), 4);
+	view_store_free(store);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+static void nothing_fits_is_no_failure(void **state)
+{
+	(void)state;
+	struct server s;
+	struct view_fetch_result result;
+	struct eco_error error = { 0 };
+	struct view_store *store = new_store();
+	start(&s, "HTTP/1.1 204 No Content\r\n", NULL, 0, 0);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	assert_true(result.nothing && result.bytes == 0 && isnan(result.plan_ms));
+	assert_null(view_store_plan(store));
+	view_store_free(store);
+}
+
+static void problems_become_readable_errors(void **state)
+{
+	(void)state;
+	static const struct { const char *head, *body; enum eco_code code; const char *text; } rows[] = {
+		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no scene 'test'\"}", ECO_NOT_FOUND,
+			"the server answered 404: No such scene: there is no scene 'test'" },
+		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT, "the server answered 400: Bad view" },
+		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" STRANGER },
+		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT, "the server answered 200 with text/html" STRANGER },
+		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT, "the server answered 302" STRANGER },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		struct server s;
+		struct view_fetch_result result;
+		struct eco_error error = { 0 };
+		struct view_store *store = new_store();
+		start(&s, rows[i].head, rows[i].body, strlen(rows[i].body), strlen(rows[i].body));
+		assert_int_equal(ask(&s, store, 0, &result, &error), rows[i].code);
+		const char *says = strstr(error.text, "/v1/scenes/");        /* behind whose fault it is */
+		assert_non_null(says);
+		assert_string_equal(strstr(says, ": ") + 2, rows[i].text);
+		view_store_free(store);
+	}
+}
+
+static void a_busy_server_is_asked_again(void **state)
+{
+	(void)state;
+	struct server s;
+	struct eco_plan plan;
+	struct eco_writer w;
+	struct view_fetch_result result;
+	struct eco_error error = { 0 };
+	struct view_store *store = new_store();
+	good_stream(&plan, &w);
+	start_busy(&s, 3, ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	assert_int_equal(error.code, ECO_OK);
+	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices == plan.vertices);
+	start(&s, "HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
+	assert_true(result.status == 503 && result.retry_ms == 2000);
+	view_store_free(store);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+static void huge_problem_does_not_fill_memory(void **state)
+{
+	(void)state;
+	struct server s;
+	struct view_fetch_result result;
+	struct eco_error error = { 0 };
+	struct view_store *store = new_store();
+	size_t size = 1 << 20;
+	char *body = malloc(size);
+	memset(body, ' ', size);
+	start(&s, "HTTP/1.1 500 Oops\r\n", body, size, size);
+	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
+	assert_non_null(strstr(error.text, "the server answered 500"));
+	assert_true(result.bytes < size);
+	free(body);
+	view_store_free(store);
+}
+
+static void cut_or_damaged_streams_are_refused(void **state)
+{
+	(void)state;
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	for (int i = 0; i < 4; i++) {
+		struct server s;
+		struct view_fetch_result result;
+		struct eco_error error = { 0 };
+		struct view_store *store = new_store();
+		size_t half = w.size / 2;
+		if (i == 3)
+			w.bytes[half] ^= 4;
+		/* cut in the connection; cut in the answer; cut by the client's limit; damaged */
+		start(&s, ok, w.bytes, i < 2 ? half : w.size, i == 1 ? half : w.size);
+		enum eco_code code = ask(&s, store, i == 2 ? half : 0, &result, &error);
+		assert_int_equal(code, i == 0 ? ECO_IO : i == 2 ? ECO_TOO_LARGE : ECO_DAMAGED);
+		assert_false(view_store_complete(store));
+		view_store_free(store);
+	}
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+static void stop_flag_and_bad_urls_end_at_once(void **state)
+{
+	(void)state;
+	static volatile sig_atomic_t flag = 1;
+	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y", "file:///etc/passwd" };
+	struct view_fetch *fetch;
+	struct eco_error error = { 0 };
+	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+		struct view_fetch_options options = { .url = bad[i] };
+		assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_BAD_USAGE);
+		assert_null(fetch);
+	}
+	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .stop = &flag };
+	struct view_fetch_result result;
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
+	struct view_store *store = new_store();
+	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
+	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
+	assert_true(code == ECO_INTERRUPTED || code == ECO_IO);
+	view_fetch_free(fetch);
+	view_store_free(store);
+}
+
+static int set_up(void **state)
+{
+	(void)state;
+	scene_make(&scene, NULL, 0);
+	return view_fetch_setup(NULL);
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	scene_free(&scene);
+	view_fetch_teardown();
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(stream_arrives_in_pieces), cmocka_unit_test(nothing_fits_is_no_failure),
+		cmocka_unit_test(problems_become_readable_errors), cmocka_unit_test(a_busy_server_is_asked_again),
+			cmocka_unit_test(huge_problem_does_not_fill_memory),
+		cmocka_unit_test(cut_or_damaged_streams_are_refused), cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
+	};
+	return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,300 @@
+/* Tiled ground on its way: coarse before fine, within the bytes there are and before plants give way, never twice; and drawn alike by
+ * OpenGL and in software. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_reference.h"
+#include "client-min/view_select.h"
+#include "server/stream.h"
+#include "tests/support/sample_pack.h"
+
+#define PATH "build/tmp/ground_stream.eco"
+#define SIDE 1025u
+#define STEP_M 3.0
+#define HALF_M (STEP_M * (SIDE - 1) / 2)
+
+static struct srv_store store;
+static const struct srv_scene *scene;
+
+static double hills(double x, double y)
+{
+	double z = 0;
+	for (int i = 0; i < 7; i++) {
+		double f = 0.004 * (1 << i);
+		z += 40.0 / (1 << i) * sin(f * x + i * i) * cos(f * 1.1 * y - 0.7 * i);
+	}
+	return z;
+}
+
+static int open_all(void **state)
+{
+	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
+	struct eco_error error = { 0 };
+	(void)state;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	remove(PATH);
+	srv_store_init(&store);
+	if (sample_pack_write_on(PATH, &ground, true, &error) || srv_store_add(&store, "hills", PATH, &error))
+		fail_msg("%s", error.text);
+	scene = srv_store_find(&store, "hills");
+	assert_non_null(scene);
+	eco_ground_free(&ground);
+	return 0;
+}
+
+static int close_all(void **state)
+{
+	(void)state;
+	srv_store_free(&store);
+	remove(PATH);
+	return 0;
+}
+
+static struct eco_request request_of(double distance, double above, uint64_t vertices)
+{
+	struct eco_request request = { .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	request.view = (struct eco_view){ { -distance, -0.7 * distance, 0 }, { 40, 20, 0 }, { 0, 0, 1 }, 50, 480, 320 };
+	request.view.eye[2] = hills(request.view.eye[0], request.view.eye[1]) + above;
+	request.view.target[2] = hills(40, 20);
+	return request;
+}
+
+static void plan(struct srv_stream *stream, const struct eco_request *request, const struct eco_holdings *holdings)
+{
+	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = holdings };
+	struct eco_error error = { 0 };
+	if (srv_stream_plan(stream, &input, &error))
+		fail_msg("%s", error.text);
+}
+
+static uint32_t ground_tiles(const struct srv_step *step)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < step->plan.cut_count; i++)
+		count += scene->pack->scene.lists[step->plan.cuts[i].list].kind == ECO_LIST_GROUND;
+	return count;
+}
+
+static struct view_store *receive(struct view_store *into, const struct srv_stream *stream)
+{
+	struct eco_wire_parser *parser;
+	struct eco_error error = { 0 };
+	struct srv_body body;
+	if (!into)
+		assert_int_equal(view_store_new(&into, &(struct view_store_options){ 0 }, NULL), ECO_OK);
+	view_store_begin(into);
+	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, into, NULL), ECO_OK);
+	assert_int_equal(srv_stream_write(stream, &body, &error), ECO_OK);
+	for (uint32_t i = 0; i < body.piece_count && !error.code; i++)
+		eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, &error);
+	if (error.code || eco_wire_finish(parser, &error))
+		fail_msg("%s", error.text);
+	eco_wire_parser_free(parser);
+	srv_body_free(&body);
+	assert_int_equal(view_store_stats(into)->chunks_twice, 0);
+	return into;
+}
+
+/* ---- Steps ---- */
+
+static void ground_comes_coarse_to_fine(void **state)
+{
+	struct eco_request request = request_of(900, 120, 300000);
+	struct srv_stream stream;
+	(void)state;
+	request.ground_px = 0.1;
+	plan(&stream, &request, NULL);
+	assert_true(stream.step_count >= 2);
+	for (uint32_t i = 0; i < stream.step_count; i++) {
+		double times = stream.steps[i].ground_px / 0.1;
+		assert_true(i + 1 == stream.step_count ? times == 1 : fabs(times - 4) < 1e-9 || fabs(times - 16) < 1e-9 || fabs(times - 64) < 1e-9);
+		if (i)
+			assert_true(stream.steps[i].ground_px < stream.steps[i - 1].ground_px
+				&& ground_tiles(&stream.steps[i]) >= ground_tiles(&stream.steps[i - 1]));
+	}
+	/* a picture of the horizon long before all of it: 341 tiles are no burden on the first */
+	assert_true(scene->pack->scene.ground_count > 300 && stream.steps[0].end_bytes < stream.body_bytes / 4);
+	view_store_free(receive(NULL, &stream));
+	srv_stream_free(&stream);
+}
+
+static void the_same_view_has_the_same_ground_whatever_came_before(void **state)
+{
+	static const double walk[][2] = { { 900, 120 }, { 60, 4 }, { 500, 400 }, { 120, 9 } };
+	struct view_store *held = NULL;
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		struct eco_request request = request_of(walk[i][0], walk[i][1], 20000);
+		struct srv_stream fresh, after;
+		struct eco_holdings holdings = { 0 };
+		if (held)
+			assert_int_equal(view_store_holdings(held, &holdings, NULL), ECO_OK);
+		plan(&fresh, &request, NULL);
+		plan(&after, &request, &holdings);
+		const struct eco_plan *a = &fresh.steps[fresh.step_count - 1].plan, *b = &after.steps[after.step_count - 1].plan;
+		assert_int_equal(a->cut_count, b->cut_count);
+		for (uint32_t c = 0; c < a->cut_count; c++)
+			assert_int_equal(a->cuts[c].list, b->cuts[c].list);
+		assert_true(i == 0 || after.body_bytes < fresh.body_bytes);
+		held = receive(held, &after);
+		free(holdings.items);
+		/* the same once more: nothing of it is sent */
+		assert_int_equal(view_store_holdings(held, &holdings, NULL), ECO_OK);
+		srv_stream_free(&after);
+		plan(&after, &request, &holdings);
+		assert_int_equal(after.chunk_count, 0);
+		free(holdings.items);
+		srv_stream_free(&fresh);
+		srv_stream_free(&after);
+	}
+	view_store_free(held);
+}
+
+/* ---- Bytes ---- */
+
+static void ground_gives_way_before_plants(void **state)
+{
+	struct eco_request request = request_of(300, 60, 60000);
+	struct srv_stream whole, stream;
+	uint32_t coarser = 0, fewer = 0, none = 0;
+	double last = 0;
+	(void)state;
+	plan(&whole, &request, NULL);
+	for (uint64_t part = 40; part > 0; part--) {
+		request.bytes = whole.body_bytes * part / 40;
+		plan(&stream, &request, NULL);
+		if (!stream.fits) {
+			none++;
+			srv_stream_free(&stream);
+			continue;
+		}
+		const struct srv_step *step = &stream.steps[stream.step_count - 1];
+		assert_true(stream.body_bytes <= request.bytes);
+		assert_true(step->ground_px >= ECO_GROUND_PX);
+		if (step->plan.vertices < whole.steps[whole.step_count - 1].plan.vertices) {
+			fewer++;
+			assert_true(step->ground_px >= 8);
+		} else if (step->ground_px > ECO_GROUND_PX) {
+			coarser++;
+			assert_true(step->ground_px <= 8 && step->ground_px >= last);
+			last = step->ground_px;
+		}
+		view_store_free(receive(NULL, &stream));
+		srv_stream_free(&stream);
+	}
+	assert_true(coarser > 2 && fewer > 2);
+	srv_stream_free(&whole);
+}
+
+static void a_tolerance_that_is_asked_for_is_kept(void **state)
+{
+	struct eco_request request = request_of(400, 80, 1000);
+	uint32_t last = UINT32_MAX;
+	(void)state;
+	for (double px = ECO_GROUND_PX_MIN; px < 1000; px *= 8) {
+		struct srv_stream stream;
+		request.ground_px = px;
+		plan(&stream, &request, NULL);
+		const struct srv_step *step = &stream.steps[stream.step_count - 1];
+		assert_true(step->ground_px == px && ground_tiles(step) <= last);
+		last = ground_tiles(step);
+		srv_stream_free(&stream);
+	}
+	assert_true(last >= 1 && last < 5);
+}
+
+static void heights_of_the_drawn_ground_are_those_of_its_samples(void **state)
+{
+	struct eco_request request = request_of(200, 30, 1000);
+	struct srv_stream stream;
+	struct view_selection selection;
+	struct lod_eye eye;
+	uint32_t found = 0;
+	double z;
+	(void)state;
+	request.ground_px = ECO_GROUND_PX_MIN;
+	plan(&stream, &request, NULL);
+	struct view_store *held = receive(NULL, &stream);
+	lod_eye_make(&eye, &request.view);
+	assert_int_equal(view_select_make(&selection, held, &eye, NULL), ECO_OK);
+	for (double x = -HALF_M; x <= HALF_M; x += 25 * STEP_M)
+		for (double y = -HALF_M; y <= HALF_M; y += 31 * STEP_M)
+			if (view_ground_height(&selection.ground, x, y, &z)) {
+				found++;
+				assert_true(fabs(z - hills(x, y)) < 4);      /* far tiles are coarse */
+			}
+	assert_true(found > 100);
+	assert_true(view_ground_height(&selection.ground, 40, 20, &z) && fabs(z - hills(40, 20)) < 0.3);
+	assert_false(view_ground_height(&selection.ground, HALF_M + 1, 0, &z));
+	assert_false(view_ground_height(&selection.ground, NAN, 0, &z));
+	view_select_free(&selection);
+	view_store_free(held);
+	srv_stream_free(&stream);
+}
+
+/* ---- Pictures ---- */
+
+static void opengl_and_software_draw_the_same_ground(void **state)
+{
+	static const double views[][2] = { { 300, 60 }, { 40, 3 }, { 900, 500 }, { 30, 900 } };
+	struct view_gl *gl = NULL;
+	uint32_t seams = 0;
+	(void)state;
+	if (view_gl_open(&gl, &(struct view_gl_options){ 480, 320 }, NULL))
+		skip();
+	for (int i = 0; i < 4; i++) {
+		struct eco_request request = request_of(views[i][0], views[i][1], 20000);
+		struct srv_stream stream;
+		struct view_selection selection;
+		struct view_picture a, b;
+		struct lod_eye eye;
+		struct eco_error error = { 0 };
+		plan(&stream, &request, NULL);
+		struct view_store *held = receive(NULL, &stream);
+		lod_eye_make(&eye, &request.view);
+		assert_int_equal(view_select_make(&selection, held, &eye, NULL), ECO_OK);
+		assert_int_equal(selection.ground.count, ground_tiles(&stream.steps[stream.step_count - 1]));
+		uint32_t wrong = 0, owners = 0;
+		for (uint32_t t = 0; t < selection.ground.count; t++)
+			for (int side = 0; side < 4; side++)
+				seams += selection.ground.tiles[t].seam.coarser[side] > 0;
+		assert_int_equal(view_picture_init(&a, 480, 320, NULL), ECO_OK);
+		assert_int_equal(view_picture_init(&b, 480, 320, NULL), ECO_OK);
+		if (view_gl_draw(gl, &(struct view_gl_job){ held, &selection, &eye, 0.05, VIEW_TINT_NONE }, &a, &error))
+			fail_msg("%s", error.text);
+		assert_int_equal(view_reference_draw(&(struct view_reference_job){ held, &selection, &eye, 0.05, 2, NULL }, &b, NULL), ECO_OK);
+		for (uint32_t p = 0; p < 480 * 320; p++) {
+			wrong += a.cover[p] != b.cover[p];
+			owners += a.owner[p] != b.owner[p];
+		}
+		assert_true(wrong < 480 * 320 / 2000 && owners < 480 * 320 / 1000);
+		view_picture_free(&a);
+		view_picture_free(&b);
+		view_select_free(&selection);
+		view_store_free(held);
+		srv_stream_free(&stream);
+	}
+	assert_true(seams > 20);
+	view_gl_close(gl);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(ground_comes_coarse_to_fine),
+		cmocka_unit_test(the_same_view_has_the_same_ground_whatever_came_before),
+		cmocka_unit_test(ground_gives_way_before_plants),
+		cmocka_unit_test(a_tolerance_that_is_asked_for_is_kept),
+		cmocka_unit_test(heights_of_the_drawn_ground_are_those_of_its_samples),
+		cmocka_unit_test(opengl_and_software_draw_the_same_ground),
+	};
+	return cmocka_run_group_tests(tests, open_all, close_all);
+}

@@ -1,0 +1,217 @@
+/* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+#include "client-min/view_gl.h"
+#include "client-min/view_reference.h"
+#include "ecofiles/format/image.h"
+#include "lod/raster/raster.h"
+#include "tests/support/view_scene.h"
+
+#define TOLERANCE 0.0005                 /* of all pixels: vertices that floats snap to another 1/256 pixel */
+
+static struct view_scene scene;
+static struct view_gl *gl;
+static uint8_t *png;
+static size_t png_size;
+
+/* A leaf-shaped picture: a disc with holes. */
+static void make_png(void)
+{
+	static uint8_t rgba[64 * 48 * 4];
+	struct eco_error error = { 0 };
+	for (int y = 0; y < 48; y++)
+		for (int x = 0; x < 64; x++) {
+			uint8_t *p = rgba + 4 * (y * 64 + x);
+			int d = (x - 32) * (x - 32) + (y - 24) * (y - 24);
+			p[0] = 60, p[1] = (uint8_t)(100 + x), p[2] = 40;
+			p[3] = d < 500 && (x / 6 + y / 6) % 5 ? 255 : 0;
+		}
+	if (eco_png_encode(&(struct eco_pixels){ 64, 48, 4, rgba }, &png, &png_size, &error)) {
+		print_message("without textures: %s\n", error.text);
+		png = NULL;
+	}
+}
+
+static int open_all(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct view_gl_options options = { view.width, view.height };
+	struct eco_error error = { 0 };
+	make_png();
+	scene_make(&scene, png, png_size);
+	if (view_gl_open(&gl, &options, &error))
+		print_message("OpenGL tests are skipped: %s\n", error.text);
+	return 0;
+}
+
+static int close_all(void **state)
+{
+	(void)state;
+	view_gl_close(gl);
+	scene_free(&scene);
+	free(png);
+	return 0;
+}
+
+struct drawing { struct eco_plan plan; struct view_store *store; struct view_selection selection; struct lod_eye eye; };
+
+static void begin(struct drawing *d, const struct eco_view *view)
+{
+	struct eco_error error = { 0 };
+	scene_plan(&scene, view, 1, &d->plan);
+	lod_eye_make(&d->eye, view);
+	d->store = scene_store(&scene, &d->plan, &error);
+	if (!d->store)
+		print_message("%s\n", error.text);
+	assert_non_null(d->store);
+	assert_int_equal(view_select_make(&d->selection, d->store, &d->eye, NULL), ECO_OK);
+}
+
+static void end(struct drawing *d)
+{
+	view_select_free(&d->selection);
+	view_store_free(d->store);
+	eco_plan_free(&d->plan);
+}
+
+static void draw_software(const struct drawing *d, const struct eco_view *view, uint32_t threads, struct view_picture *picture)
+{
+	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL };
+	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
+	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
+}
+
+static void draw_gl(const struct drawing *d, const struct eco_view *view, struct view_picture *picture)
+{
+	struct view_gl_job job = { d->store, &d->selection, &d->eye, 0.1, VIEW_TINT_NONE };
+	struct eco_error error = { 0 };
+	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
+	if (view_gl_draw(gl, &job, picture, &error))
+		print_message("%s\n", error.text);
+	assert_string_equal(error.text, "");
+}
+
+static void save(const char *name, const struct view_picture *p)
+{
+	char path[128];
+	snprintf(path, sizeof path, "build/tmp/%s.png", name);
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	eco_png_write(&(struct eco_pixels){ p->width, p->height, 3, p->rgb }, path, NULL);
+}
+
+static void compare(const struct view_picture *a, const struct view_picture *b, double *masks, double *owners)
+{
+	uint32_t pixels = a->width * a->height, mask = 0, owner = 0;
+	for (uint32_t i = 0; i < pixels; i++) {
+		mask += a->cover[i] != b->cover[i];
+		owner += a->owner[i] != b->owner[i];
+	}
+	*masks = (double)mask / pixels;
+	*owners = (double)owner / pixels;
+}
+
+static void opengl_and_software_agree(void **state)
+{
+	(void)state;
+	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 }, { 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
+		{ 30, 3, 2, 0, 0, 4 } };
+	if (!gl)
+		skip();
+	for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
+		struct eco_view view = scene_view();
+		struct drawing d;
+		struct view_picture soft, hard;
+		double masks, owners;
+		char name[32];
+		memcpy(view.eye, eyes[i], sizeof view.eye);
+		memcpy(view.target, eyes[i] + 3, sizeof view.target);
+		begin(&d, &view);
+		draw_software(&d, &view, 2, &soft);
+		draw_gl(&d, &view, &hard);
+		compare(&soft, &hard, &masks, &owners);
+		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of pixels\n", i,
+			(unsigned long long)hard.vertices, 100 * masks, 100 * owners);
+		snprintf(name, sizeof name, "reference-gl-%zu", i);
+		save(name, &hard);
+		snprintf(name, sizeof name, "reference-cpu-%zu", i);
+		save(name, &soft);
+		assert_true(masks <= TOLERANCE && owners <= TOLERANCE);
+		assert_true(hard.vertices == d.plan.vertices && soft.vertices == d.plan.vertices);
+		view_picture_free(&soft);
+		view_picture_free(&hard);
+		end(&d);
+	}
+}
+
+static void threads_do_not_change_the_picture(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct drawing d;
+	struct view_picture one, many;
+	double masks, owners;
+	begin(&d, &view);
+	draw_software(&d, &view, 1, &one);
+	for (uint32_t threads = 2; threads <= 5; threads++) {
+		draw_software(&d, &view, threads, &many);
+		compare(&one, &many, &masks, &owners);
+		assert_true(masks == 0 && owners == 0);
+		view_picture_free(&many);
+	}
+	view_picture_free(&one);
+	end(&d);
+}
+
+static void something_is_seen_and_scores_as_itself(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct drawing d;
+	struct view_picture p;
+	struct lod_score score;
+	uint32_t kinds[2] = { 0 }, hidden = 0;
+	begin(&d, &view);
+	draw_software(&d, &view, 2, &p);
+	for (uint32_t i = 0; i < view.width * view.height; i++) {
+		kinds[p.cover[i] != 0]++;
+		hidden += (p.cover[i] != 0) != (p.owner[i] != 0);
+	}
+	assert_true(kinds[0] > 10000 && kinds[1] > 10000 && hidden == 0);
+	lod_score(&score, &(struct lod_score_input){ view.width, view.height, p.cover, p.cover, p.owner, p.owner });
+	assert_true(score.q == 1 && score.owner_q == 1 && score.skill == 1);
+	view_picture_free(&p);
+	end(&d);
+}
+
+static void software_stops_when_told(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct drawing d;
+	struct view_picture p;
+	static volatile sig_atomic_t stop = 1;
+	begin(&d, &view);
+	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop };
+	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
+	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_INTERRUPTED);
+	view_picture_free(&p);
+	end(&d);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(opengl_and_software_agree), cmocka_unit_test(threads_do_not_change_the_picture),
+		cmocka_unit_test(something_is_seen_and_scores_as_itself), cmocka_unit_test(software_stops_when_told),
+	};
+	return cmocka_run_group_tests(tests, open_all, close_all);
+}

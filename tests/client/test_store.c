@@ -1,0 +1,500 @@
+/* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and wrong. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+
+#include "client-min/view_record.h"
+#include "client-min/view_table.h"
+#include "tests/support/view_scene.h"
+
+static struct view_scene scene;
+
+static int make_scene(void **state)
+{
+	(void)state;
+	scene_make(&scene, NULL, 0);
+	return 0;
+}
+
+static int free_scene(void **state)
+{
+	(void)state;
+	scene_free(&scene);
+	return 0;
+}
+
+static void table_keeps_what_was_put(void **state)
+{
+	(void)state;
+	struct view_table table = { 0 };
+	assert_int_equal(view_table_get(&table, 3), UINT32_MAX);
+	for (uint32_t i = 0; i < 5000; i++)
+		assert_true(view_table_put(&table, i * 2654435761u, i));
+	assert_true(view_table_put(&table, 0, 77));
+	assert_int_equal(table.count, 5000);
+	for (uint32_t i = 1; i < 5000; i++)
+		assert_int_equal(view_table_get(&table, i * 2654435761u), i);
+	assert_int_equal(view_table_get(&table, 0), 77);
+	assert_int_equal(view_table_get(&table, 12345), UINT32_MAX);
+	view_table_free(&table);
+}
+
+static void stream_fills_the_store(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	struct eco_error error = { 0 };
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, &error);
+	assert_string_equal(error.text, "");
+	assert_non_null(store);
+	assert_true(view_store_complete(store));
+	assert_string_equal(view_store_scene_name(store), "test");
+	assert_true(view_store_near_m(store) == 0.1);
+	assert_true(view_store_plan(store)->vertices == plan.vertices);
+	uint32_t columns, rows;
+	view_store_ground(store, &columns, &rows);
+	assert_true(columns == 17 && rows == 15);
+	assert_true(view_store_list(store, L_GROUND)->tile.level == 0 && view_store_list(store, L_GROUND)->tile.column == 0);
+	assert_int_equal(view_store_plant(store, 0)->plant.anchor_count, 3);
+	assert_null(view_store_plant(store, 2));
+	assert_null(view_store_list(store, L_COUNT));
+	for (uint32_t id = 0; id < L_COUNT; id++) {
+		const struct view_list *list = view_store_list(store, id);
+		uint32_t chunks = scene_needs(&scene, &plan, id), elements = 0;
+		for (uint32_t c = 0; c < chunks; c++)
+			elements += scene.chunks[scene.lists[id].chunk_first + c].element_count;
+		if (!chunks) {
+			assert_null(list);
+			continue;
+		}
+		assert_int_equal(list->chunk_count, chunks);
+		assert_int_equal(list->elements.element_count, elements);
+		assert_int_equal(list->marks[chunks - 1].corners, list->elements.corner_count);
+	}
+	assert_true(view_store_stats(store)->memory_bytes > 0);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+/* ROWS keep their order: what was coded is what comes back. */
+static void ground_and_instances_come_back_in_order(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
+		const struct eco_elements *in = &scene.elements[id], *out = &view_store_list(store, id)->elements;
+		assert_int_equal(in->element_count, out->element_count);
+		assert_memory_equal(in->position, out->position, 12 * (size_t)in->element_count);
+		if (in->extra_count)
+			assert_memory_equal(in->extra, out->extra, 4 * (size_t)in->element_count * in->extra_count);
+	}
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void holdings_of(const struct view_store *store, uint32_t held[L_COUNT])
+{
+	struct eco_holdings holdings;
+	assert_int_equal(view_store_holdings(store, &holdings, NULL), ECO_OK);
+	for (uint32_t id = 0; id < L_COUNT; id++)
+		held[id] = eco_holdings_chunks(&holdings, id);
+	for (uint32_t i = 1; i < holdings.count; i++)
+		assert_true(holdings.items[i - 1].list < holdings.items[i].list);
+	free(holdings.items);
+}
+
+static void second_stream_extends_the_first(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan small, large;
+	uint32_t held[L_COUNT];
+	struct eco_error error = { 0 };
+	struct eco_writer w;
+	scene_plan(&scene, &view, 0.2, &small);
+	scene_plan(&scene, &view, 1, &large);
+	struct view_store *store = scene_store(&scene, &small, NULL), *whole = scene_store(&scene, &large, NULL);
+	holdings_of(store, held);
+	assert_true(held[L_LEAVES] > 0 && held[L_LEAVES] < scene.lists[L_LEAVES].chunk_count);
+	scene_stream(&scene, &large, held, &w);
+	assert_int_equal(scene_feed(store, &w, &error), ECO_OK);
+	for (uint32_t id = 0; id < L_COUNT; id++) {
+		const struct view_list *a = view_store_list(store, id), *b = view_store_list(whole, id);
+		assert_true(!a == !b);
+		if (!a)
+			continue;
+		assert_int_equal(a->elements.corner_count, b->elements.corner_count);
+		assert_memory_equal(a->elements.position, b->elements.position, 12 * (size_t)a->elements.corner_count);
+	}
+	eco_writer_free(&w);
+	view_store_free(store);
+	view_store_free(whole);
+	eco_plan_free(&small);
+	eco_plan_free(&large);
+}
+
+/* ---- Streams that are wrong ---- */
+
+enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, PLANT_CHANGED, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST,
+	PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING, GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
+
+static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
+{
+	uint32_t number = 0;
+	struct view_scene other = scene;
+	other.scene.lists = other.lists;
+	*w = (struct eco_writer){ 0 };
+	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
+	scene_frame(w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
+	if (fault == COLOR_OUTSIDE) {
+		other.lists[L_LEAVES].palette_count = 1;
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+	} else if (fault != CHUNK_WITHOUT_LIST) {
+		scene_frame(w, &scene, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+	}
+	scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, fault == CHUNK_SKIPPED);
+	plan->cuts[0] = scene_rule(A_TREE, L_LEAVES, 0, fault == PLAN_BEYOND_HELD ? 500 : 10, 1, 0, ECO_BANDS);
+	plan->cut_count = 1;
+	plan->run_count = 0;
+	plan->vertices = 0;
+	if (fault == GROUND_MISSING || fault == GROUND_IN_PART)
+		plan->cuts[0] = (struct eco_cut){ .list = L_GROUND, .end = fault == GROUND_IN_PART ? 17 : 17 * 15, .scale = 1, .anchor = ECO_NONE };
+	switch (fault) {
+	case SAME_CHUNK_TWICE:
+		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, 0);
+		break;
+	case LIST_CHANGED:
+		other.lists[L_LEAVES].grid_step[1] = 0.002;
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+		break;
+	case PLANT_CHANGED:
+		other.scene.anchors = other.anchors;
+		other.anchors[A_TREE].radius += 1;
+		scene_frame(w, &other, ECO_FRAME_PLANT, &number, 0, 0);
+		break;
+	case GROUND_IN_PART:
+	case GROUND_ELSEWHERE:
+		if (fault == GROUND_ELSEWHERE)
+			other.scene.lists = other.lists, other.lists[L_GROUND].level = 2;
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_GROUND, 0);
+		scene_frame(w, &other, ECO_FRAME_CHUNK, &number, L_GROUND, 0);
+		break;
+	case PLAN_OF_UNKNOWN_LIST:
+		plan->cuts[0].list = L_WOOD;
+		break;
+	case PLAN_OF_INSTANCES:
+		scene_frame(w, &scene, ECO_FRAME_LIST, &number, L_TREES, 0);
+		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_TREES, 0);
+		plan->cuts[0].list = L_TREES;
+		break;
+	default:
+		break;
+	}
+	scene_plan_frame(w, plan, &number);
+	scene_end_frame(w, fault == END_DISAGREES, &number);
+}
+
+static void wrong_streams_are_refused_with_a_reason(void **state)
+{
+	(void)state;
+	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice", "described twice", "are held",
+		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground", "a tile of ground", "palette" };
+	struct eco_view view = scene_view();
+	for (int fault = 0; fault < FAULTS; fault++) {
+		struct view_store *store;
+		struct view_store_options options = { 0 };
+		struct eco_error error = { 0 };
+		struct eco_writer w;
+		struct eco_plan plan;
+		scene_plan(&scene, &view, 1, &plan);
+		assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+		write_fault((enum fault)fault, &plan, &w);
+		enum eco_code code = scene_feed(store, &w, &error);
+		if (code == ECO_OK || !strstr(error.text, reasons[fault]))
+			print_message("fault %d: code %d, '%s'\n", fault, code, error.text);
+		assert_int_not_equal(code, ECO_OK);
+		assert_non_null(strstr(error.text, reasons[fault]));
+		view_store_free(store);
+		eco_writer_free(&w);
+		eco_plan_free(&plan);
+	}
+}
+
+/* ---- Forms that are not those of their list ---- */
+
+enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH, FORM_SIZE, FORM_MANY, FORM_FAULTS };
+
+/* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`. */
+static void forge_chunk(struct view_scene *other, uint32_t list, uint32_t count, int32_t code, uint8_t **payload)
+{
+	struct eco_list l = other->lists[list];
+	struct eco_elements e = other->elements[list], *of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
+	struct eco_chunk_input input = { &other->lists[l.partner == ECO_NONE ? list : l.partner], of, 0, count, 0 };
+	struct eco_chunk *chunk = &other->chunks[l.chunk_first];
+	size_t size;
+	int32_t kept = e.extra[1];
+	e.extra[1] = code;
+	assert_int_equal(l.partner == ECO_NONE ? eco_chunk_encode(&input, payload, &size, NULL, NULL)
+		: eco_chunk_encode_form(&input, &l, &e, payload, &size, NULL), ECO_OK);
+	e.extra[1] = kept;
+	*chunk = (struct eco_chunk){ eco_chunk_hash(*payload, size), 0, (uint32_t)size, count * (l.kind == ECO_LIST_TRIANGLES ? e.corners[0] - 2u : 1),
+		count };
+	other->payloads[l.chunk_first] = *payload;
+}
+
+/* Leaves, then their points, or the other way round. */
+static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
+{
+	static struct view_scene other;
+	uint32_t number = 0, order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
+	uint8_t *payload = NULL;
+	uint32_t first = scene.chunks[scene.lists[L_POINTS].chunk_first].element_count;
+	other = scene;
+	other.scene.lists = other.lists;
+	other.scene.chunks = other.chunks;
+	*w = (struct eco_writer){ 0 };
+	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
+	other.lists[L_POINTS].primitive_count = other.lists[L_POINTS].element_count;
+	other.lists[L_POINTS].chunk_count += fault == FORM_CHUNKS;
+	other.lists[L_POINTS].partner = fault == FORM_PARTNER ? L_LINES : L_LEAVES;
+	other.lists[L_LEAVES].coder = fault == FORM_SHAPE ? ECO_CODER_MESH : ECO_CODER_ELEMENTS;
+	if (fault == FORM_SPLIT)
+		forge_chunk(&other, L_POINTS, first - 1, ECO_SIZE_ONE, &payload);
+	else if (fault == FORM_GROWTH || fault == FORM_SIZE)
+		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH ? (int32_t)ECO_GROWTHS : -1, &payload);
+	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
+	if (fault == FORM_PARTNER)
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LINES, 0);
+	for (int i = 0; i < 2; i++) {
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, order[i], 0);
+		if (fault != FORM_SHAPE)
+			scene_frame(w, &other, ECO_FRAME_CHUNK, &number, order[i], 0);
+	}
+	for (uint32_t id = L_LOW_POINTS; fault == FORM_MANY && id < L_LOW_POINTS + 9; id++) {
+		other.lists[id] = other.lists[L_POINTS];
+		scene_frame(w, &other, ECO_FRAME_LIST, &number, id, 0);
+	}
+	struct eco_plan plan = { .placements = &(struct eco_placement){ .scale = 1 }, .placement_count = 1 };
+	scene_plan_frame(w, &plan, &number);
+	scene_end_frame(w, 0, &number);
+	free(payload);
+}
+
+static void forms_that_do_not_pair_are_refused(void **state)
+{
+	(void)state;
+	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2", "which is not one of fans",
+		"forms of the same", "which is not one of fans", "growth code 8", "size code -1", "more than 8 forms" };
+	for (int fault = 0; fault < FORM_FAULTS; fault++)
+		for (int order = 0; order < 2; order++) {
+			struct view_store *store;
+			struct view_store_options options = { 0 };
+			struct eco_error error = { 0 };
+			struct eco_writer w;
+			assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+			write_forms((enum form_fault)fault, order == 1, &w);
+			enum eco_code code = scene_feed(store, &w, &error);
+			if (code != (fault ? ECO_DAMAGED : ECO_OK) || !strstr(error.text, reasons[fault]))
+				fail_msg("fault %d, order %d: code %d, '%s'", fault, order, code, error.text);
+			view_store_free(store);
+			eco_writer_free(&w);
+		}
+}
+
+/* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
+static void forms_pair_with_their_elements(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	const struct eco_elements *leaves = &view_store_list(store, L_LOW)->elements, *points = &view_store_list(store, L_LOW_POINTS)->elements;
+	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
+	for (uint32_t i = 0; i < leaves->element_count; i++) {
+		const int32_t *leaf = leaves->position + 12 * (size_t)i;
+		for (int k = 0; k < 3; k++)
+			assert_int_equal(points->position[3 * i + k], (leaf[k] + leaf[6 + k]) / 2);
+		assert_int_equal(points->extra[2 * i], leaves->extra[2 * i]);
+	}
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void chunk_that_is_held_is_refused(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_error error = { 0 };
+	struct eco_writer w;
+	struct eco_plan plan;
+	uint32_t held[L_COUNT];
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	holdings_of(store, held);
+	held[L_WOOD] = 0;
+	scene_stream(&scene, &plan, held, &w);
+	assert_int_equal(scene_feed(store, &w, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "sent again"));
+	assert_int_equal(view_store_stats(store)->chunks_twice, 1);
+	view_store_free(store);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+static void memory_is_bounded(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct view_store *store;
+	struct view_store_options options = { .memory_max = 20000 };
+	struct eco_error error = { 0 };
+	struct eco_writer w;
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	scene_stream(&scene, &plan, NULL, &w);
+	assert_int_equal(scene_feed(store, &w, &error), ECO_TOO_LARGE);
+	assert_true(view_store_stats(store)->memory_bytes <= 20000);
+	view_store_free(store);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+/* ---- Selection ---- */
+
+static void selection_draws_what_the_plan_says(void **state)
+{
+	(void)state;
+	for (int step = 0; step < 12; step++) {
+		struct eco_view view = scene_view();
+		struct eco_plan plan;
+		struct lod_eye eye;
+		struct view_selection s;
+		struct eco_error error = { 0 };
+		view.eye[0] += 5 * step;
+		view.eye[1] += step;
+		scene_plan(&scene, &view, 0.5 + step / 24.0, &plan);
+		lod_eye_make(&eye, &view);
+		struct view_store *store = scene_store(&scene, &plan, NULL);
+		assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_OK);
+		assert_true(s.vertices == plan.vertices && s.visible_plants == plan.visible_plants);
+		uint32_t pairs = 0;
+		for (uint32_t c = 0; c < s.cut_count; c++)
+			for (uint32_t m = s.member_first[c]; m < s.member_first[c + 1]; m++, pairs++) {
+				uint32_t i = s.members[m], found = 0;
+				for (uint32_t p = s.cut_first[i]; p < s.cut_first[i + 1]; p++)
+					found += s.cuts[p] == c;
+				assert_int_equal(found, 1);
+			}
+		assert_int_equal(pairs, s.cut_first[s.instance_count]);
+		view_select_free(&s);
+		view_store_free(store);
+		eco_plan_free(&plan);
+	}
+}
+
+static void selection_refuses_a_plan_that_miscounts(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	struct lod_eye eye;
+	struct view_selection s;
+	struct eco_error error = { 0 };
+	scene_plan(&scene, &view, 1, &plan);
+	plan.vertices++;
+	lod_eye_make(&eye, &view);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "disagree"));
+	assert_null(s.instances);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void blends_are_recognised(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	struct lod_eye eye;
+	struct view_selection s;
+	scene_plan(&scene, &view, 1, &plan);
+	lod_eye_make(&eye, &view);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
+	for (uint32_t c = 0; c < s.cut_count; c++) {
+		static const uint8_t roles[L_COUNT] = { [L_WOOD] = VIEW_ROLE_TRIANGLES, [L_LINES] = VIEW_ROLE_LINES,
+			[L_LEAVES] = VIEW_ROLE_TRIANGLES, [L_POINTS] = VIEW_ROLE_POINTS, [L_LOW] = VIEW_ROLE_BLEND_TRIANGLES,
+			[L_LOW_POINTS] = VIEW_ROLE_BLEND_POINTS, [L_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [L_HIGH_POINTS] = VIEW_ROLE_BLEND_POINTS,
+				[L_BUSH] = VIEW_ROLE_TRIANGLES, [L_SUMMARY] = VIEW_ROLE_SUMMARY };
+		assert_int_equal(s.roles[c], roles[view_store_plan(store)->cuts[c].list]);
+	}
+	view_select_free(&s);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+static void no_plan_selects_nothing(void **state)
+{
+	(void)state;
+	struct view_store *store;
+	struct view_store_options options = { 0 };
+	struct view_selection s;
+	struct lod_eye eye;
+	struct eco_view view = scene_view();
+	lod_eye_make(&eye, &view);
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
+	assert_true(s.instance_count == 0 && s.vertices == 0);
+	view_select_free(&s);
+	view_store_free(store);
+}
+
+/* The shader adds a placement's path to a record's owner; that must be what the library says. */
+static void summary_records_carry_owners(void **state)
+{
+	(void)state;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	struct view_store *store = scene_store(&scene, &plan, NULL);
+	const struct view_list *list = view_store_list(store, L_SUMMARY);
+	uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);
+	assert_int_equal(view_record_texels(&list->list), 2);
+	assert_int_equal(view_record_write(list, 0, list->chunk_count, words, NULL), ECO_OK);
+	for (uint32_t i = 0; i < list->elements.primitive_count; i++)
+		for (uint32_t path = 0; path < 3; path++) {
+			const uint32_t *t = words + 8 * i + 4;
+			uint32_t key = eco_owner_child(path), high = (t[1] & ~t[2]) | ((t[1] + view_record_path(key)) & t[2]);
+			assert_true((t[0] | (uint64_t)high << 32) == view_summary_owner(list, i, key));
+		}
+	free(words);
+	view_store_free(store);
+	eco_plan_free(&plan);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(table_keeps_what_was_put), cmocka_unit_test(stream_fills_the_store),
+		cmocka_unit_test(ground_and_instances_come_back_in_order), cmocka_unit_test(second_stream_extends_the_first),
+		cmocka_unit_test(wrong_streams_are_refused_with_a_reason), cmocka_unit_test(chunk_that_is_held_is_refused),
+		cmocka_unit_test(forms_that_do_not_pair_are_refused), cmocka_unit_test(forms_pair_with_their_elements),
+		cmocka_unit_test(memory_is_bounded),
+		cmocka_unit_test(selection_draws_what_the_plan_says), cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
+		cmocka_unit_test(blends_are_recognised), cmocka_unit_test(no_plan_selects_nothing),
+		cmocka_unit_test(summary_records_carry_owners),
+	};
+	return cmocka_run_group_tests(tests, make_scene, free_scene);
+}

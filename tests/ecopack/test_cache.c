@@ -1,0 +1,408 @@
+/* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its size is bounded, and a folder
+ * that cannot be used fails nothing. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "ecofiles/format/image.h"
+#include "ecofiles/ecopack/cache.h"
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/progress.h"
+
+static char root[256], folder[300];
+
+static char *in_root(char path[512], const char *name)
+{
+	snprintf(path, 512, "%s/%s", root, name);
+	return path;
+}
+
+static void write_text(const char *name, const char *text)
+{
+	char path[512];
+	FILE *file = fopen(in_root(path, name), "wb");
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+static uint8_t *read_file(const char *path, size_t *size)
+{
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	fseek(file, 0, SEEK_END);
+	*size = (size_t)ftell(file);
+	rewind(file);
+	uint8_t *bytes = malloc(*size + 1);
+	assert_int_equal(fread(bytes, 1, *size, file), *size);
+	fclose(file);
+	return bytes;
+}
+
+static struct main_cache_key key_of(unsigned number)
+{
+	struct main_cache_key key = { { (uint8_t)number, (uint8_t)(number >> 8), 7 } };
+	return key;
+}
+
+static void entry_path(char path[512], unsigned number)
+{
+	struct main_cache_key key = key_of(number);
+	int at = snprintf(path, 512, "%s/", folder);
+	for (int i = 0; i < 16; i++)
+		at += snprintf(path + at, 512 - (size_t)at, "%02x", key.bytes[i]);
+	snprintf(path + at, 512 - (size_t)at, ".plant");
+}
+
+static uint32_t files_in(const char *path, const char *containing)
+{
+	uint32_t count = 0;
+	DIR *dir = opendir(path);
+	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;)
+		count += d->d_name[0] != '.' && strstr(d->d_name, containing) != NULL;
+	if (dir)
+		closedir(dir);
+	return count;
+}
+
+static void empty_folder(void)
+{
+	DIR *dir = opendir(folder);
+	char path[600];
+	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;) {
+		snprintf(path, sizeof path, "%s/%s", folder, d->d_name);
+		if (d->d_name[0] != '.')
+			unlink(path);
+	}
+	if (dir)
+		closedir(dir);
+}
+
+static bool holds(struct main_cache *cache, unsigned number, const char *text)
+{
+	struct main_cache_key key = key_of(number);
+	uint8_t *bytes;
+	size_t size;
+	if (!main_cache_get(cache, &key, &bytes, &size))
+		return false;
+	bool same = size == strlen(text) && memcmp(bytes, text, size) == 0;
+	free(bytes);
+	assert_true(same);
+	return true;
+}
+
+static void put(struct main_cache *cache, unsigned number, const char *text)
+{
+	struct main_cache_key key = key_of(number);
+	main_cache_put(cache, &key, (const uint8_t *)text, strlen(text));
+}
+
+/* ---- Entries ---- */
+
+static void gives_back_what_was_put(void **state)
+{
+	struct main_cache cache;
+	(void)state;
+	empty_folder();
+	main_cache_open(&cache, folder, 1 << 20);
+	assert_false(holds(&cache, 1, ""));
+	put(&cache, 1, "an oak");
+	put(&cache, 2, "");
+	assert_true(holds(&cache, 1, "an oak"));
+	assert_true(holds(&cache, 2, ""));
+	put(&cache, 1, "another");
+	assert_true(holds(&cache, 1, "another"));
+	assert_false(holds(&cache, 3, ""));
+	assert_int_equal(cache.hits, 3);
+	assert_int_equal(cache.misses, 2);
+	main_cache_close(&cache);
+	assert_int_equal(files_in(folder, ".plant"), 2);
+}
+
+static void without_a_folder_all_is_missed(void **state)
+{
+	struct main_cache cache;
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		main_cache_open(&cache, i ? "" : NULL, 1 << 20);
+		put(&cache, 1, "an oak");
+		assert_false(holds(&cache, 1, "an oak"));
+		main_cache_close(&cache);
+	}
+}
+
+/* Every byte of an entry counts, and every length but its own. */
+static void every_damage_is_noticed(void **state)
+{
+	struct main_cache cache;
+	char path[512];
+	size_t size;
+	(void)state;
+	empty_folder();
+	main_cache_open(&cache, folder, 1 << 20);
+	put(&cache, 5, "some leaves");
+	entry_path(path, 5);
+	uint8_t *bytes = read_file(path, &size);
+	for (size_t i = 0; i <= 2 * size; i++) {
+		FILE *file = fopen(path, "wb");
+		if (i < size)
+			bytes[i] ^= 0x10;
+		fwrite(bytes, 1, i < size ? size : i - size, file);
+		if (i == 2 * size)
+			fputc(0, file);
+		fclose(file);
+		if (i < size)
+			bytes[i] ^= 0x10;
+		assert_false(holds(&cache, 5, "some leaves"));
+	}
+	put(&cache, 5, "some leaves");
+	assert_true(holds(&cache, 5, "some leaves"));
+	free(bytes);
+	main_cache_close(&cache);
+}
+
+static void what_was_used_least_recently_goes(void **state)
+{
+	struct main_cache cache;
+	char path[512], text[101];
+	(void)state;
+	empty_folder();
+	memset(text, 'x', 100);
+	text[100] = 0;
+	main_cache_open(&cache, folder, 1000);       /* seven entries of 140 bytes */
+	for (unsigned i = 0; i < 12; i++) {
+		put(&cache, i, text);
+		entry_path(path, i);
+		const struct timeval then[2] = { { 1000 + i, 0 }, { 1000 + i, 0 } };
+		assert_int_equal(utimes(path, then), 0);
+	}
+	assert_true(holds(&cache, 0, text));         /* used just now */
+	snprintf(path, sizeof path, "%s/notes.txt", folder);
+	FILE *file = fopen(path, "wb");              /* what is not ours stays */
+	fprintf(file, "%2000s", "");
+	fclose(file);
+	main_cache_close(&cache);
+	main_cache_open(&cache, folder, 1000);
+	for (unsigned i = 0; i < 12; i++)
+		assert_int_equal(holds(&cache, i, text), i == 0 || i >= 6);
+	main_cache_close(&cache);
+	assert_int_equal(files_in(folder, "notes.txt"), 1);
+}
+
+static void what_others_left_unfinished_goes_after_a_while(void **state)
+{
+	struct main_cache cache;
+	char path[600];
+	(void)state;
+	empty_folder();
+	for (int i = 0; i < 2; i++) {
+		snprintf(path, sizeof path, "%s/000102030405060708090a0b0c0d0e0f.plant.aBcD0%d", folder, i);
+		FILE *file = fopen(path, "wb");
+		assert_non_null(file);
+		fclose(file);
+		const struct timeval then[2] = { { 1000, 0 }, { 1000, 0 } };
+		if (i)
+			assert_int_equal(utimes(path, then), 0);
+	}
+	main_cache_open(&cache, folder, 1000);
+	put(&cache, 1, "an oak");
+	main_cache_close(&cache);
+	assert_int_equal(files_in(folder, ".plant.aBcD00"), 1);
+	assert_int_equal(files_in(folder, ".plant.aBcD01"), 0);
+}
+
+static void an_entry_beyond_the_limit_is_not_kept(void **state)
+{
+	struct main_cache cache;
+	(void)state;
+	empty_folder();
+	main_cache_open(&cache, folder, 10);
+	put(&cache, 1, "longer than ten bytes");
+	assert_false(holds(&cache, 1, ""));
+	main_cache_close(&cache);
+	assert_int_equal(files_in(folder, ""), 0);
+}
+
+static void a_folder_that_cannot_be_fails_nothing(void **state)
+{
+	static const char *const folders[] = { "/proc/nothing/here", "/dev/null", "/dev/null/x" };
+	(void)state;
+	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+		struct main_cache cache;
+		main_cache_open(&cache, folders[i], 1 << 20);
+		put(&cache, 1, "an oak");
+		put(&cache, 2, "a beech");
+		assert_true(cache.told);
+		assert_false(holds(&cache, 1, "an oak"));
+		main_cache_close(&cache);
+	}
+}
+
+static void the_default_follows_the_environment(void **state)
+{
+	static const struct { const char *base, *home, *is; } rows[] = {
+		{ "/a/b", "/home/x", "/a/b/ecostream" },
+		{ NULL, "/home/x", "/home/x/.cache/ecostream" },
+		{ "", "/home/x", "/home/x/.cache/ecostream" },
+		{ "relative", "/home/x", "/home/x/.cache/ecostream" },
+		{ NULL, NULL, "" },
+		{ NULL, "", "" },
+	};
+	static char path[MAIN_CACHE_PATH];
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		if (rows[i].base) setenv("XDG_CACHE_HOME", rows[i].base, 1); else unsetenv("XDG_CACHE_HOME");
+		if (rows[i].home) setenv("HOME", rows[i].home, 1); else unsetenv("HOME");
+		path[0] = 0;
+		assert_int_equal(main_cache_default(path), rows[i].is[0] != 0);
+		assert_string_equal(path, rows[i].is);
+	}
+}
+
+/* ---- Packs ---- */
+
+static void make(const char *pack, const char *cache, enum lod_order_method order, const char *scene)
+{
+	struct eco_error error = { 0 };
+	char from[512], to[512];
+	const struct make_options options = { .scene = in_root(from, scene), .pack = in_root(to, pack), .jobs = 2, .cache = cache, .order = order };
+	if (make_pack(&options, &error))
+		fail_msg("%s", error.text);
+}
+
+static bool same_packs(const char *one, const char *other)
+{
+	char path[512];
+	size_t a_size, b_size;
+	uint8_t *a = read_file(in_root(path, one), &a_size), *b = read_file(in_root(path, other), &b_size);
+	bool same = a_size == b_size && memcmp(a, b, a_size) == 0;
+	free(a);
+	free(b);
+	return same;
+}
+
+/* Leaves with a texture, leaves with colours, a stem: all kinds of lists that a plant may have. */
+static void write_scene(void)
+{
+	char path[512];
+	static const uint8_t pixels[] = { 20, 120, 30, 255, 20, 120, 30, 255, 20, 120, 30, 255, 0, 0, 0, 0 };
+	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root(path, "leaf.png"), NULL), ECO_OK);
+	write_text("tree.mtl", "newmtl bark\nKd 0.4 0.3 0.2\nnewmtl leaf\nKd 1 1 1\nmap_Kd leaf.png\nnewmtl blossom\nKd 0.9 0.4 0.5\n");
+	FILE *file = fopen(in_root(path, "tree.obj"), "wb");
+	assert_non_null(file);
+	fputs("mtllib tree.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\n", file);
+	for (int k = 0; k < 9; k++)
+		for (int i = 0; i < 4; i++)
+			fprintf(file, "v %f %f %f\n", (i % 3 ? 0.1 : -0.1) + 0.02 * k, k * 0.5, i < 2 ? -0.1 : 0.1);
+	for (int k = 0; k < 8; k++)
+		for (int i = 0; i < 4; i++)
+			fprintf(file, "f %d %d %d %d\n", 4 * k + i + 1, 4 * k + (i + 1) % 4 + 1, 4 * k + (i + 1) % 4 + 5, 4 * k + i + 5);
+	for (int i = 0; i < 700; i++) {
+		double x = i * 37 % 100 / 33.0 - 1.5, z = i * 71 % 101 / 33.0 - 1.5, y = 2 + i * 53 % 97 / 40.0, l = 0.1 + i % 5 * 0.02;
+		if (i % 350 == 0)
+			fprintf(file, "usemtl %s\n", i ? "blossom" : "leaf");
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y,
+			z + l / 3, x + l / 2, y - l / 4, z);
+	}
+	assert_int_equal(fclose(file), 0);
+	write_text("scene.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", \"unit\": \"m\"}},\n"
+		"\"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}, {\"plant\": \"tree\", \"at\": [9, 4, 0]}]}\n");
+	write_text("renamed.json", "{\"name\": \"s\", \"plants\": {\"arbre\": {\"model\": \"tree.obj\", \"unit\": \"m\"}},\n"
+		"\"instances\": [{\"plant\": \"arbre\", \"at\": [0, 0, 0]}, {\"plant\": \"arbre\", \"at\": [9, 4, 0]}]}\n");
+	write_text("pruned.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", \"unit\": \"m\", \"parts\":\n"
+		"[{\"name\": \"blossom\", \"is\": \"left out\"}]}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}]}\n");
+}
+
+static void packs_are_the_same_with_and_without(void **state)
+{
+	(void)state;
+	empty_folder();
+	write_scene();
+	make("none.eco", NULL, LOD_ORDER_GREEDY, "scene.json");
+	make("first.eco", folder, LOD_ORDER_GREEDY, "scene.json");
+	assert_int_equal(files_in(folder, ".plant"), 2);               /* the plant, and that the pack is ours */
+	make("second.eco", folder, LOD_ORDER_GREEDY, "scene.json");
+	assert_int_equal(files_in(folder, ".plant"), 2);
+	assert_true(same_packs("none.eco", "first.eco"));
+	assert_true(same_packs("none.eco", "second.eco"));
+	/* a plant's name is the scene's business, not the cache's */
+	make("renamed.eco", folder, LOD_ORDER_GREEDY, "renamed.json");
+	make("arbre.eco", NULL, LOD_ORDER_GREEDY, "renamed.json");
+	assert_int_equal(files_in(folder, ".plant"), 3);
+	assert_true(same_packs("renamed.eco", "arbre.eco"));
+	assert_false(same_packs("renamed.eco", "none.eco"));
+	/* another order and a rule about parts are other plants */
+	make("other.eco", folder, LOD_ORDER_STOCHASTIC, "scene.json");
+	assert_int_equal(files_in(folder, ".plant"), 5);
+	make("pruned.eco", folder, LOD_ORDER_GREEDY, "pruned.json");
+	assert_int_equal(files_in(folder, ".plant"), 7);
+	make("pruned-none.eco", NULL, LOD_ORDER_GREEDY, "pruned.json");
+	assert_true(same_packs("pruned.eco", "pruned-none.eco"));
+}
+
+/* An entry whose hashes hold and whose plant is none. */
+static void an_entry_that_is_no_plant_is_built_anew(void **state)
+{
+	(void)state;
+	DIR *dir = opendir(folder);
+	struct main_cache cache;
+	main_cache_open(&cache, folder, 1 << 30);
+	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;) {
+		struct main_cache_key key;
+		unsigned byte;
+		int read = 0;
+		for (int i = 0; i < 16 && sscanf(d->d_name + 2 * i, "%2x", &byte) == 1; i++, read++)
+			key.bytes[i] = (uint8_t)byte;
+		if (read == 16)
+			main_cache_put(&cache, &key, (const uint8_t *)"nothing at all", 14);
+	}
+	closedir(dir);
+	main_cache_close(&cache);
+	make("third.eco", folder, LOD_ORDER_GREEDY, "scene.json");
+	assert_true(same_packs("none.eco", "third.eco"));
+	make("fourth.eco", folder, LOD_ORDER_GREEDY, "scene.json");
+	assert_true(same_packs("none.eco", "fourth.eco"));
+}
+
+static void a_pack_is_made_where_the_cache_cannot_be(void **state)
+{
+	(void)state;
+	make("unwritable.eco", "/dev/null/cache", LOD_ORDER_GREEDY, "scene.json");
+	assert_true(same_packs("none.eco", "unwritable.eco"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(gives_back_what_was_put),
+		cmocka_unit_test(without_a_folder_all_is_missed),
+		cmocka_unit_test(every_damage_is_noticed),
+		cmocka_unit_test(what_was_used_least_recently_goes),
+		cmocka_unit_test(what_others_left_unfinished_goes_after_a_while),
+		cmocka_unit_test(an_entry_beyond_the_limit_is_not_kept),
+		cmocka_unit_test(a_folder_that_cannot_be_fails_nothing),
+		cmocka_unit_test(packs_are_the_same_with_and_without),
+		cmocka_unit_test(an_entry_that_is_no_plant_is_built_anew),
+		cmocka_unit_test(a_pack_is_made_where_the_cache_cannot_be),
+		cmocka_unit_test(the_default_follows_the_environment),
+	};
+	mkdir("build/tmp", 0777);
+	snprintf(root, sizeof root, "build/tmp/cache-%d", (int)getpid());
+	snprintf(folder, sizeof folder, "%s/kept", root);
+	mkdir(root, 0777);
+	main_progress_quiet(true);
+	int failed = cmocka_run_group_tests(tests, NULL, NULL);
+	char command[400];
+	snprintf(command, sizeof command, "rm -rf '%s'", root);
+	return system(command) != 0 ? 1 : failed;
+}

@@ -1,0 +1,355 @@
+/* Packs that are built apart and linked, and packs that are built again after a change, are those that one full build gives: byte for byte. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/ecopack/link.h"
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/base/mix.h"
+#include "tests/support/scratch.h"
+
+#define PARTS 3u
+#define PLANTS 150u
+#define MOST 220u
+
+static char cache[300];
+
+struct plant { double x, y; int kind; double scale; };
+static struct { struct plant plants[MOST]; uint32_t count; } parts[PARTS];
+
+static void write_model(const char *name, double height, int leaves)
+{
+	FILE *file = open_text(name);
+	write_leaves(file, height, leaves);
+	fprintf(file, "v 0 0 0\nv 0.05 0 0\nv 0 %f 0\nf -3 -2 -1\n", height);
+	assert_int_equal(fclose(file), 0);
+}
+
+static uint32_t below(uint64_t *seed, uint32_t count)
+{
+	uint64_t number = (*seed)++;
+	return (uint32_t)(eco_mix(77, number) % count);
+}
+
+static struct plant random_plant(uint64_t *seed, uint32_t part)
+{
+	struct plant p;
+	p.x = 60.0 * part + below(seed, 6000) / 100.0;
+	p.y = below(seed, 6000) / 100.0;
+	p.kind = (int)below(seed, 2);
+	p.scale = 0.7 + below(seed, 60) / 100.0;
+	return p;
+}
+
+static void write_part(uint32_t part, const char *plants)
+{
+	char name[32];
+	snprintf(name, sizeof name, "part%u.json", part);
+	FILE *file = open_text(name);
+	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {%s}, \"instances\": [", plants);
+	for (uint32_t i = 0; i < parts[part].count; i++) {
+		const struct plant *p = &parts[part].plants[i];
+		fprintf(file, "%s\n{\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"scale\": %.2f}", i ? "," : "", p->kind ? "b" : "a", p->x, p->y, p->scale);
+	}
+	fputs("]}\n", file);
+	assert_int_equal(fclose(file), 0);
+}
+
+#define BOTH "\"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}, \"b\": {\"model\": \"b.obj\", \"unit\": \"m\"}"
+
+static void write_parts(uint64_t seed)
+{
+	for (uint32_t part = 0; part < PARTS; part++) {
+		parts[part].count = PLANTS;
+		for (uint32_t i = 0; i < PLANTS; i++)
+			parts[part].plants[i] = random_plant(&seed, part);
+		write_part(part, BOTH);
+	}
+	FILE *file = open_text("whole.json");
+	fputs("{\"name\": \"linked\", \"children\": [", file);
+	for (uint32_t part = 0; part < PARTS; part++)
+		fprintf(file, "%s{\"eco\": \"part%u.json\", \"at\": [0, 0, 0]}", part ? ", " : "", part);
+	fputs("]}\n", file);
+	assert_int_equal(fclose(file), 0);
+}
+
+static void make(const char *scene, const char *pack, bool cached)
+{
+	struct eco_error error = { 0 };
+	char from[512], to[512];
+	snprintf(from, sizeof from, "%s", in_root(scene));
+	snprintf(to, sizeof to, "%s", in_root(pack));
+	if (make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2, .order = LOD_ORDER_STOCHASTIC,
+		.cache = cached ? cache : NULL }, &error))
+		fail_msg("%s: %s", scene, error.text);
+}
+
+static enum eco_code link_parts(const char *pack, struct eco_error *error)
+{
+	static const char *const names[PARTS] = { "part0.eco", "part1.eco", "part2.eco" };
+	const char *paths[PARTS];
+	char to[512];
+	for (uint32_t i = 0; i < PARTS; i++)
+		paths[i] = in_root(names[i]);
+	snprintf(to, sizeof to, "%s", in_root(pack));
+	return link_packs(&(struct link_options){ .pack = to, .parts = paths, .count = PARTS, .jobs = 2 }, error);
+}
+
+static void make_parts(void)
+{
+	make("part0.json", "part0.eco", true);
+	make("part1.json", "part1.eco", true);
+	make("part2.json", "part2.eco", true);
+}
+
+static bool same(const char *a, const char *b)
+{
+	size_t na, nb;
+	char *x = read_all(a, &na), *y = read_all(b, &nb);
+	bool equal = na == nb && memcmp(x, y, na) == 0;
+	free(x);
+	free(y);
+	return equal;
+}
+
+static void linked_parts_equal_the_whole(void **state)
+{
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(1);
+	make_parts();
+	make("whole.json", "whole.eco", true);
+	if (link_parts("linked.eco", &error))
+		fail_msg("%s", error.text);
+	assert_true(same("linked.eco", "whole.eco"));
+}
+
+/* Parts with plants of their own: numbers and colours change, and what is alike is there once. */
+static void parts_keep_plants_of_their_own(void **state)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack = NULL;
+	struct inspect_counts counts;
+	FILE *out = tmpfile();
+	(void)state;
+	write_parts(2);
+	write_part(1, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, \"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}");
+	make_parts();
+	if (link_parts("linked.eco", &error) || inspect_verify(in_root("linked.eco"), out, &counts, &error))
+		fail_msg("%s", error.text);
+	fclose(out);
+	assert_int_equal(counts.damaged, 0);
+	assert_int_equal(eco_pack_open(&pack, in_root("linked.eco"), NULL), ECO_OK);
+	assert_int_equal(pack->scene.plant_count, 3);
+	assert_int_equal(pack->scene.tiles[0].instance_count, PARTS * PLANTS);
+	eco_pack_close(pack);
+}
+
+static void parts_of_other_frames_are_refused(void **state)
+{
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(3);
+	make_parts();
+	FILE *file = open_text("utm.json");
+	fputs("{\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 0], \"plants\": {" BOTH "}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, "
+		"0]}]}", file);
+	assert_int_equal(fclose(file), 0);
+	make("utm.json", "part2.eco", true);
+	unlink(in_root("linked.eco"));
+	assert_int_equal(link_parts("linked.eco", &error), ECO_BAD_INPUT);
+	assert_non_null(strstr(error.text, "part2.eco is in EPSG:32632"));
+	unlink(in_root("part2.eco"));
+	error = (struct eco_error){ 0 };
+	assert_int_not_equal(link_parts("linked.eco", &error), ECO_OK);
+	assert_int_not_equal(access(in_root("linked.eco"), F_OK), 0);
+}
+
+static void edit(uint64_t *seed)
+{
+	uint32_t part = below(seed, PARTS), at = below(seed, parts[part].count);
+	struct plant *p = &parts[part].plants[at];
+	switch (below(seed, 4)) {
+	case 0:
+		*p = parts[part].plants[--parts[part].count];
+		break;
+	case 1:
+		if (parts[part].count < MOST)
+			parts[part].plants[parts[part].count++] = random_plant(seed, part);
+		break;
+	case 2:
+		p->x += below(seed, 100) / 50.0 - 1;
+		break;
+	default:
+		p->kind = !p->kind;
+	}
+	write_part(part, BOTH);
+}
+
+/* ECO_EDITS in the environment: how many. */
+static void edited_packs_equal_full_builds(void **state)
+{
+	const char *wanted = getenv("ECO_EDITS");
+	int edits = wanted ? atoi(wanted) : 4;
+	uint64_t seed = 4;
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(5);
+	unlink(in_root("whole.eco"));
+	make("whole.json", "whole.eco", true);
+	for (int i = 0; i < edits; i++) {
+		edit(&seed);
+		make("whole.json", "whole.eco", true);         /* from the pack that is there */
+		unlink(in_root("full.eco"));
+		make("whole.json", "full.eco", i % 16 != 0);   /* from nothing: now and then plants, too */
+		if (!same("whole.eco", "full.eco"))
+			fail_msg("edit %d: building again is not the same as building anew", i);
+		make_parts();
+		if (link_parts("linked.eco", &error))
+			fail_msg("%s", error.text);
+		if (!same("linked.eco", "full.eco"))
+			fail_msg("edit %d: parts that are linked are not the whole", i);
+	}
+}
+
+/* What did not change is taken from the old pack: a plant at the edge of one part leaves the others' lists alone. */
+static void only_what_depends_on_a_change_is_built(void **state)
+{
+	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(6);
+	make("whole.json", "whole.eco", true);
+	main_cache_open(&m.cache, cache, 1 << 30);
+	m.error = &error;
+	make_kept_open(&m);
+	assert_non_null(m.kept);
+	struct eco_pack *pack = NULL;
+	assert_int_equal(eco_pack_open(&pack, in_root("whole.eco"), NULL), ECO_OK);
+	const struct eco_group *group = &pack->scene.groups[pack->scene.group_count / 2];
+	const uint8_t *places = pack->scene.places + group->place_first * ECO_PLACE_BYTES;
+	size_t size = (size_t)pack->scene.lists[group->list].primitive_count * ECO_PLACE_BYTES;
+	uint8_t *changed = malloc(size);
+	memcpy(changed, places, size);
+	assert_int_equal(make_kept_stand(&m, changed, size), group->list);
+	changed[0] ^= 1;
+	assert_int_equal(make_kept_stand(&m, changed, size), ECO_NONE);
+	free(changed);
+	eco_pack_close(pack);
+	make_kept_close(&m);
+	main_cache_close(&m.cache);
+}
+
+/* Flips bytes of the payloads: what lies behind the tables, in the last quarter of the file. */
+static void damage(const char *name)
+{
+	size_t size;
+	char *bytes = read_all(name, &size);
+	for (size_t i = size - size / 4; i < size; i += 97)
+		bytes[i] = (char)~bytes[i];
+	FILE *file = open_text(name);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+	free(bytes);
+}
+
+static void a_damaged_pack_is_built_anew(void **state)
+{
+	(void)state;
+	write_parts(7);
+	unlink(in_root("full.eco"));
+	make("whole.json", "full.eco", true);
+	make("whole.json", "whole.eco", true);
+	damage("whole.eco");
+	assert_false(same("whole.eco", "full.eco"));
+	make("whole.json", "whole.eco", true);
+	assert_true(same("whole.eco", "full.eco"));
+}
+
+static void a_damaged_part_is_named(void **state)
+{
+	struct eco_error error = { 0 };
+	(void)state;
+	write_parts(8);
+	make_parts();
+	damage("part1.eco");
+	unlink(in_root("linked.eco"));
+	assert_int_equal(link_parts("linked.eco", &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "part1.eco: chunk "));
+	assert_int_not_equal(access(in_root("linked.eco"), F_OK), 0);
+	unlink(in_root("part1.eco"));
+}
+
+/* A pack may be right by its tables and yet not be one that ecopack made. */
+static void summaries_of_others_are_refused(void **state)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	struct eco_pack_writer *writer;
+	char *meta;
+	(void)state;
+	write_parts(9);
+	make_parts();
+	assert_int_equal(eco_pack_open(&pack, in_root("part1.eco"), NULL), ECO_OK);
+	assert_int_equal(eco_pack_create(&writer, in_root("part1.eco"), NULL), ECO_OK);
+	for (uint32_t i = 0, id; i < pack->scene.list_count; i++) {
+		struct eco_list list = pack->scene.lists[i];
+		if (list.attributes & ECO_ATTR_PLANT)
+			list.coder = ECO_CODER_ROWS;
+		assert_int_equal(eco_pack_add_copied(writer, &list, pack, i, &id, NULL), ECO_OK);
+		assert_int_equal(id, i);
+	}
+	meta = strndup((const char *)pack->meta, pack->meta_size);
+	assert_int_equal(eco_pack_commit(writer, &pack->scene, meta, &error), ECO_OK);
+	assert_int_equal(link_parts("linked.eco", &error), ECO_UNSUPPORTED);
+	assert_non_null(strstr(error.text, "part1.eco: list "));
+	free(meta);
+	eco_pack_close(pack);
+	unlink(in_root("part1.eco"));
+}
+
+static int set_up(void **state)
+{
+	(void)state;
+	scratch_open("link");
+	snprintf(cache, sizeof cache, "%s/cache", root);
+	main_progress_quiet(true);
+	write_model("a.obj", 4, 60);
+	write_model("b.obj", 1.5, 25);
+	write_model("c.obj", 2.5, 40);
+	return 0;
+}
+
+static int clean_up(void **state)
+{
+	(void)state;
+	scratch_remove(cache);
+	scratch_remove(root);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(linked_parts_equal_the_whole),
+		cmocka_unit_test(parts_keep_plants_of_their_own),
+		cmocka_unit_test(parts_of_other_frames_are_refused),
+		cmocka_unit_test(edited_packs_equal_full_builds),
+		cmocka_unit_test(only_what_depends_on_a_change_is_built),
+		cmocka_unit_test(a_damaged_pack_is_built_anew),
+		cmocka_unit_test(a_damaged_part_is_named),
+		cmocka_unit_test(summaries_of_others_are_refused),
+	};
+	return cmocka_run_group_tests(tests, set_up, clean_up);
+}

@@ -1,0 +1,501 @@
+/* From scene files to packs, end to end: what stands where, what is shared, what is refused, and that a failure leaves nothing. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/progress.h"
+#include "lod/eye.h"
+#include "tests/support/pack_resign.h"
+#include "tests/support/scratch.h"
+
+static void write_text(const char *name, const char *text)
+{
+	FILE *file = open_text(name);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* A stem of `height` and leaves around its top, Y up. */
+static void write_model(const char *name, double height, int leaves)
+{
+	FILE *file = open_text(name);
+	double w = height / 40;
+	fputs("mtllib none.mtl\n", file);
+	for (int k = 0; k < 2; k++)
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", -w, k * height, -w, w, k * height, -w, w, k * height, w, -w, k * height, w);
+	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n", file);
+	write_leaves(file, height, leaves);
+	assert_int_equal(fclose(file), 0);
+}
+
+static enum eco_code make(const char *scene, const char *pack, uint32_t jobs, struct eco_error *error)
+{
+	char from[512], to[512];
+	snprintf(from, sizeof from, "%s/%s", root, scene);
+	snprintf(to, sizeof to, "%s/%s", root, pack);
+	return make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = jobs }, error);
+}
+
+static struct eco_pack *made(const char *scene, const char *pack)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *opened = NULL;
+	struct inspect_counts counts;
+	FILE *out = tmpfile();
+	if (make(scene, pack, 2, &error))
+		fail_msg("%s", error.text);
+	if (inspect_verify(in_root(pack), out, &counts, &error))
+		fail_msg("%s", error.text);
+	fclose(out);
+	assert_int_equal(counts.damaged, 0);
+	assert_int_equal(eco_pack_open(&opened, in_root(pack), &error), ECO_OK);
+	return opened;
+}
+
+/* World position of every plant that stands directly in the outermost file. */
+static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *plant, uint32_t most)
+{
+	static const struct eco_placement here = { .scale = 1 };
+	uint32_t count = 0;
+	for (uint32_t g = 0; g < s->group_count; g++) {
+		for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count && count < most; i++, count++) {
+			struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
+			struct lod_place place;
+			lod_place_instance(&place, &here, &s->lists[s->groups[g].list], &stored);
+			memcpy(at[count], place.at, sizeof at[count]);
+			plant[count] = s->groups[g].plant;
+		}
+	}
+	return count;
+}
+
+/* ---- What is built ---- */
+
+static void test_plant_at_the_origin_is_exact(void **state)
+{
+	double at[4][3];
+	uint32_t plant[4];
+	(void)state;
+	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, "
+		"0, 0]}]}");
+	struct eco_pack *pack = made("lone.json", "lone.eco");
+	assert_string_equal(pack->scene.name, "lone");
+	assert_int_equal(standing(&pack->scene, at, plant, 4), 1);
+	assert_true(at[0][0] == 0 && at[0][1] == 0 && at[0][2] == 0);
+	struct eco_place place = eco_place_read(&pack->scene, 0);
+	assert_int_equal(place.turn, 0);
+	assert_int_equal(place.scale, 65536);
+	assert_true(pack->scene.near_m <= 4.0 / 64);
+	eco_pack_close(pack);
+}
+
+/* 120 of three kinds on a slope, in tiles of at most 20. */
+static void write_slope(void)
+{
+	FILE *file = fopen(in_root("slope.json"), "wb");
+	assert_non_null(file);
+	fputs("{\"name\": \"slope\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"tile\": {\"instances\": 20},\n"
+		"\"plants\": {\"a\": {\"model\": \"a.obj\"}, \"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}, \"again\": {\"model\": "
+		"\"a.obj\"}},\n\"instances\": [", file);
+	for (int i = 0; i < 120; i++)
+		fprintf(file, "%s{\"plant\": \"%s\", \"at\": [%.3f, %.3f, %d], \"yaw_deg\": %d, \"scale\": %.2f}", i ? ",\n" : "",
+			i % 3 == 0 ? "a" : i % 3 == 1
+			? "b" : "again", (i * 37 % 101) * 0.83 - 40, (i * 59 % 103) * 0.71 - 35, i == 7 ? 2 : 0, i * 11 % 360, 0.5 + i % 10 * 0.1);
+	fputs("]}\n", file);
+	assert_int_equal(fclose(file), 0);
+	file = fopen(in_root("slope.asc"), "wb");
+	assert_non_null(file);
+	fputs("ncols 21\nnrows 21\nxllcorner 945\nyllcorner 1945\ncellsize 5\nNODATA_value -9999\n", file);
+	for (int r = 0; r < 21; r++)
+		for (int c = 0; c < 21; c++)
+			fprintf(file, "%.2f%c", 100 + c * 0.5 + (20 - r) * 0.25, c == 20 ? '\n' : ' ');
+	assert_int_equal(fclose(file), 0);
+}
+
+static double slope_height(double x, double y) { return (x + 55 - 2.5) * 0.1 + (y + 55 - 2.5) * 0.05; }
+
+static void test_plants_stand_where_the_scene_says(void **state)
+{
+	static double at[200][3];
+	static uint32_t plant[200];
+	(void)state;
+	write_slope();
+	struct eco_pack *pack = made("slope.json", "slope.eco");
+	const struct eco_scene *s = &pack->scene;
+	assert_int_equal(s->plant_count, 2);             /* one model under two names is one plant */
+	assert_int_equal(s->tiles[s->root].instance_count, 120);
+	assert_int_equal(standing(s, at, plant, 200), 120);
+	for (int i = 0; i < 120; i++) {
+		double x = (i * 37 % 101) * 0.83 - 40, y = (i * 59 % 103) * 0.71 - 35, z = slope_height(x, y) + (i == 7 ? 2 : 0), nearest = 1e9;
+		for (int k = 0; k < 120; k++) {
+			double dx = at[k][0] - x, dy = at[k][1] - y, dz = at[k][2] - z;
+			if (plant[k] == (i % 3 == 1 ? 1u : 0u))
+				nearest = fmin(nearest, sqrt(dx * dx + dy * dy + dz * dz));
+		}
+		assert_true(nearest < 0.012);            /* ground to the centimetre, places far finer */
+	}
+	assert_true(s->needs & ECO_NEED_GROUND);
+	assert_int_equal(s->ground_columns, 21);
+	eco_pack_close(pack);
+}
+
+/* Plants, rows and nested files beyond the raster are kept, and counted. */
+/* 10 m high, with leaves that reach so far. */
+static void write_tree(const char *name, double reach)
+{
+	char text[1000];
+	double r = reach;
+	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
+		"3 7 6\nf 3 4 8 7\n"
+		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
+			"16 17\n", r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
+	write_text(name, text);
+}
+
+static void test_crowns_choose_the_variant_and_the_size(void **state)
+{
+	double at[8][3];
+	uint32_t plant[8];
+	(void)state;
+	write_tree("narrow.obj", 1);
+	write_tree("wide.obj", 5);
+	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
+	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": "
+		"\"crowns.csv\", "
+		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
+	struct eco_pack *pack = made("crowns.json", "crowns.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t count = standing(s, at, plant, 8);
+	uint32_t wide = s->anchors[s->plants[0].anchor_first].radius > s->anchors[s->plants[1].anchor_first].radius ? 0 : 1;
+	assert_int_equal(count, 4);
+	for (uint32_t i = 0; i < count; i++)
+		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
+	eco_pack_close(pack);
+	/* without a height the crown says how large: the bounds end where it does */
+	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
+	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": "
+		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
+	pack = made("crown.json", "crown.eco");
+	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
+	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
+	eco_pack_close(pack);
+}
+
+static void test_what_stands_beyond_the_ground_is_counted(void **state)
+{
+	(void)state;
+	write_slope();
+	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
+	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}");
+	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
+		"{\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
+	struct eco_pack *pack = made("off.json", "off.eco");
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
+	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
+	assert_int_equal(json_integer_value(json_object_get(meta, "off_ground")), 3);
+	json_decref(meta);
+	eco_pack_close(pack);
+}
+
+static void test_tiles_are_small_and_summed_up(void **state)
+{
+	(void)state;
+	write_slope();
+	struct eco_pack *pack = made("slope.json", "slope.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t last = 0;
+	assert_true(s->tile_count > 6);
+	for (uint32_t t = 0; t < s->tile_count; t++) {
+		const struct eco_tile *tile = &s->tiles[t];
+		uint64_t own = 0;
+		for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
+			uint32_t list = s->groups[g].list;
+			own += s->lists[list].primitive_count;
+			assert_true(last == 0 || list == last + 1);      /* a run of tiles is a range of lists */
+			last = list;
+		}
+		assert_true(own <= 20);
+		assert_int_not_equal(tile->summary, ECO_NONE);
+		const struct eco_list *summary = &s->lists[tile->summary];
+		assert_true(summary->primitive_count >= 64);
+		assert_true(fabs((double)summary->unit_area * summary->primitive_count / (tile->area / 2) - 1) < 1e-4);
+	}
+	eco_pack_close(pack);
+}
+
+static void test_nested_files_are_built_once(void **state)
+{
+	(void)state;
+	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
+		"\"c\", \"at\": [0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
+	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
+		"[10, 0, 0], \"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": 2}]}");
+	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
+		"\"b\", \"at\": [5, 5, 0]}], "
+		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", \"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", "
+			"\"at\": [0, 50, 0]}]}");
+	struct eco_pack *pack = made("nest.json", "nest.eco");
+	const struct eco_scene *s = &pack->scene;
+	assert_int_equal(s->plant_count, 1);
+	assert_int_equal(s->tile_count, 3);
+	assert_int_equal(s->place_count, 3);
+	assert_int_equal(s->tiles[0].instance_count, 1 + 2 * 3 * 2 + 2);
+	assert_int_equal(s->tiles[0].child_count, 3);
+	assert_true(s->needs & ECO_NEED_PLACEMENTS);
+	double patch = s->tiles[2].area, one = (double)s->plants[0].area;
+	assert_true(fabs(patch / (one * 1.25) - 1) < 1e-5);
+	assert_true(fabs(s->tiles[1].area / (patch * 6) - 1) < 1e-5);
+	assert_true(fabs(s->tiles[0].area / (one + patch * 13) - 1) < 1e-5);
+	assert_true(s->tiles[0].high[0] >= 120 && s->tiles[0].high[1] >= 100);
+	eco_pack_close(pack);
+}
+
+static void test_threads_change_nothing(void **state)
+{
+	size_t size_a, size_b;
+	(void)state;
+	write_slope();
+	assert_int_equal(make("slope.json", "one.eco", 1, NULL), ECO_OK);
+	assert_int_equal(make("slope.json", "four.eco", 4, NULL), ECO_OK);
+	char *a = read_all("one.eco", &size_a), *b = read_all("four.eco", &size_b);
+	assert_int_equal(size_a, size_b);
+	assert_memory_equal(a, b, size_a);
+	free(a);
+	free(b);
+}
+
+static void test_every_triangle_is_accounted_for(void **state)
+{
+	(void)state;
+	write_model("worse.obj", 3, 30);
+	FILE *file = fopen(in_root("worse.obj"), "ab");
+	fputs("v 1 1 1\nv 1 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 2 6\nf 1 2 6\n", file);
+	fclose(file);
+	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, \"instances\": [{\"plant\": \"w\", \"at\": [0, "
+		"0, 0]}]}");
+	struct eco_pack *pack = made("worse.json", "worse.eco");
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), *plant = json_array_get(json_object_get(meta, "plants"), 0), *count;
+	json_int_t dropped = 0;
+	const char *reason;
+	assert_non_null(plant);
+	json_object_foreach(json_object_get(plant, "dropped"), reason, count)
+		dropped += json_integer_value(count);
+	assert_true(dropped >= 1);
+	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_in")),
+		json_integer_value(json_object_get(plant, "triangles_stored")) + dropped);
+	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_stored")), pack->scene.plants[0].triangles);
+	json_decref(meta);
+	eco_pack_close(pack);
+}
+
+/* ---- What is refused ---- */
+
+static uint32_t files_with(const char *part)
+{
+	DIR *folder = opendir(root);
+	struct dirent *entry;
+	uint32_t count = 0;
+	while ((entry = readdir(folder)))
+		count += strstr(entry->d_name, part) != NULL;
+	closedir(folder);
+	return count;
+}
+
+static void test_failure_leaves_the_old_pack(void **state)
+{
+	static const struct { const char *scene, *says; } bad[] = {
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, \"instances\": []}", "colour" },
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+			"missing.obj" },
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}", "no plants" },
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+			"broken.obj" },
+		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
+			"\"at\": [0, 0, 0]}]}", "a.obj" },
+		/* what is quickly found is said before plants are built */
+		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+			"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
+	};
+	(void)state;
+	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
+	write_text("two.csv", "x,y\n1,2\n500,1\n");
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		struct eco_error error = { 0 };
+		size_t size;
+		write_text("bad.json", bad[i].scene);
+		write_text("kept.eco", "ECOPACK1 that was there before");
+		assert_int_not_equal(make("bad.json", "kept.eco", 1, &error), ECO_OK);
+		if (!strstr(error.text, bad[i].says))
+			fail_msg("case %zu: \"%s\" does not name %s", i, error.text, bad[i].says);
+		char *kept = read_all("kept.eco", &size);
+		assert_int_equal(size, strlen("ECOPACK1 that was there before"));
+		free(kept);
+		assert_int_equal(files_with(".tmp-"), 0);
+	}
+}
+
+static void test_damage_is_found_and_named(void **state)
+{
+	size_t size;
+	(void)state;
+	write_slope();
+	eco_pack_close(made("slope.json", "whole.eco"));
+	char *bytes = read_all("whole.eco", &size);
+	for (int i = 0; i < 24; i++) {
+		struct inspect_counts counts;
+		struct eco_error error = { 0 };
+		size_t at = 40 + (size - 41) * (size_t)i / 23;
+		bytes[at] ^= 0x10;
+		FILE *file = fopen(in_root("hurt.eco"), "wb"), *out = tmpfile();
+		fwrite(bytes, 1, size, file);
+		fclose(file);
+		bytes[at] ^= 0x10;
+		assert_int_not_equal(inspect_verify(in_root("hurt.eco"), out, &counts, &error), ECO_OK);
+		assert_int_not_equal(error.text[0], 0);
+		if (counts.damaged) {
+			char line[256] = { 0 };
+			rewind(out);
+			assert_non_null(fgets(line, sizeof line, out));
+			assert_memory_equal(line, "list ", 5);
+			assert_non_null(strstr(line, "offset"));
+			assert_true(counts.chunks > counts.damaged);     /* it goes on */
+		}
+		fclose(out);
+	}
+	free(bytes);
+}
+
+/* A hilly ground of several tiles under one plant. */
+static void write_hills(void)
+{
+	FILE *file = fopen(in_root("hills.asc"), "wb");
+	assert_non_null(file);
+	fputs("ncols 150\nnrows 140\nxllcorner 0\nyllcorner 0\ncellsize 2\n", file);
+	for (int r = 0; r < 140; r++)
+		for (int c = 0; c < 150; c++)
+			fprintf(file, "%.2f%c", 50 + 9 * sin(c * 0.37) * cos(r * 0.29) + 0.1 * c, c == 149 ? '\n' : ' ');
+	assert_int_equal(fclose(file), 0);
+	write_text("hills.json", "{\"name\": \"hills\", \"ground\": {\"heights\": \"hills.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [50, 50]}]}");
+}
+
+static void test_ground_is_tiles_that_hold_what_they_say(void **state)
+{
+	struct inspect_counts counts;
+	struct eco_error error = { 0 };
+	size_t size;
+	(void)state;
+	write_hills();
+	struct eco_pack *pack = made("hills.json", "hills.eco");
+	const struct eco_scene *s = &pack->scene;
+	assert_true(s->ground_columns == 150 && s->ground_rows == 140 && s->ground_count == 1 + 4 + 9 && s->ground[0].level == 2);
+	assert_true(s->ground[0].error_m > 3 && s->ground[5].error_m == 0);
+	uint32_t count = s->ground_count;
+	eco_pack_close(pack);
+	/* an error that is too small, under a hash that is right */
+	uint8_t *bytes = (uint8_t *)read_all("hills.eco", &size);
+	for (uint32_t i = 0; i < bytes[12]; i++) {
+		uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
+		if (section[0] == ECO_SECTION_GROUND)
+			for (uint32_t t = 0; t < count; t++)
+				memset(bytes + resign_u64(section + 8) + 32 * t + 20, 0, 4);
+	}
+	pack_resign(bytes, size);
+	FILE *file = fopen(in_root("lies.eco"), "wb"), *out = tmpfile();
+	fwrite(bytes, 1, size, file);
+	fclose(file);
+	assert_int_equal(inspect_verify(in_root("lies.eco"), out, &counts, &error), ECO_DAMAGED);
+	assert_int_equal(counts.damaged, 5);
+	char line[256] = { 0 };
+	rewind(out);
+	assert_non_null(fgets(line, sizeof line, out));
+	assert_non_null(strstr(line, "ground tile 0 "));
+	assert_non_null(strstr(line, "further from its children than its error says"));
+	fclose(out);
+	free(bytes);
+}
+
+/* Whole metres are kept as such. */
+static void test_whole_heights_are_kept_exactly(void **state)
+{
+	(void)state;
+	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 110 99\n");
+	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
+	struct eco_pack *pack = made("whole.json", "whole.eco");
+	const struct eco_list *list = &pack->scene.lists[pack->scene.ground[0].list];
+	assert_true(list->grid_step[2] == 1 && list->grid_origin[2] == 99);
+	assert_true(pack->scene.ground[0].low_m == 99 && pack->scene.ground[0].high_m == 110);
+	eco_pack_close(pack);
+}
+
+static void test_info_speaks_json(void **state)
+{
+	(void)state;
+	write_slope();
+	eco_pack_close(made("slope.json", "info.eco"));
+	FILE *out = tmpfile();
+	assert_int_equal(inspect_info(in_root("info.eco"), true, out, NULL), ECO_OK);
+	rewind(out);
+	json_t *info = json_loadf(out, 0, NULL);
+	assert_non_null(info);
+	assert_int_equal(json_integer_value(json_object_get(info, "instances")), 120);
+	assert_int_equal(json_array_size(json_object_get(info, "plants")), 2);
+	assert_int_equal(json_integer_value(json_object_get(json_object_get(json_object_get(info, "lists"), "instances"), "primitives")), 120);
+	assert_true(json_integer_value(json_object_get(info, "curve_samples")) > 0);
+	json_decref(info);
+	fclose(out);
+}
+
+static int prepare(void **state)
+{
+	(void)state;
+	scratch_open("make");
+	main_progress_quiet(true);
+	write_model("a.obj", 4, 60);
+	write_model("b.obj", 1.5, 25);
+	return 0;
+}
+
+static int clean_up(void **state)
+{
+	(void)state;
+	scratch_remove(root);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_plant_at_the_origin_is_exact),
+		cmocka_unit_test(test_plants_stand_where_the_scene_says),
+		cmocka_unit_test(test_crowns_choose_the_variant_and_the_size),
+		cmocka_unit_test(test_what_stands_beyond_the_ground_is_counted),
+		cmocka_unit_test(test_ground_is_tiles_that_hold_what_they_say),
+		cmocka_unit_test(test_whole_heights_are_kept_exactly),
+		cmocka_unit_test(test_tiles_are_small_and_summed_up),
+		cmocka_unit_test(test_nested_files_are_built_once),
+		cmocka_unit_test(test_threads_change_nothing),
+		cmocka_unit_test(test_every_triangle_is_accounted_for),
+		cmocka_unit_test(test_failure_leaves_the_old_pack),
+		cmocka_unit_test(test_damage_is_found_and_named),
+		cmocka_unit_test(test_info_speaks_json),
+	};
+	return cmocka_run_group_tests(tests, prepare, clean_up);
+}

@@ -1,0 +1,335 @@
+/* Maps: what is counted, what is said to be left out, which part of the world is shown, and that a failure leaves nothing. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <cairo/cairo.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/map.h"
+#include "ecofiles/ecopack/progress.h"
+
+#define ROOT "build/tmp/test_map"
+#define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": \"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"
+
+static void write_text(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+static int make_files(void **state)
+{
+	(void)state;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	mkdir(ROOT, 0777);
+	main_progress_quiet(true);
+	write_text(ROOT "/any.obj", "this is never read\n");
+	write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
+	write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], \"height_m\": 4, \"scale\": 2},"
+		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": {\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
+		"\"height_m\": {\"column\": \"h\"}}]}");
+	write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, {\"plant\": \"oak\", \"at\": [10, 0]},"
+		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
+	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": \"plot.json\", \"at\": [100, 0], "
+		"\"yaw_deg\": 90, \"scale\": 2}]}");
+	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, 5]}], \"children\": [{\"eco\": \"block.json\", "
+		"\"at\": [0, 0]},{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
+	return 0;
+}
+
+static void gather(struct map *m, const char *scene)
+{
+	static struct eco_error error;
+	error = (struct eco_error){ 0 };
+	*m = (struct map){ .error = &error };
+	if (map_gather(m, scene))
+		fail_msg("%s: %s", scene, error.text);
+}
+
+static const struct map_kind *kind(const struct map *m, const char *name)
+{
+	for (uint32_t i = 0; i < m->kind_count; i++)
+		if (strcmp(m->kinds[i].name, name) == 0)
+			return &m->kinds[i];
+	fail_msg("no kind %s", name);
+	return NULL;
+}
+
+static uint64_t left(const struct map *m, const char *reason)
+{
+	for (uint32_t i = 0; i < m->left_count; i++)
+		if (strstr(m->left[i].text, reason))
+			return m->left[i].count;
+	return 0;
+}
+
+/* ---- Counting ---- */
+
+static void test_plants_are_counted_by_kind_with_their_heights(void **state)
+{
+	struct map m;
+	(void)state;
+	gather(&m, ROOT "/one.json");
+	assert_int_equal(m.total, 4);
+	assert_int_equal(m.points.count, 4);
+	assert_int_equal(kind(&m, "oak")->count, 2);
+	assert_int_equal(kind(&m, "ash")->count, 1);
+	assert_int_equal(kind(&m, "elm")->count, 1);
+	assert_true(kind(&m, "oak")->low_m == 10 && kind(&m, "oak")->high_m == 20);      /* one has no height: the plant's own */
+	assert_true(kind(&m, "elm")->low_m == 8);                                        /* 4 m twice */
+	map_free(&m);
+}
+
+static void test_what_is_left_out_is_counted_by_reason(void **state)
+{
+	struct map m;
+	(void)state;
+	gather(&m, ROOT "/one.json");
+	assert_int_equal(left(&m, "rows.csv: 8 rows, 3 plants"), 8);
+	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_NO_COORDINATES]), 1);
+	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_BAD_NUMBER]), 1);
+	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_UNKNOWN_SPECIES]), 1);
+	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_LEFT_OUT]), 2);
+	assert_int_equal(left(&m, "stump"), 2);          /* which ones */
+	assert_int_equal(left(&m, "weed"), 1);
+	assert_int_equal(left(&m, eco_skip_names[ECO_KEPT_NO_HEIGHT]), 1);
+	map_free(&m);
+}
+
+static void test_nested_files_count_as_often_as_they_stand(void **state)
+{
+	struct map m;
+	(void)state;
+	gather(&m, ROOT "/nested.json");
+	assert_int_equal(m.total, 1 + 3 * 3);
+	assert_int_equal(kind(&m, "oak")->count, 6);
+	assert_int_equal(kind(&m, "ash")->count, 3);
+	assert_int_equal(m.placements, 4);
+	assert_int_equal(m.points.count, 10);
+	assert_int_equal(m.outline_count, 2);
+	map_free(&m);
+}
+
+static void test_nested_plants_are_turned_moved_and_scaled(void **state)
+{
+	struct map m;
+	bool found = false;
+	(void)state;
+	gather(&m, ROOT "/nested.json");
+	for (uint64_t i = 0; i < m.points.count; i++)        /* oak at [10, 0], turned to [0, 10], twice as large, at [100, 0] */
+		found |= fabsf(m.points.items[i].x - 100) < 1e-3f && fabsf(m.points.items[i].y - 20) < 1e-3f && m.points.items[i].height_m == 40;
+	assert_true(found);
+	map_free(&m);
+}
+
+static void test_scattered_plants_are_shown_with_their_areas(void **state)
+{
+	struct map m;
+	(void)state;
+	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
+		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, 47]]]}}]}");
+	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], [9.002, 47.0003]]}");
+	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
+		PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
+		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": \"roads.geojson\", \"clear_m\": 4}]}");
+	gather(&m, ROOT "/scatter.json");
+	assert_int_equal(m.areas.count, 3);
+	assert_int_equal(m.clear_of.count, 1);
+	assert_true(kind(&m, "oak")->count > 100 && m.total == kind(&m, "oak")->count + kind(&m, "ash")->count);
+	assert_int_equal(map_frame(&m, 300), ECO_OK);
+	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
+	assert_int_equal(map_draw_places(&m), ECO_OK);
+	assert_int_equal(m.outside, 0);
+	map_free(&m);
+}
+
+/* ---- The part that is shown ---- */
+
+static void write_rows(const char *path, uint32_t count, const char *more)
+{
+	FILE *file = fopen(path, "wb");
+	fputs("x,y\n", file);
+	for (uint32_t i = 0; i < count; i++)
+		fprintf(file, "%u,%u\n", i * 37 % 1000, i * 71 % 1000);
+	fputs(more, file);
+	fclose(file);
+}
+
+#define ROWS_SCENE(name) "{" PLANTS ", \"instances\": [{\"from\": \"" name "\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"oak\"}]}"
+
+static void test_strays_do_not_shrink_the_rest(void **state)
+{
+	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] = { { 1000, "", 1100, 0 },
+		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 }, { 1000, "2000,2000\n", 2200, 0 },
+		{ 3, "4000000,0\n", 5e6, 0 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct map m;
+		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
+		write_text(ROOT "/stray.json", ROWS_SCENE("stray.csv"));
+		gather(&m, ROOT "/stray.json");
+		assert_int_equal(map_frame(&m, 400), ECO_OK);
+		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
+		assert_int_equal(map_draw_places(&m), ECO_OK);
+		assert_true(m.view.high[0] - m.view.low[0] <= cases[i].widest);
+		assert_int_equal(m.outside, cases[i].outside);
+		map_free(&m);
+	}
+}
+
+static void test_one_plant_and_rows_of_plants_have_a_map(void **state)
+{
+	static const char *const rows[] = { "5,5\n", "0,0\n100,0\n", "7,1\n7,900\n", "1,1\n1,1\n1,1\n" };
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct map m;
+		write_rows(ROOT "/few.csv", 0, rows[i]);
+		write_text(ROOT "/few.json", ROWS_SCENE("few.csv"));
+		gather(&m, ROOT "/few.json");
+		assert_int_equal(map_frame(&m, 300), ECO_OK);
+		assert_true(m.width >= 90 && m.width <= 300 && m.height >= 90 && m.height <= 300);
+		map_free(&m);
+	}
+}
+
+static void test_many_plants_become_density(void **state)
+{
+	struct map m;
+	(void)state;
+	for (uint32_t count = 500; count <= 200000; count *= 400) {
+		FILE *file = fopen(ROOT "/dense.csv", "wb");
+		fputs("x,y\n", file);
+		for (uint32_t i = 0; i < count; i++)
+			fprintf(file, "%.2f,%.2f\n", fmod(i * 0.7548776662, 1) * 1000, fmod(i * 0.5698402910, 1) * 1000);
+		fclose(file);
+		write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
+		gather(&m, ROOT "/dense.json");
+		assert_int_equal(map_frame(&m, 400), ECO_OK);
+		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
+		assert_int_equal(map_draw_places(&m), ECO_OK);
+		assert_int_equal(m.is_density, count > 1000);
+		map_free(&m);
+	}
+}
+
+/* ---- The command ---- */
+
+static enum eco_code run(const char *line, struct eco_error *error)
+{
+	char text[400], *argv[24];
+	int argc = 0;
+	snprintf(text, sizeof text, "%s --quiet", line);
+	for (char *word = strtok(text, " "); word && argc < 24; word = strtok(NULL, " "))
+		argv[argc++] = word;
+	*error = (struct eco_error){ 0 };
+	return main_command_map.run(argc, argv, error);
+}
+
+static size_t read_all(const char *path, uint8_t *bytes, size_t most)
+{
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t size = fread(bytes, 1, most, file);
+	fclose(file);
+	return size;
+}
+
+/* 100 m from west to east, 0 to 50 m high; nothing is known of the last column. */
+static void write_ground(void)
+{
+	FILE *file = fopen(ROOT "/dem.asc", "wb");
+	fputs("ncols 11\nnrows 6\nxllcorner -5\nyllcorner -5\ncellsize 10\nNODATA_value -9999\n", file);
+	for (int r = 0; r < 6; r++)
+		for (int c = 0; c < 11; c++)
+			fprintf(file, "%d%s", 5 * c, c < 10 ? " " : "\n");
+	fclose(file);
+	write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
+		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
+}
+
+static void test_ground_has_contour_lines(void **state)
+{
+	struct map m;
+	(void)state;
+	write_ground();
+	gather(&m, ROOT "/hill.json");
+	assert_true(m.has_ground);
+	assert_int_equal(m.off_ground, 1);
+	assert_int_equal(map_frame(&m, 300), ECO_OK);
+	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
+	assert_int_equal(map_draw_ground(&m), ECO_OK);
+	assert_int_equal(map_draw_contours(&m), ECO_OK);
+	assert_true(m.contour_m == 5);
+	assert_true(m.low_m >= 0 && m.high_m <= 50 && m.high_m - m.low_m > 45);
+	map_free(&m);
+}
+
+static void test_the_same_scene_gives_the_same_picture(void **state)
+{
+	static uint8_t a[1 << 20], b[1 << 20];
+	struct eco_error error;
+	(void)state;
+	write_ground();
+	static const char *const scenes[] = { ROOT "/one.json", ROOT "/nested.json", ROOT "/hill.json" };
+	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+		char line[300];
+		snprintf(line, sizeof line, "%s -o " ROOT "/a.png --size 300", scenes[i]);
+		if (run(line, &error))
+			fail_msg("%s", error.text);
+		size_t size = read_all(ROOT "/a.png", a, sizeof a);
+		assert_int_equal(run(line, &error), ECO_OK);
+		assert_int_equal(read_all(ROOT "/a.png", b, sizeof b), size);
+		assert_memory_equal(a, b, size);
+	}
+}
+
+static void test_bad_command_lines_and_scenes_are_told(void **state)
+{
+	static const struct { const char *line; enum eco_code code; const char *says; } cases[] = { { ROOT "/one.json", ECO_BAD_USAGE, "-o" },
+		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the scene file" }, { ROOT "/one.json -o " ROOT "/x.png --size 20", ECO_BAD_USAGE, "--size" },
+		{ ROOT "/none.json -o " ROOT "/x.png", ECO_NOT_FOUND, "none.json" }, { ROOT "/rows.csv -o " ROOT "/x.png", ECO_BAD_INPUT, "rows.csv" },
+		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" }, { ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT,
+			"nothing to show" },
+		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
+	(void)state;
+	unlink(ROOT "/x.png");
+	write_text(ROOT "/nothing.json", "{" PLANTS "}");
+	write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": \"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_error error;
+		enum eco_code code = run(cases[i].line, &error);
+		if (code != cases[i].code || !strstr(error.text, cases[i].says))
+			fail_msg("%s: %s: %s", cases[i].line, eco_code_name(code), error.text);
+	}
+	assert_int_not_equal(access(ROOT "/x.png", F_OK), 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_plants_are_counted_by_kind_with_their_heights),
+		cmocka_unit_test(test_what_is_left_out_is_counted_by_reason),
+		cmocka_unit_test(test_nested_files_count_as_often_as_they_stand),
+		cmocka_unit_test(test_nested_plants_are_turned_moved_and_scaled),
+		cmocka_unit_test(test_scattered_plants_are_shown_with_their_areas),
+		cmocka_unit_test(test_strays_do_not_shrink_the_rest),
+		cmocka_unit_test(test_one_plant_and_rows_of_plants_have_a_map),
+		cmocka_unit_test(test_many_plants_become_density),
+		cmocka_unit_test(test_ground_has_contour_lines),
+		cmocka_unit_test(test_the_same_scene_gives_the_same_picture),
+		cmocka_unit_test(test_bad_command_lines_and_scenes_are_told),
+	};
+	return cmocka_run_group_tests(tests, make_files, NULL);
+}

@@ -1,0 +1,258 @@
+/* Camera scripts and views: what they mean to the number, and that whatever cannot be drawn is refused by name. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "ecofiles/format/view.h"
+
+#define KEY(time, x) "{\"time_s\": " time ", \"eye\": [" x ", 0, 2], \"target\": [0, 50, 1], \"fov_y_deg\": 45}"
+#define SCRIPT(fps, keys) "{\"fps\": " fps ", \"keyframes\": [" keys "]}"
+
+static struct eco_camera *camera_of(const char *json)
+{
+	struct eco_camera *camera;
+	struct eco_error error = { 0 };
+	if (eco_camera_parse(&camera, json, strlen(json), "tour.json", &error))
+		fail_msg("%s", error.text);
+	return camera;
+}
+
+static void frames_run_to_the_last_keyframe(void **state)
+{
+	static const struct { const char *json; uint32_t frames; double last_s; } rows[] = {
+		{ SCRIPT("2", KEY("0", "1")), 1, 0 },
+		{ SCRIPT("2", KEY("5", "1")), 1, 5 },
+		{ SCRIPT("2", KEY("0", "1") "," KEY("3", "2")), 7, 3 },
+		{ SCRIPT("2", KEY("1", "1") "," KEY("3.9", "2")), 6, 3.5 },
+		{ SCRIPT("30", KEY("0", "1") "," KEY("0.1", "2")), 4, 0.1 },
+		{ SCRIPT("3", KEY("0", "1") "," KEY("0.3333333333", "2")), 2, 0.3333333333 },
+		{ SCRIPT("1", KEY("-2", "1") "," KEY("0.5", "2") "," KEY("2", "3")), 5, 2 },
+		{ SCRIPT("0.001", KEY("0", "1") "," KEY("5", "2")), 1, 0 },
+		{ SCRIPT("1000", KEY("0", "1") "," KEY("999.999", "2")), 1000000, 999.999 },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_camera *camera = camera_of(rows[i].json);
+		struct eco_view view = { .width = 640, .height = 480 };
+		assert_int_equal(eco_camera_frame_count(camera), rows[i].frames);
+		assert_true(eco_camera_frame(camera, rows[i].frames - 1, &view) == rows[i].last_s);
+		assert_true(view.width == 640 && view.height == 480);
+		eco_camera_free(camera);
+	}
+}
+
+static void keyframes_are_met_exactly_and_up_defaults_to_z(void **state)
+{
+	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
+		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], \"fov_y_deg\": 60.5}"));
+	struct eco_view view;
+	(void)state;
+	assert_true(eco_camera_frame(camera, 0, &view) == 0 && view.eye[0] == 0.1 && view.up[2] == 1 && view.up[0] == 0);
+	assert_true(eco_camera_frame(camera, 7, &view) == 0.7 && view.eye[0] == 12.3 && view.fov_y_deg == 45);
+	assert_true(eco_camera_frame(camera, 20, &view) == 2 && view.eye[0] == 1e6 && view.target[2] == 0.3 && view.up[1] == 1);
+	assert_true(view.fov_y_deg == 60.5 && view.up[2] == 0.5);
+	eco_camera_free(camera);
+}
+
+static void what_does_not_change_stays_to_the_last_bit(void **state)
+{
+	struct eco_camera *camera = camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
+	struct eco_view view;
+	(void)state;
+	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
+		eco_camera_frame(camera, i, &view);
+		assert_true(view.eye[0] == 0.1 && view.target[1] == 50 && view.fov_y_deg == 45 && view.up[2] == 1);
+	}
+	eco_camera_free(camera);
+}
+
+static void equal_speed_stays_equal_at_unequal_times(void **state)
+{
+	struct eco_camera *camera = camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4", "40")));
+	struct eco_view view;
+	(void)state;
+	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
+		double t = eco_camera_frame(camera, i, &view);
+		assert_true(fabs(view.eye[0] - 10 * t) < 1e-9);
+	}
+	eco_camera_free(camera);
+}
+
+/* The spline written out in another way, by its Bernstein form (control points a third of the way along the slopes). */
+static double bezier(double t, double ta, double tb, double a, double b, double slope_a, double slope_b)
+{
+	double s = (t - ta) / (tb - ta), h = (tb - ta) / 3, c = a + h * slope_a, d = b - h * slope_b;
+	return (1 - s) * (1 - s) * (1 - s) * a + 3 * s * (1 - s) * (1 - s) * c + 3 * s * s * (1 - s) * d + s * s * s * b;
+}
+
+static void between_keyframes_lies_a_catmull_rom_spline(void **state)
+{
+	static const double t[] = { 0, 1, 1.5, 4 }, x[] = { 3, 10, -2, 5 };
+	double slope[4] = { (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[0]) / (t[2] - t[0]), (x[3] - x[1]) / (t[3] - t[1]),
+		(x[3] - x[2]) / (t[3] - t[2]) };
+	struct eco_camera *camera = camera_of(SCRIPT("50", KEY("0", "3") "," KEY("1", "10") "," KEY("1.5", "-2") "," KEY("4", "5")));
+	struct eco_view view;
+	(void)state;
+	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
+		double time = eco_camera_frame(camera, i, &view);
+		int k = time < 1 ? 0 : time < 1.5 ? 1 : 2;
+		double expected = bezier(time, t[k], t[k + 1], x[k], x[k + 1], slope[k], slope[k + 1]);
+		assert_true(fabs(view.eye[0] - expected) < 1e-9);
+		double bound = 4.0 / 27 * (t[k + 1] - t[k]) * (fabs(slope[k]) + fabs(slope[k + 1])) + 1e-9;
+		assert_true(view.eye[0] <= fmax(x[k], x[k + 1]) + bound && view.eye[0] >= fmin(x[k], x[k + 1]) - bound);
+	}
+	eco_camera_free(camera);
+}
+
+static void impossible_scripts_are_refused_by_name(void **state)
+{
+	static const struct { const char *json, *text; } rows[] = {
+		{ "", "tour.json:1:" },
+		{ "{\"fps\": 2,\n \"keyframes\": [}", "tour.json:2:16: " },
+		{ SCRIPT("2", KEY("0", "1")) "x", "tour.json:1:" },
+		{ "{\"fps\": 2, \"fps\": 3, \"keyframes\": []}", "tour.json:1:" },
+		{ "[]", "tour.json:1:1: the document must be an object" },
+		{ "{\"keyframes\": [" KEY("0", "1") "]}", "tour.json:1:1: \"fps\" is missing" },
+		{ "\n{\"fps\": 2}", "tour.json:2:1: \"keyframes\" is missing" },
+		{ "{\"fps\": 2,\n\"keyframes\": []}", "tour.json:2:14: there are no keyframes" },
+		{ "{\"fps\": 2,\n\"keyframes\": {}}", "tour.json:2:14: \"keyframes\" must be an array" },
+		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}", "tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
+		{ SCRIPT("0", KEY("0", "1")), "tour.json:1:9: fps is 0, it must be" },
+		{ SCRIPT("-1", KEY("0", "1")), "tour.json:1:9: fps is -1" },
+		{ SCRIPT("\"2\"", KEY("0", "1")), "tour.json:1:9: \"fps\" must be a number" },
+		{ SCRIPT("2", "\n1"), "tour.json:2:1: this must be an object" },
+		{ SCRIPT("2", KEY("0", "1") ",\n{\"time_s\": 1, \"eye\": [0, 0], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"),
+			"tour.json:2:22: \"eye\" has 2 numbers" },
+		{ SCRIPT("2", "\n" KEY("0", "\"a\"")), "tour.json:2:23: this must be a number" },
+		{ SCRIPT("2", "\n" KEY("0", "1e13")), "tour.json:2:23: the number is 1" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"fov_y_deg\": 9}"), "tour.json:2:1: \"target\" is missing" },
+		{ SCRIPT("2", "\n{\"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"), "tour.json:2:1: \"time_s\" is missing" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3]}"), "tour.json:2:1: \"fov_y_deg\" is missing" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": 181}"),
+			"tour.json:3:14: fov_y_deg is 181" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": 180}"),
+			"tour.json:2:1: frame 0 at 1 s, from this keyframe on, cannot be drawn: fov_y_deg: 180" },
+		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9,\n\"roll\": 1}"),
+			"tour.json:2:1: unknown field \"roll\"" },
+		{ SCRIPT("2", KEY("1", "1") ",\n" KEY("1", "2")), "tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
+		{ SCRIPT("2", KEY("0", "1") "," KEY("1", "2") ",\n" KEY("0.5", "2")), "tour.json:2:12: time_s is 0.5, but" },
+		{ SCRIPT("1000", KEY("0", "1") "," KEY("1000", "2")), "tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
+		{ SCRIPT("1", KEY("0", "1") ",\n" KEY("1e10", "2")), "tour.json:2:12: time_s is 1" },
+		{ SCRIPT("2", "\n{\"time_s\": 0, \"eye\": [0, 0, 1], \"target\": [0, 0, 1], \"fov_y_deg\": 9}"),
+			"tour.json:2:1: frame 0 at 0 s, from this keyframe on, cannot be drawn: target: it is the same point as eye" },
+		/* eye and target meet half-way */
+		{ SCRIPT("1", "\n{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 9},"
+			"\n{\"time_s\": 2, \"eye\": [2, 0, 0], \"target\": [0, 0, 0], \"fov_y_deg\": 9}"),
+			"tour.json:2:1: frame 1 at 1 s, from this keyframe on, cannot be drawn: target: it is the same point as eye (1, 0, 0)" },
+		/* the field of view swings below 0 between keyframes that are all right */
+		{ SCRIPT("10", "{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 170},\n"
+			"{\"time_s\": 1, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1},"
+			"{\"time_s\": 2, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1}"),
+			"tour.json:2:1: frame 11 at 1.1 s, from this keyframe on, cannot be drawn: fov_y_deg: -" },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_camera *camera = (void *)1;
+		struct eco_error error = { 0 };
+		enum eco_code code = eco_camera_parse(&camera, rows[i].json, strlen(rows[i].json), "tour.json", &error);
+		if (code == ECO_OK || code != error.code || camera || strncmp(error.text, rows[i].text, strlen(rows[i].text)) != 0)
+			fail_msg("row %zu: code %d, \"%s\" where \"%s\" was expected", i, code, error.text, rows[i].text);
+	}
+}
+
+static void every_truncation_of_a_script_is_refused(void **state)
+{
+	static const char json[] = SCRIPT("2", KEY("0", "1") "," KEY("3", "2"));
+	(void)state;
+	for (size_t size = 0; size + 1 < sizeof json; size++) {
+		struct eco_camera *camera;
+		char *exact = malloc(size + 1);
+		memcpy(exact, json, size);
+		assert_int_equal(eco_camera_parse(&camera, exact, size, "cut", NULL), ECO_BAD_INPUT);
+		free(exact);
+	}
+}
+
+static void scripts_are_loaded_from_files(void **state)
+{
+	static const char path[] = "build/tmp/test_camera.json";
+	struct eco_camera *camera;
+	struct eco_error error = { 0 };
+	(void)state;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_IO);
+	assert_true(strstr(error.text, "not-there.json") && camera == NULL);
+	/* a script of more than one portion of reading */
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	fputs("{\"fps\": 1, \"keyframes\": [" KEY("0", "1"), file);
+	for (int i = 1; i < 300; i++)
+		fprintf(file, ", {\"time_s\": %d, \"eye\": [%d, 0, 2], \"target\": [0, 50, 1], \"up\": [0, 0, 1], \"fov_y_deg\": 45}", i, i);
+	fputs("]}", file);
+	fclose(file);
+	assert_int_equal(eco_camera_load(&camera, path, NULL), ECO_OK);
+	assert_int_equal(eco_camera_frame_count(camera), 300);
+	eco_camera_free(camera);
+	eco_camera_free(NULL);
+	error.code = ECO_OK;
+	assert_int_equal(eco_camera_load(&camera, "build/tmp", &error), ECO_IO);
+	remove(path);
+}
+
+static void views_that_cannot_be_drawn_are_refused(void **state)
+{
+	static const struct eco_view good = { { 0, 0, 1 }, { 0, 5, 1 }, { 0, 0, 1 }, 45, 800, 600 };
+	(void)state;
+	assert_int_equal(eco_view_check(&good, NULL), ECO_OK);
+	for (int fault = 0; fault < 14; fault++) {
+		struct eco_view v = good;
+		struct eco_error error = { 0 };
+		const char *field = "";
+		switch (fault) {
+		case 0: v.eye[1] = NAN, field = "eye"; break;
+		case 1: v.eye[2] = INFINITY, field = "eye"; break;
+		case 2: v.target[0] = -1.1e12, field = "target"; break;
+		case 3: v.up[0] = NAN, field = "up"; break;
+		case 4: v.target[1] = 0, field = "target"; break;
+		case 5: v.fov_y_deg = 0, field = "fov_y_deg"; break;
+		case 6: v.fov_y_deg = 180, field = "fov_y_deg"; break;
+		case 7: v.fov_y_deg = NAN, field = "fov_y_deg"; break;
+		case 8: v.width = 0, field = "width"; break;
+		case 9: v.width = ECO_IMAGE_MAX + 1, field = "width"; break;
+		case 10: v.height = 0, field = "height"; break;
+		case 11: v.height = UINT32_MAX, field = "height"; break;
+		case 12: v.fov_y_deg = -45, field = "fov_y_deg"; break;
+		case 13: v.eye[0] = 1e13, field = "eye"; break;
+		}
+		assert_int_equal(eco_view_check(&v, &error), ECO_BAD_INPUT);
+		assert_true(strncmp(error.text, field, strlen(field)) == 0);
+	}
+	struct eco_view steep = good;
+	steep.up[1] = 1, steep.up[2] = 0;        /* along the view: another is chosen */
+	assert_int_equal(eco_view_check(&steep, NULL), ECO_OK);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(frames_run_to_the_last_keyframe),
+		cmocka_unit_test(keyframes_are_met_exactly_and_up_defaults_to_z),
+		cmocka_unit_test(what_does_not_change_stays_to_the_last_bit),
+		cmocka_unit_test(equal_speed_stays_equal_at_unequal_times),
+		cmocka_unit_test(between_keyframes_lies_a_catmull_rom_spline),
+		cmocka_unit_test(impossible_scripts_are_refused_by_name),
+		cmocka_unit_test(every_truncation_of_a_script_is_refused),
+		cmocka_unit_test(scripts_are_loaded_from_files),
+		cmocka_unit_test(views_that_cannot_be_drawn_are_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

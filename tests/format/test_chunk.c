@@ -1,0 +1,298 @@
+/* Chunks: what is encoded is decoded, whatever the coder, in the order that was promised; the format is fixed. */
+#include "tests/support/chunk_kinds.h"
+
+static void what_goes_in_comes_out(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < KIND_COUNT; i++) {
+		const struct kind *k = &kinds[i];
+		const struct eco_list list = list_of(k);
+		struct eco_elements in = make(k, k->count + 7, i + 1), out;
+		uint32_t first = k->count > 10 ? 5 : 0, end = first + k->count;
+		const struct eco_chunk_input input = { &list, &in, first, end, (uint32_t)i };
+		uint32_t *order = ordered(k) ? malloc((end - first) * sizeof *order) : NULL;
+		struct eco_error error = { 0 };
+		struct eco_chunk chunk;
+		uint8_t *bytes;
+		size_t size;
+
+		if (encode(&input, &bytes, &size, order, &error) != ECO_OK)
+			fail_msg("%s: %s", k->name, error.text);
+		chunk = describe(&in, first, end, size);
+		if (eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, &error) != ECO_OK)
+			fail_msg("%s: %s", k->name, error.text);
+		assert_int_equal(out.primitive_count, chunk.primitive_count);
+		assert_same(k, &in, first, end, &out, order);
+		free(order);
+		free(bytes);
+		eco_elements_free(&in);
+		eco_elements_free(&out);
+	}
+}
+
+static void the_same_elements_give_the_same_bytes(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < KIND_COUNT; i++) {
+		const struct eco_list list = list_of(&kinds[i]);
+		struct eco_elements in = make(&kinds[i], kinds[i].count, 3);
+		const struct eco_chunk_input input = { &list, &in, 0, kinds[i].count, 1 };
+		uint8_t *bytes[2];
+		size_t size[2];
+
+		for (int pass = 0; pass < 2; pass++)
+			assert_int_equal(encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
+		assert_int_equal(size[0], size[1]);
+		assert_memory_equal(bytes[0], bytes[1], size[0]);
+		free(bytes[0]);
+		free(bytes[1]);
+		eco_elements_free(&in);
+	}
+}
+
+/* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */
+static void forms_follow_their_elements(void **state)
+{
+	static const struct { uint8_t low, high, form; } cases[] = {
+		{ 3, 3, 1 }, { 3, 6, 1 }, { 6, 6, 1 }, { 3, 6, 3 }, { 5, 6, 4 }, { 4, 4, 4 },
+	};
+	enum { COUNT = 300, FIRST = 20, END = 270 };
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		const struct kind fan = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, COUNT, 0,
+			4095, SCATTERED };
+		const struct kind form = { "forms", cases[i].form == 1 ? ECO_LIST_POINTS : ECO_LIST_TRIANGLES, ECO_CODER_FORM,
+			cases[i].form == 1 ? ECO_ATTR_COLOR | ECO_ATTR_SIZE : ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0,
+			4095, SCATTERED };
+		const struct eco_list fans = list_of(&fan), forms = list_of(&form);
+		struct eco_elements in = make(&fan, COUNT, i), other = make(&form, COUNT, i + 50), out;
+		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
+		uint32_t order[END - FIRST];
+		struct eco_error error = { 0 };
+		struct eco_chunk chunk;
+		uint8_t *bytes;
+		size_t size;
+
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, &error), ECO_OK);
+		free(bytes);
+		if (eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		chunk = describe(&other, FIRST, END, size);
+		if (eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		assert_same(&form, &other, FIRST, END, &out, order);
+		eco_elements_free(&out);
+		free(bytes);
+		/* one form too few, one of another shape */
+		other.element_count--;
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error), ECO_BAD_INPUT);
+		other.element_count++;
+		other.corners[100] = (uint8_t)(7 - cases[i].form);
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, NULL), ECO_BAD_INPUT);
+		assert_null(bytes);
+		eco_elements_free(&in);
+		eco_elements_free(&other);
+	}
+}
+
+/* The first chunks are drawn in the order that they came in: of one corner count strictly, else each corner count's elements among themselves. */
+static void first_chunks_keep_their_order(void **state)
+{
+	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] = { { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
+		{ 4, 4, 0, 1, true }, { 3, 6, 0, 48, true }, { 4, 4, 64, 128, true }, { 4, 4, 200, 250, false }, { 4, 4, 0, 300, false } };
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
+		const struct eco_list list = list_of(&k);
+		struct eco_elements in = make(&k, 300, i), out;
+		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end, (uint32_t)i };
+		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
+		uint8_t *bytes;
+		size_t size;
+
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
+		for (uint32_t e = 0; e < cases[i].end - cases[i].first; e++) {
+			uint32_t *before = &last[in.corners[cases[i].first + order[e]]];
+
+			falls += order[e] < *before;
+			*before = order[e];
+		}
+		assert_true(cases[i].kept ? falls == 0 : falls > 10);
+		struct eco_chunk chunk = describe(&in, cases[i].first, cases[i].end, size);
+		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL), ECO_OK);
+		assert_same(&k, &in, cases[i].first, cases[i].end, &out, order);
+		eco_elements_free(&out);
+		eco_elements_free(&in);
+		free(bytes);
+	}
+}
+
+/* Smooth ground costs a few bits a sample, wherever the chunk begins in a row. */
+static void ground_is_predicted_from_its_neighbours(void **state)
+{
+	enum { SIDE = 64 };
+	static uint8_t corners[SIDE * SIDE];
+	static int32_t position[3 * SIDE * SIDE];
+	const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .columns = SIDE };
+	struct eco_elements in = { SIDE * SIDE, SIDE * SIDE, SIDE * SIDE, 0, corners, position, NULL, NULL, NULL }, out;
+	const struct eco_chunk_input input = { &list, &in, 10, SIDE * SIDE, 1 };
+	uint32_t count = input.end - input.first;
+	struct eco_chunk chunk;
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	for (int32_t i = 0; i < SIDE * SIDE; i++) {
+		corners[i] = 1;
+		position[3 * i] = 4 * (i % SIDE);
+		position[3 * i + 1] = 4 * (i / SIDE);
+		position[3 * i + 2] = (i % SIDE) * (i % SIDE) / 3 - (i / SIDE) * 40 + (i % SIDE) * (i / SIDE) / 5;
+	}
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	assert_true(size < count * 3 / 8);
+	chunk = (struct eco_chunk){ .size_bytes = (uint32_t)size, .element_count = count, .primitive_count = count };
+	assert_int_equal(eco_chunk_decode(&list, &chunk, 1, bytes, size, &out, NULL), ECO_OK);
+	assert_memory_equal(out.position, position + 3 * input.first, 12 * count);
+	free(bytes);
+	eco_elements_free(&out);
+}
+
+/* Leaves that all show the whole picture pay nothing for it, but for a few bytes a chunk. */
+static void equal_texture_coordinates_are_free(void **state)
+{
+	const struct kind *k = &kinds[8];
+	struct eco_elements in = make(k, 300, 4);
+	size_t size[2];
+
+	(void)state;
+	assert_string_equal(k->name, "textured quads");
+	for (int textured = 0; textured < 2; textured++) {
+		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured ? ECO_ATTR_UV : 0 };
+		const struct eco_chunk_input input = { &list, &in, 0, 300, 1 };
+		uint8_t *bytes;
+
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size[textured], NULL, NULL), ECO_OK);
+		free(bytes);
+	}
+	assert_true(size[1] < size[0] + 120);
+	eco_elements_free(&in);
+}
+
+static void permutations_are_fair_and_fixed(void **state)
+{
+	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
+	uint32_t order[1000], seen[1000] = { 0 }, first[10] = { 0 };
+
+	(void)state;
+	eco_chunk_permutation(3, 8, order);
+	assert_memory_equal(order, golden, sizeof golden);
+	eco_chunk_permutation(0, 1000, order);
+	for (int i = 0; i < 1000; i++)
+		seen[order[i]]++;
+	for (int i = 0; i < 1000; i++)
+		assert_int_equal(seen[i], 1);
+	for (uint32_t ordinal = 0; ordinal < 10000; ordinal++) {
+		eco_chunk_permutation(ordinal, 10, order);
+		first[order[0]]++;
+	}
+	for (int i = 0; i < 10; i++)
+		assert_true(first[i] > 850 && first[i] < 1150);       /* 5 standard deviations */
+}
+
+static void splits_start_small_and_grow(void **state)
+{
+	static const struct { uint32_t count, smallest, max; } cases[] = {
+		{ 1, 32, 100 }, { 31, 32, 100 }, { 33, 32, 100 }, { 1000, 32, 100 }, { 50000, 32, 100 }, { 1000000, 32, 4096 },
+		{ 50000, 256, 4 }, { 50000, 256, 1 }, { 5000000, 32, 20 }, { UINT32_MAX, 1, 5000 }, { 7, 0, 100 },
+	};
+	static uint32_t ends[5000];
+
+	(void)state;
+	assert_int_equal(eco_chunk_split(0, 32, ends, 10), 0);
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		uint32_t n = eco_chunk_split(cases[i].count, cases[i].smallest, ends, cases[i].max), last = 0, before = 0;
+
+		assert_true(n >= 1 && n <= cases[i].max);
+		assert_int_equal(ends[n - 1], cases[i].count);
+		for (uint32_t k = 0; k < n; k++) {
+			uint32_t size = ends[k] - last;
+
+			assert_true(ends[k] > last && size <= ECO_CHUNK_ELEMENTS_MAX);
+			if (k + 1 == n && n > 1)
+				assert_true(2 * (uint64_t)size >= before);
+			before = size;
+			last = ends[k];
+		}
+	}
+	/* The stated growth, where the bound does not bind. */
+	assert_int_equal(eco_chunk_split(50000, 32, ends, 100), 31);
+	assert_int_equal(ends[0], 32);
+	assert_int_equal(ends[4], 160);
+	assert_int_equal(ends[5], 200);
+}
+
+/* The format: these bytes must be read by every later version, and written by this one. */
+static void a_small_chunk_is_the_golden_one(void **state)
+{
+	static const uint8_t golden[] = {
+		1, 1, 2, 0, 3, 0, 0, 0, 1, 0, 0, 0, 84, 0, 0, 0, 4, 0, 33, 0, 2, 0, 0, 0, 113, 0, 0, 0, 68, 82, 65, 67, 79, 2,
+		3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 1, 0, 3, 1, 1, 1, 1, 254,
+		1, 0, 9, 31, 1, 64, 1, 0, 200, 100, 5, 254, 1, 0, 6, 19, 1, 64, 1, 0, 20, 0, 254, 1, 0, 6, 19, 1, 64, 1, 0,
+		138, 26, 254, 1, 1, 3, 1, 1, 64, 1, 0, 68, 82, 65, 67, 79, 2, 3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 5, 0, 5, 3, 0, 0,
+		4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 3, 0, 3, 4, 5, 1, 0, 4, 1, 1, 1, 1, 1, 254, 1, 1, 4, 11, 1, 32, 35, 1, 32,
+		3, 0, 248, 143, 254, 1, 1, 4, 19, 173, 42, 67, 85, 21, 3, 58, 149, 138, 254, 1, 0, 6, 19, 1, 64, 1, 0, 0, 80,
+		32, 5, 254, 1, 0, 2, 3, 1, 64, 1, 0, 4, 254, 1, 1, 4, 5, 7, 1, 32, 3, 1, 32, 3, 0, 208, 128
+	};
+	const struct eco_list list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_COLOR };
+	uint8_t corners[3] = { 4, 3, 4 };
+	int32_t position[33] = { 0, 0, 0, 9, 0, 0, 9, 9, 1, 0, 9, 1, 100, 50, -3, 110, 50, -3, 105, 60, 0, 5, 5, 5, 5, 14, 5, 5, 14, 15,
+		5, 5, 14 };
+	int32_t color[3] = { 2, 0, 1 };
+	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color, NULL }, out;
+	const struct eco_chunk_input input = { &list, &in, 0, 3, 0 };
+	const struct kind k = { "golden", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 3, 4, 3, 0, 0, SCATTERED };
+	struct eco_chunk chunk;
+	uint32_t order[3];
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
+	assert_int_equal(size, sizeof golden);
+	assert_memory_equal(bytes, golden, size);
+	chunk = describe(&in, 0, 3, sizeof golden);
+	assert_int_equal(eco_chunk_decode(&list, &chunk, 0, golden, sizeof golden, &out, NULL), ECO_OK);
+	assert_same(&k, &in, 0, 3, &out, order);
+	free(bytes);
+	eco_elements_free(&out);
+}
+
+static void names_are_xxh3_of_the_payload(void **state)
+{
+	/* XXH3-128 of no bytes, as the xxhsum program prints it. */
+	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3, 0x24, 0x46, 0x8d, 0x49, 0x7f };
+	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
+
+	(void)state;
+	assert_memory_equal(id.bytes, empty, sizeof empty);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_goes_in_comes_out),
+		cmocka_unit_test(the_same_elements_give_the_same_bytes),
+		cmocka_unit_test(forms_follow_their_elements),
+		cmocka_unit_test(first_chunks_keep_their_order),
+		cmocka_unit_test(ground_is_predicted_from_its_neighbours),
+		cmocka_unit_test(equal_texture_coordinates_are_free),
+		cmocka_unit_test(permutations_are_fair_and_fixed),
+		cmocka_unit_test(splits_start_small_and_grow),
+		cmocka_unit_test(a_small_chunk_is_the_golden_one),
+		cmocka_unit_test(names_are_xxh3_of_the_payload),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

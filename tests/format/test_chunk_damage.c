@@ -1,0 +1,152 @@
+/* Damaged chunks and impossible input: refused, or bounded by what the record says. The hash is left out on purpose: the decoder alone must
+ * withstand anything. */
+#include "tests/support/chunk_kinds.h"
+
+static void every_truncation_is_refused(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < KIND_COUNT; i++) {
+		const struct eco_list list = list_of(&kinds[i]);
+		uint32_t count = kinds[i].count < 60 ? kinds[i].count : 60;
+		struct eco_elements in = make(&kinds[i], count, 5), out;
+		const struct eco_chunk_input input = { &list, &in, 0, count, 1 };
+		struct eco_chunk chunk;
+		uint8_t *bytes, *copy;
+		size_t size;
+
+		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		chunk = describe(&in, 0, count, size);
+		for (size_t cut = 0; cut < size; cut++) {
+			struct eco_chunk shorter = chunk;
+
+			copy = malloc(cut > 0 ? cut : 1);
+			memcpy(copy, bytes, cut);
+			assert_int_not_equal(eco_chunk_decode(&list, &chunk, 1, copy, cut, &out, NULL), ECO_OK);
+			shorter.size_bytes = (uint32_t)cut;
+			assert_int_not_equal(eco_chunk_decode(&list, &shorter, 1, copy, cut, &out, NULL), ECO_OK);
+			assert_null(out.position);
+			free(copy);
+		}
+		free(bytes);
+		eco_elements_free(&in);
+	}
+}
+
+static void assert_bounded(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_elements *out)
+{
+	assert_int_equal(out->element_count, chunk->element_count);
+	assert_int_equal(out->primitive_count, chunk->primitive_count);
+	assert_int_equal(out->extra_count, eco_list_extra_count(list));
+	for (size_t i = 0; i < 3 * (size_t)out->corner_count; i++)
+		assert_true(abs(out->position[i]) <= VALUE_MAX);
+	for (size_t i = 0; out->uv != NULL && i < 2 * (size_t)out->corner_count; i++)
+		assert_true(abs(out->uv[i]) <= VALUE_MAX);
+	for (size_t i = 0; i < (size_t)out->element_count * out->extra_count; i++)
+		assert_true(abs(out->extra[i]) <= VALUE_MAX);
+}
+
+static void every_flipped_bit_is_refused_or_bounded(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < KIND_COUNT; i++) {
+		const struct eco_list list = list_of(&kinds[i]);
+		uint32_t count = kinds[i].count < 10 ? kinds[i].count : 10;
+		struct eco_elements in = make(&kinds[i], count, 6), out;
+		const struct eco_chunk_input input = { &list, &in, 0, count, 1 };
+		struct eco_chunk chunk;
+		uint8_t *bytes;
+		size_t size;
+
+		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		chunk = describe(&in, 0, count, size);
+		for (size_t bit = 0; bit < 8 * size; bit++) {
+			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
+			if (eco_chunk_decode(&list, &chunk, 1, bytes, size, &out, NULL) == ECO_OK)
+				assert_bounded(&list, &chunk, &out);
+			eco_elements_free(&out);
+			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
+		}
+		free(bytes);
+		eco_elements_free(&in);
+	}
+}
+
+/* Counts in the payload are believed only if the chunk's record says the same. */
+static void counts_must_be_those_of_the_record(void **state)
+{
+	const struct kind *k = &kinds[2];
+	const struct eco_list list = list_of(k);
+	struct eco_elements in = make(k, 50, 6), out;
+	const struct eco_chunk_input input = { &list, &in, 0, 50, 1 };
+	struct eco_list other;
+	struct eco_chunk chunk, wrong;
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	chunk = describe(&in, 0, 50, size);
+	wrong = chunk;
+	wrong.element_count++;
+	assert_int_equal(eco_chunk_decode(&list, &wrong, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	wrong = chunk;
+	wrong.primitive_count--;
+	assert_int_equal(eco_chunk_decode(&list, &wrong, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	wrong = chunk;
+	wrong.element_count = UINT32_MAX;
+	assert_int_equal(eco_chunk_decode(&list, &wrong, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	/* A stream with other columns than the list's. */
+	other = list;
+	other.attributes = 0;
+	assert_int_equal(eco_chunk_decode(&other, &chunk, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	other.attributes = ECO_ATTR_UV;
+	assert_int_equal(eco_chunk_decode(&other, &chunk, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	other = list;
+	other.kind = ECO_LIST_LINES;
+	assert_int_equal(eco_chunk_decode(&other, &chunk, 1, bytes, size, &out, NULL), ECO_DAMAGED);
+	free(bytes);
+	eco_elements_free(&in);
+}
+
+static void impossible_input_is_refused(void **state)
+{
+	const struct kind *k = &kinds[11];
+	struct eco_list list = list_of(k);
+	struct eco_elements in = make(k, 50, 6);
+	struct eco_chunk_input input = { &list, &in, 10, 10, 1 };
+	struct eco_error error = { 0 };
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_BAD_INPUT);
+	input.end = 51;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_BAD_INPUT);
+	input.end = 50;
+	in.corners[30] = 2;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_BAD_INPUT);
+	in.corners[30] = 1;
+	in.position[3 * 30] = VALUE_MAX + 1;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_TOO_LARGE);
+	in.position[3 * 30] = INT32_MIN;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_TOO_LARGE);
+	in.position[3 * 30] = 0;
+	list.attributes = ECO_ATTR_COLOR | ECO_ATTR_UV;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_BAD_INPUT);
+	list.attributes = 0xff;
+	assert_int_not_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	assert_null(bytes);
+	eco_elements_free(&in);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_truncation_is_refused),
+		cmocka_unit_test(every_flipped_bit_is_refused_or_bounded),
+		cmocka_unit_test(counts_must_be_those_of_the_record),
+		cmocka_unit_test(impossible_input_is_refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

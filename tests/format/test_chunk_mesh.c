@@ -1,0 +1,103 @@
+/* Connected wood in chunks: small, with its texture, and no triangle of it lost. */
+#include "tests/support/chunk_kinds.h"
+
+/* A grid of quads with a seam in its texture, bent; written as single triangles. */
+static struct eco_elements make_bark(uint32_t side)
+{
+	struct eco_elements e = { .element_count = 2 * side * side, .corner_count = 6 * side * side, .extra_count = 1 };
+	static const uint8_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+	size_t at = 0;
+
+	e.primitive_count = e.element_count;
+	e.corners = malloc(e.element_count);
+	memset(e.corners, 3, e.element_count);
+	e.position = malloc(e.corner_count * 12);
+	e.uv = malloc(e.corner_count * 8);
+	e.extra = malloc(e.element_count * 4);
+	for (uint32_t y = 0; y < side; y++)
+		for (uint32_t x = 0; x < side; x++)
+			for (unsigned c = 0; c < 6; c++, at++) {
+				int32_t u = (int32_t)(x + corner[c][0]), v = (int32_t)(y + corner[c][1]);
+
+				e.position[3 * at] = 10 * u;
+				e.position[3 * at + 1] = 10 * v;
+				e.position[3 * at + 2] = u * u / 3 + v * u % 4;
+				e.uv[2 * at] = 100 * (x >= side / 2 ? u - 5 : u);
+				e.uv[2 * at + 1] = 50 * v;
+				e.extra[at / 3] = x < 4;
+			}
+	return e;
+}
+
+static void connected_wood_is_small_and_keeps_its_texture(void **state)
+{
+	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 0, 0, 0, SCATTERED };
+	const struct eco_list list = list_of(&k);
+	struct eco_elements in = make_bark(40), out;
+	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
+	struct eco_error error = { 0 };
+	struct eco_chunk chunk;
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
+	assert_int_equal(bytes[1], ECO_CODER_MESH);
+	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
+	assert_true(size < 41 * 41 * 4);
+	chunk = describe(&in, 0, in.element_count, size);
+	assert_int_equal(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &error), ECO_OK);
+	assert_same(&k, &in, 0, in.element_count, &out, NULL);
+	free(bytes);
+	eco_elements_free(&in);
+	eco_elements_free(&out);
+}
+
+/* Edgebreaker alone loses duplicates and tangles; the chunk must not. */
+static void no_wood_triangle_is_lost(void **state)
+{
+	static const int32_t corners[4][3] = { { 0, 0, 0 }, { 9, 0, 0 }, { 0, 9, 0 }, { 0, 0, 9 } };
+	static const uint8_t cases[][4][3] = {
+		{ { 0, 1, 2 }, { 0, 1, 2 }, { 0, 1, 2 }, { 0, 1, 2 } },        /* duplicates */
+		{ { 0, 1, 2 }, { 0, 2, 1 }, { 0, 1, 2 }, { 0, 2, 1 } },        /* both sides */
+		{ { 0, 1, 2 }, { 0, 1, 3 }, { 1, 0, 2 }, { 1, 0, 3 } },        /* four on one edge */
+		{ { 0, 1, 2 }, { 0, 2, 3 }, { 0, 3, 1 }, { 1, 3, 2 } },        /* a tetrahedron */
+		{ { 1, 0, 2 }, { 0, 2, 3 }, { 0, 3, 1 }, { 1, 3, 2 } },        /* one face turned */
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		const struct kind k = { "tangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 0, 0, 0, SCATTERED };
+		const struct eco_list list = list_of(&k);
+		uint8_t threes[4] = { 3, 3, 3, 3 };
+		int32_t position[36], color[4] = { 5, 6, 7, 8 };
+		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
+		const struct eco_chunk_input input = { &list, &in, 0, 4, 0 };
+		struct eco_error error = { 0 };
+		struct eco_chunk chunk;
+		uint8_t *bytes;
+		size_t size;
+
+		for (int c = 0; c < 12; c++)
+			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
+		chunk = describe(&in, 0, 4, size);
+		assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &error), ECO_OK);
+		assert_same(&k, &in, 0, 4, &out, NULL);
+		free(bytes);
+		eco_elements_free(&out);
+		memcpy(position + 3, position, 12);
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_BAD_INPUT);
+		assert_non_null(strstr(error.text, "coincide"));
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(connected_wood_is_small_and_keeps_its_texture),
+		cmocka_unit_test(no_wood_triangle_is_lost),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,507 @@
+/* Packs: what is written is read, whatever is damaged is found, nothing half written stays. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/pack_resign.h"
+#include "tests/support/scene_pack.h"
+
+#define FOLDER "build/tmp/pack"
+#define PATH FOLDER "/small.eco"
+#define GOLDEN_PATH "tests/fuzz/corpus/pack/small.eco"
+
+static uint8_t *read_file(const char *path, size_t *size)
+{
+	FILE *file = fopen(path, "rb");
+	uint8_t *bytes;
+
+	assert_non_null(file);
+	fseek(file, 0, SEEK_END);
+	*size = (size_t)ftell(file);
+	rewind(file);
+	bytes = malloc(*size + 1);
+	assert_int_equal(fread(bytes, 1, *size, file), *size);
+	fclose(file);
+	return bytes;
+}
+
+static int count_files(void)
+{
+	DIR *folder = opendir(FOLDER);
+	int count = 0;
+
+	assert_non_null(folder);
+	for (struct dirent *entry; (entry = readdir(folder)) != NULL;)
+		count += entry->d_name[0] != '.';
+	closedir(folder);
+	return count;
+}
+
+static void empty_folder(void)
+{
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	mkdir(FOLDER, 0777);
+	unlink(PATH);
+	assert_int_equal(count_files(), 0);
+}
+
+/* The small pack as bytes; the caller frees them. */
+static uint8_t *small_pack(size_t *size)
+{
+	struct scene_pack p;
+	struct eco_error error = { 0 };
+
+	empty_folder();
+	if (scene_pack_write(&p, PATH, NULL, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	scene_pack_free(&p);
+	return read_file(PATH, size);
+}
+
+/* Opens without a trailing byte to read over. */
+static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_error *error)
+{
+	uint8_t *copy = malloc(size > 0 ? size : 1);
+	struct eco_pack *pack;
+	enum eco_code code;
+
+	memcpy(copy, bytes, size);
+	code = eco_pack_open_memory(&pack, copy, size, error);
+	for (uint32_t i = 0; code == ECO_OK && i < pack->scene.chunk_count; i++) {
+		const uint8_t *payload;
+		size_t payload_size;
+
+		code = eco_pack_payload(pack, i, &payload, &payload_size, error);
+	}
+	eco_pack_close(pack);
+	free(copy);
+	return code;
+}
+
+#define ASSERT_TABLE(field, name) do { \
+	assert_int_equal(got->name##_count, want->name##_count); \
+	for (uint32_t i = 0; i < want->name##_count; i++) { \
+		struct eco_writer a = { 0 }, b = { 0 }; \
+		eco_##name##_write(&a, &got->field[i]); \
+		eco_##name##_write(&b, &want->field[i]); \
+		assert_int_equal(a.size, b.size); \
+		assert_memory_equal(a.bytes, b.bytes, a.size); \
+		eco_writer_free(&a); \
+		eco_writer_free(&b); \
+	} } while (0)
+
+static void all_tables_come_back(void **state)
+{
+	struct scene_pack p;
+	struct eco_error error = { 0 };
+	struct eco_pack *pack = NULL;
+	const struct eco_scene *got, *want = &p.scene;
+
+	(void)state;
+	empty_folder();
+	if (scene_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	assert_int_equal(count_files(), 1);
+	got = &pack->scene;
+	assert_string_equal(got->name, "small");
+	assert_int_equal(got->needs, want->needs);
+	assert_int_equal(got->root, want->root);
+	assert_true(got->ground_columns == 70 && got->ground_rows == 20);
+	assert_true(got->ground[0].child_first == 1 && got->ground[2].column == 1 && got->ground[2].list == 8);
+	assert_int_equal(got->ground_count, want->ground_count);
+	for (uint32_t i = 0; i < want->ground_count; i++)
+		assert_true(got->ground[i].list == want->ground[i].list && got->ground[i].error_m == want->ground[i].error_m
+			&& got->ground[i].low_m == want->ground[i].low_m && got->ground[i].high_m == want->ground[i].high_m
+			&& got->ground[i].level == want->ground[i].level && got->ground[i].column == want->ground[i].column);
+	assert_true(got->near_m == want->near_m);
+	ASSERT_TABLE(plants, plant);
+	ASSERT_TABLE(anchors, anchor);
+	ASSERT_TABLE(ladders, ladder);
+	ASSERT_TABLE(curves, curve);
+	ASSERT_TABLE(tiles, tile);
+	ASSERT_TABLE(groups, group);
+	ASSERT_TABLE(children, child);
+	/* Written by eye, so that a field which writer and reader both forget is noticed. */
+	assert_string_equal(got->plants[0].name, "oak");
+	assert_int_equal(got->plants[0].triangles, 150);
+	assert_int_equal(got->ladders[1].level_end[1], 30);
+	assert_true(got->ladders[0].total == 40 && got->ladders[0].simple == 11);
+	assert_true(got->curves[1].scale == 1.5f && got->curves[1].fn == 0.3f);
+	assert_true(got->tiles[0].high[2] == 12 && got->tiles[0].instance_count == 14 && got->tiles[1].summary == 9);
+	assert_true(got->children[1].placed && got->children[1].at[2] == 5 && got->children[1].turn == 16384);
+	assert_true(got->children[1].scale == 1.5f);
+	assert_int_equal(got->lists[6].columns, 36);
+	assert_int_equal(got->lists[2].partner, 1);
+	assert_true(got->lists[2].unit_area == 0.01f && got->lists[2].grid_step[2] == 0.01 && got->lists[2].grid_origin[0] == -5);
+	assert_int_equal(got->palette_count, 4);
+	assert_memory_equal(got->palette, want->palette, 12);
+	assert_int_equal(got->place_count, SCENE_PACK_PLANTS);
+	assert_int_equal(pack->meta_size, strlen("{\"name\": \"small\"}"));
+	assert_memory_equal(pack->meta, "{\"name\": \"small\"}", pack->meta_size);
+	eco_pack_close(pack);
+	scene_pack_free(&p);
+}
+
+/* Every payload decodes to what its list says, and the planner's copy of the instances is the coded one. */
+static void all_payloads_decode(void **state)
+{
+	struct eco_pack *pack;
+	uint32_t places = 0;
+	size_t size;
+	uint8_t *bytes = small_pack(&size);
+
+	(void)state;
+	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
+	for (uint32_t i = 0; i < pack->scene.list_count; i++) {
+		const struct eco_list *list = &pack->scene.lists[i];
+
+		for (uint32_t k = 0; k < list->chunk_count; k++) {
+			struct eco_error error = { 0 };
+			struct eco_elements e;
+			const uint8_t *payload;
+			size_t payload_size;
+
+			if (eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size, &error) != ECO_OK)
+				fail_msg("%s", error.text);
+			if (list->coder == ECO_CODER_BYTES) {
+				assert_memory_equal(payload, "not really a PNG", payload_size);
+				continue;
+			}
+			if (eco_chunk_decode(list, &pack->scene.chunks[list->chunk_first + k], k, payload, payload_size, &e, &error) != ECO_OK)
+				fail_msg("list %u: %s", i, error.text);
+			for (uint32_t n = 0; list->kind == ECO_LIST_INSTANCES && n < e.element_count; n++, places++) {
+				struct eco_place a = eco_place_of(&e, n), b = eco_place_read(&pack->scene, places);
+
+				assert_memory_equal(a.position, b.position, sizeof a.position);
+				assert_int_equal(a.turn, b.turn);
+				assert_int_equal(a.scale, b.scale);
+			}
+			eco_elements_free(&e);
+		}
+	}
+	assert_int_equal(places, SCENE_PACK_PLANTS);
+	assert_int_equal(eco_pack_payload(pack, pack->scene.chunk_count, &(const uint8_t *){ NULL }, &(size_t){ 0 }, NULL), ECO_NOT_FOUND);
+	eco_pack_close(pack);
+	free(bytes);
+}
+
+/* The format: the committed file must be read by every later version, and written by this one. */
+static void the_small_pack_is_the_golden_one(void **state)
+{
+	size_t size, golden_size;
+	uint8_t *bytes = small_pack(&size), *golden = read_file(GOLDEN_PATH, &golden_size);
+	struct eco_error error = { 0 };
+
+	(void)state;
+	if (open_exact(golden, golden_size, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	assert_int_equal(size, golden_size);
+	assert_memory_equal(bytes, golden, size);
+	free(bytes);
+	free(golden);
+}
+
+static void every_truncation_is_found(void **state)
+{
+	size_t size;
+	uint8_t *bytes = small_pack(&size);
+
+	(void)state;
+	assert_int_equal(open_exact(bytes, size, NULL), ECO_OK);
+	for (size_t cut = 0; cut < size; cut++)
+		assert_int_not_equal(open_exact(bytes, cut, NULL), ECO_OK);
+	bytes[size] = 0;
+	assert_int_not_equal(open_exact(bytes, size + 1, NULL), ECO_OK);
+	free(bytes);
+}
+
+/* All single bits, then pairs of bits. No byte of a pack is without a hash or a required value. */
+static void every_flipped_bit_is_found(void **state)
+{
+	uint64_t seed = 1;
+	size_t size;
+	uint8_t *bytes = small_pack(&size);
+
+	(void)state;
+	for (size_t bit = 0; bit < 8 * size; bit++) {
+		bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
+		assert_int_not_equal(open_exact(bytes, size, NULL), ECO_OK);
+		bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
+	}
+	for (int i = 0; i < 50000; i++) {
+		size_t bit[2];
+
+		for (int k = 0; k < 2; k++)
+			bit[k] = (size_t)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 33) % (8 * size);
+		if (bit[0] == bit[1])
+			continue;
+		for (int k = 0; k < 4; k++) {
+			bytes[bit[k % 2] / 8] ^= (uint8_t)(1 << bit[k % 2] % 8);
+			if (k == 1)
+				assert_int_not_equal(open_exact(bytes, size, NULL), ECO_OK);
+		}
+	}
+	free(bytes);
+}
+
+/* Damage made on purpose, hashes and all, is refused by the checks or harmless. */
+static void forged_tables_do_no_harm(void **state)
+{
+	uint64_t seed = 7;
+	int accepted = 0;
+	size_t size;
+	uint8_t *bytes = small_pack(&size), *forged = malloc(size);
+
+	(void)state;
+	for (int i = 0; i < 20000; i++) {
+		memcpy(forged, bytes, size);
+		for (int k = 0; k <= i % 3; k++) {
+			seed = seed * 6364136223846793005u + 1442695040888963407u;
+			forged[(seed >> 33) % size] = seed >> 60 == 0 ? 0xff : (uint8_t)(seed >> 24);
+		}
+		pack_resign(forged, size);
+		accepted += open_exact(forged, size, NULL) == ECO_OK;
+	}
+	assert_true(accepted > 0 && accepted < 20000);
+	free(bytes);
+	free(forged);
+}
+
+static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	const uint8_t *payload;
+	size_t size, payload_size;
+	uint8_t *bytes = small_pack(&size);
+
+	(void)state;
+	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
+	bytes[pack->scene.chunks[3].offset + 5] ^= 1;
+	assert_int_equal(eco_pack_payload(pack, 3, &payload, &payload_size, &error), ECO_DAMAGED);
+	assert_null(payload);
+	assert_non_null(strstr(error.text, "chunk 3 of list 2"));
+	for (uint32_t i = 0; i < pack->scene.chunk_count; i++)
+		if (i != 3)
+			assert_int_equal(eco_pack_payload(pack, i, &payload, &payload_size, NULL), ECO_OK);
+	eco_pack_close(pack);
+	free(bytes);
+}
+
+static void equal_payloads_are_stored_once(void **state)
+{
+	struct eco_list list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0);
+	struct eco_pack_writer *w = NULL;
+	struct eco_error error = { 0 };
+	struct scene_pack p;
+	struct eco_pack *pack;
+	uint32_t first = 0, last = 0;
+
+	(void)state;
+	empty_folder();
+	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
+	for (int i = 0; i < 300; i++) {
+		assert_int_equal(scene_pack_add(w, list, scene_pack_elements(9, 4, 0, 0), NULL, &last, &error), ECO_OK);
+		if (i == 0)
+			first = last;
+	}
+	assert_int_equal(eco_pack_list(w, last)->primitive_count, 18);
+	assert_int_equal(eco_pack_commit(w, &p.scene, "", &error), ECO_OK);
+	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
+	assert_true(pack->scene.chunks[pack->scene.lists[first].chunk_first].offset
+		== pack->scene.chunks[pack->scene.lists[last].chunk_first].offset);
+	assert_int_equal(pack->meta_size, 0);
+	assert_true(pack->map_size < 64000);
+	eco_pack_close(pack);
+	scene_pack_free(&p);
+}
+
+static void a_failed_pack_leaves_the_old_one(void **state)
+{
+	size_t size, size_after;
+	uint8_t *bytes = small_pack(&size), *after;
+	struct eco_error error = { 0 };
+	struct eco_pack_writer *w = NULL;
+	struct scene_pack p;
+
+	(void)state;
+	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
+	assert_int_equal(count_files(), 2);
+	eco_pack_abort(w);
+	assert_int_equal(count_files(), 1);
+	scene_pack_free(&p);
+	/* A scene that does not fit together is not written. */
+	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
+	p.plant.ladder_count++;
+	assert_int_equal(eco_pack_commit(w, &p.scene, "{}", &error), ECO_DAMAGED);
+	assert_int_equal(count_files(), 1);
+	scene_pack_free(&p);
+	after = read_file(PATH, &size_after);
+	assert_int_equal(size, size_after);
+	assert_memory_equal(bytes, after, size);
+	free(bytes);
+	free(after);
+	eco_pack_abort(NULL);
+}
+
+/* A limit on file sizes acts as a full disk does: at every size, nothing half written stays. */
+static void a_full_disk_is_reported_and_leaves_nothing(void **state)
+{
+	struct rlimit old, limit;
+	size_t size;
+
+	(void)state;
+	free(small_pack(&size));
+	signal(SIGXFSZ, SIG_IGN);
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
+	for (size_t most = 0; most < size; most += 97) {
+		struct eco_error error = { 0 };
+		struct scene_pack p;
+		enum eco_code code;
+
+		empty_folder();
+		limit = old;
+		limit.rlim_cur = most;
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+		code = scene_pack_write(&p, PATH, NULL, &error);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
+		scene_pack_free(&p);
+		assert_int_equal(code, ECO_IO);
+		assert_non_null(strstr(error.text, "free some space"));
+		assert_int_equal(count_files(), 0);
+	}
+}
+
+static void impossible_targets_are_named(void **state)
+{
+	static const char *const paths[] = { FOLDER "/missing/x.eco", FOLDER, "/dev/null", "" };
+	struct eco_pack *pack;
+
+	(void)state;
+	empty_folder();
+	for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+		struct eco_error error = { 0 };
+		struct eco_pack_writer *w = NULL;
+
+		assert_int_not_equal(eco_pack_create(&w, paths[i], &error), ECO_OK);
+		assert_null(w);
+		assert_non_null(strstr(error.text, paths[i]));
+		error = (struct eco_error){ 0 };
+		assert_int_not_equal(eco_pack_open(&pack, paths[i], &error), ECO_OK);
+		assert_null(pack);
+		assert_non_null(strstr(error.text, paths[i]));
+	}
+	assert_int_equal(count_files(), 0);
+}
+
+static void only_packs_and_empty_files_are_replaced(void **state)
+{
+	static const struct { const char *content; enum eco_code code; } rows[] = {
+		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK }, { "ECOPACK1, cut off", ECO_OK },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		struct eco_error error = { 0 };
+		struct eco_pack_writer *w = NULL;
+		FILE *file;
+		uint8_t *bytes;
+		size_t size;
+
+		empty_folder();
+		file = fopen(PATH, "wb");
+		assert_non_null(file);
+		fputs(rows[i].content, file);
+		fclose(file);
+		assert_int_equal(eco_pack_create(&w, PATH, &error), rows[i].code);
+		eco_pack_abort(w);
+		bytes = read_file(PATH, &size);
+		assert_int_equal(size, strlen(rows[i].content));
+		assert_memory_equal(bytes, rows[i].content, size);
+		assert_int_equal(count_files(), 1);
+		free(bytes);
+	}
+}
+
+static void bad_lists_are_refused(void **state)
+{
+	struct eco_list list = scene_pack_list(ECO_LIST_POINTS, ECO_CODER_FORM, 0, 0);
+	struct eco_elements e = scene_pack_elements(10, 1, 0, 0);
+	const uint32_t ends[2] = { 4, 9 };
+	struct eco_error error = { 0 };
+	struct eco_pack_writer *w = NULL;
+	uint32_t id;
+
+	(void)state;
+	empty_folder();
+	assert_int_equal(eco_pack_create(&w, PATH, &error), ECO_OK);
+	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, NULL), ECO_BAD_INPUT);
+	list.partner = 3;
+	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, &e, &id, NULL), ECO_BAD_INPUT);
+	list.coder = ECO_CODER_KD;
+	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, &error), ECO_BAD_INPUT);
+	assert_non_null(strstr(error.text, "element 9 of 10"));
+	assert_int_equal(id, ECO_NONE);
+	list.kind = ECO_LIST_IMAGE;
+	list.coder = ECO_CODER_BYTES;
+	assert_int_equal(eco_pack_add_bytes(w, &list, "", 0, &id, NULL), ECO_TOO_LARGE);
+	eco_pack_abort(w);
+	eco_elements_free(&e);
+	assert_int_equal(count_files(), 0);
+}
+
+static void records_have_the_stated_sizes(void **state)
+{
+	static const struct eco_scene scene;
+	struct eco_writer w = { 0 };
+	size_t before;
+
+	(void)state;
+#define SIZE(kind, call) before = w.size; call; assert_int_equal(w.size - before, eco_section_info[ECO_SECTION_##kind].record_bytes)
+	SIZE(SCENE, eco_scene_write(&w, &scene));
+	SIZE(PLANTS, eco_plant_write(&w, &(struct eco_plant){ 0 }));
+	SIZE(ANCHORS, eco_anchor_write(&w, &(struct eco_anchor){ 0 }));
+	SIZE(LADDERS, eco_ladder_write(&w, &(struct eco_ladder){ 0 }));
+	SIZE(CURVES, eco_curve_write(&w, &(struct eco_curve){ 0 }));
+	SIZE(TILES, eco_tile_write(&w, &(struct eco_tile){ 0 }));
+	SIZE(GROUPS, eco_group_write(&w, &(struct eco_group){ 0 }));
+	SIZE(CHILDREN, eco_child_write(&w, &(struct eco_child){ 0 }));
+	SIZE(LISTS, eco_list_write(&w, &(struct eco_list){ 0 }));
+	SIZE(CHUNKS, eco_chunk_write(&w, &(struct eco_chunk){ 0 }));
+	SIZE(PLACES, eco_place_write(&w, &(struct eco_place){ 0 }));
+#undef SIZE
+	eco_writer_free(&w);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(records_have_the_stated_sizes),
+		cmocka_unit_test(all_tables_come_back),
+		cmocka_unit_test(all_payloads_decode),
+		cmocka_unit_test(the_small_pack_is_the_golden_one),
+		cmocka_unit_test(every_truncation_is_found),
+		cmocka_unit_test(every_flipped_bit_is_found),
+		cmocka_unit_test(forged_tables_do_no_harm),
+		cmocka_unit_test(a_damaged_payload_is_named_and_the_others_still_work),
+		cmocka_unit_test(equal_payloads_are_stored_once),
+		cmocka_unit_test(a_failed_pack_leaves_the_old_one),
+		cmocka_unit_test(a_full_disk_is_reported_and_leaves_nothing),
+		cmocka_unit_test(impossible_targets_are_named), cmocka_unit_test(only_packs_and_empty_files_are_replaced),
+		cmocka_unit_test(bad_lists_are_refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

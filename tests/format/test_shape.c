@@ -1,0 +1,503 @@
+/* Shapes that repeat: found whatever their turn, size and stretch, placed no further off than rounding would put them, and refused when
+ * damaged; and what is coded beside them. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/shape.h"
+
+#define LEAVES 400u
+
+static uint32_t state = 1;
+
+static double uniform(void)
+{
+	state = state * 1664525u + 1013904223u;
+	return (state >> 8) / 16777216.0;
+}
+
+static const double quad[4][3] = { { 0, 0, 0 }, { 1, .4, .1 }, { 2.2, 0, 0 }, { 1, -.4, .1 } };
+static const double kite[3][3] = { { 0, 0, 0 }, { 1, 1, 0 }, { 1.5, -.5, 0 } };
+
+struct crown {
+	struct eco_list list;
+	struct eco_elements elements;
+	uint8_t corners[LEAVES];
+	int32_t position[15 * LEAVES], exact[15 * LEAVES], uv[10 * LEAVES], extra[LEAVES];
+};
+
+/* A random rotation: a quaternion of four normal numbers, which uniform ones of a ball stand for. */
+static void random_turn(double m[3][3])
+{
+	double q[4], length;
+	do {
+		length = 0;
+		for (int i = 0; i < 4; i++) {
+			q[i] = 2 * uniform() - 1;
+			length += q[i] * q[i];
+		}
+	} while (length > 1 || length < 0.01);
+	double s = 2 / length, w = q[0], x = q[1], y = q[2], z = q[3];
+	const double rows[3][3] = { { 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y) },
+		{ s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x) },
+		{ s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y) } };
+	memcpy(m, rows, sizeof rows);
+}
+
+/* Leaves of two shapes; of `every` leaves one is bent at random and like no other. `steps`: the size of a leaf on the coarse grid. */
+static void make_leaves(struct crown *c, double steps, uint32_t every, bool wide, bool deep)
+{
+	state = 7;
+	*c = (struct crown){ .list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_UV | ECO_ATTR_GROWTH } };
+	struct eco_elements *e = &c->elements;
+	*e = (struct eco_elements){ .extra_count = 1, .corners = c->corners, .position = c->position, .uv = c->uv, .extra = c->extra,
+		.exact = c->exact };
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		uint32_t corners = i % 3 ? 4 : 3;
+		double m[3][3], size = steps * (0.5 + uniform()) * (1 << ECO_EXACT_SHIFT), at[3];
+		const double stretch[3] = { 1, wide ? 0.5 + uniform() : 1, deep ? 2 * uniform() - 1 : 1 };
+		random_turn(m);
+		for (int k = 0; k < 3; k++)
+			at[k] = uniform() * 32768;
+		for (uint32_t k = 0; k < corners; k++)
+			for (int row = 0; row < 3; row++) {
+				double v = at[row];
+				for (int j = 0; j < 3; j++)
+					v += size * stretch[j] * m[row][j] * ((corners == 4 ? quad[k][j] : kite[k][j]) + (every && i % every == 0 ? uniform() : 0));
+				e->exact[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v + 0.5);
+				e->position[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v / 8 + 0.5);
+			}
+		for (uint32_t k = 0; k < corners; k++) {
+			e->uv[2 * (e->corner_count + k)] = (int32_t)k * 100;
+			e->uv[2 * (e->corner_count + k) + 1] = 4096 - (int32_t)k * 100;
+		}
+		e->extra[i] = (int32_t)(i % ECO_GROWTHS);
+		e->corners[e->element_count++] = (uint8_t)corners;
+		e->corner_count += corners;
+		e->primitive_count += corners - 2;
+	}
+}
+
+static void make_crown(struct crown *c, double steps, uint32_t every)
+{
+	make_leaves(c, steps, every, false, false);
+}
+
+static void make_stretched_crown(struct crown *c, double steps, bool wide, bool deep)
+{
+	make_leaves(c, steps, 0, wide, deep);
+}
+
+static void encode(const struct crown *c, uint8_t **bytes, size_t *size, uint32_t *order)
+{
+	const struct eco_chunk_input input = { &c->list, &c->elements, 0, LEAVES, 3 };
+	struct eco_error error = { 0 };
+	assert_int_equal(eco_chunk_encode(&input, bytes, size, order, &error), ECO_OK);
+}
+
+static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size, struct eco_elements *out)
+{
+	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = c->elements.primitive_count, .element_count = LEAVES };
+	struct eco_error error = { 0 };
+	return eco_chunk_decode(&c->list, &chunk, 3, bytes, size, out, &error);
+}
+
+/* Everything but positions comes back as it was; no corner is further from where it was than half a step along each axis. */
+static void compare(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
+{
+	size_t from[LEAVES + 1] = { 0 }, corner = 0;
+	for (uint32_t i = 0; i < LEAVES; i++)
+		from[i + 1] = from[i] + c->corners[i];
+	assert_int_equal(out->corner_count, c->elements.corner_count);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		uint32_t of = order[i], corners = c->corners[of];
+		assert_int_equal(out->corners[i], corners);
+		assert_int_equal(out->extra[i], c->extra[of]);
+		assert_memory_equal(out->uv + 2 * corner, c->uv + 2 * from[of], 2 * corners * sizeof *c->uv);
+		for (uint32_t k = 0; k < corners; k++) {
+			double d2 = 0;
+			for (uint32_t a = 0; a < 3; a++)
+				d2 += pow(out->position[3 * (corner + k) + a] - c->exact[3 * (from[of] + k) + a], 2);
+			assert_true(d2 <= 3 * 4.5 * 4.5);    /* half a step, and what `exact` itself was rounded by */
+		}
+		corner += corners;
+	}
+}
+
+static void leaves_of_one_shape_are_placed(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	for (double steps = 20; steps < 2000; steps *= 6)
+		for (uint32_t every = 0; every < 8; every += 3) {
+			uint32_t order[LEAVES];
+			uint8_t *bytes, *soup;
+			size_t size, soup_size;
+			struct eco_elements out;
+			make_crown(&crown, steps, every);
+			encode(&crown, &bytes, &size, order);
+			assert_int_equal(bytes[1], ECO_CODER_SHAPES);
+			assert_int_equal(decode(&crown, bytes, size, &out), ECO_OK);
+			compare(&crown, &out, order);
+			eco_elements_free(&out);
+			crown.elements.exact = NULL;
+			encode(&crown, &soup, &soup_size, NULL);
+			assert_true(size < soup_size);
+			if (every == 0)
+				assert_true(size * 100 <= soup_size * (steps < 100 ? 85 : 72));
+			free(bytes);
+			free(soup);
+		}
+}
+
+/* What is not placed begins where its rounded corner says, on the finer grid, and is nowhere further off than rounding may put it. */
+static void compare_corners(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
+{
+	size_t from[LEAVES + 1] = { 0 }, corner = 0;
+	for (uint32_t i = 0; i < LEAVES; i++)
+		from[i + 1] = from[i] + c->corners[i];
+	for (uint32_t i = 0; i < LEAVES; corner += out->corners[i++])
+		for (uint32_t k = 0; k < out->corners[i]; k++) {
+			int32_t d2 = 0;
+			for (uint32_t a = 0; a < 3; a++) {
+				int32_t at = out->position[3 * (corner + k) + a], d = at - c->exact[3 * (from[order[i]] + k) + a];
+				assert_true(k > 0 || at == c->position[3 * from[order[i]] + a] * (1 << ECO_EXACT_SHIFT));
+				d2 += d * d;
+			}
+			assert_true(k == 0 || d2 <= 3 * 4 * 4);
+		}
+}
+
+/* Encodes and decodes; returns the share of the bytes that plain corners take. */
+static double share_of(struct crown *c, bool corners_only)
+{
+	uint32_t order[LEAVES];
+	uint8_t *bytes, *soup;
+	size_t size, soup_size;
+	struct eco_elements out;
+	int32_t *exact = c->elements.exact;
+	encode(c, &bytes, &size, order);
+	assert_int_equal(bytes[1], ECO_CODER_SHAPES);
+	assert_int_equal(decode(c, bytes, size, &out), ECO_OK);
+	compare(c, &out, order);
+	if (corners_only)
+		compare_corners(c, &out, order);
+	eco_elements_free(&out);
+	c->elements.exact = NULL;
+	encode(c, &soup, &soup_size, NULL);
+	assert_int_equal(soup[1], ECO_CODER_ELEMENTS);
+	c->elements.exact = exact;
+	free(bytes);
+	free(soup);
+	return (double)size / (double)soup_size;
+}
+
+static void leaves_that_are_all_different_are_corners(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	for (double steps = 30; steps < 3000; steps *= 10) {
+		make_crown(&crown, steps, 1);
+		assert_true(share_of(&crown, true) < 0.97);
+	}
+}
+
+/* Quads of a jittered net, each corner in up to four of them. */
+static void corners_that_leaves_share_are_stored_once(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static int32_t knots[21][21][3];
+	const uint32_t side = 20, around[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+	make_crown(&crown, 100, 1);
+	for (uint32_t y = 0; y <= side; y++)
+		for (uint32_t x = 0; x <= side; x++)
+			for (uint32_t a = 0; a < 3; a++)
+				knots[y][x][a] = (int32_t)((a == 0 ? x : a == 1 ? y : 0) * 300 + uniform() * 250);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		crown.corners[i] = 4;
+		for (uint32_t k = 0; k < 4; k++)
+			for (uint32_t a = 0; a < 3; a++) {
+				int32_t v = knots[i / side + around[k][1]][i % side + around[k][0]][a];
+				crown.position[12 * i + 3 * k + a] = v;
+				crown.exact[12 * i + 3 * k + a] = v * (1 << ECO_EXACT_SHIFT);
+				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
+			}
+	}
+	crown.elements.corner_count = 4 * LEAVES;
+	crown.elements.primitive_count = 2 * LEAVES;
+	assert_true(share_of(&crown, true) < 0.65);
+}
+
+/* Flat leaves of one outline, sheared and stretched at will: three corners say where the others are. */
+static void images_of_one_leaf_take_three_corners(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static const double flat[4][2] = { { 0, 0 }, { 1, .6 }, { 2.3, .1 }, { .9, -.5 } };
+	make_crown(&crown, 100, 1);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		double axis[3][3];
+		for (int a = 0; a < 3; a++) {
+			axis[0][a] = uniform() * 2000 - 1000;
+			axis[1][a] = uniform() * 2000 - 1000;
+			axis[2][a] = uniform() * 32768;
+		}
+		crown.corners[i] = 4;
+		for (uint32_t k = 0; k < 4; k++)
+			for (uint32_t a = 0; a < 3; a++) {
+				double v = axis[2][a] + flat[k][0] * axis[0][a] + flat[k][1] * axis[1][a];
+				crown.exact[12 * i + 3 * k + a] = (int32_t)floor(v + 0.5);
+				crown.position[12 * i + 3 * k + a] = (int32_t)floor(v / 8 + 0.5);
+				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
+			}
+	}
+	crown.elements.corner_count = 4 * LEAVES;
+	crown.elements.primitive_count = 2 * LEAVES;
+	assert_true(share_of(&crown, true) < 0.85);
+}
+
+/* Blades of five corners, tip in the middle, standing and bent each by another angle, as grass is; `both`: some run the other way round. */
+static void make_blades(struct crown *c, bool both)
+{
+	make_crown(c, 100, 1);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		double way = 6.3 * uniform(), lean = 0.2 + 0.5 * uniform(), bend = 0.9 * uniform(), length = 500 + 700 * uniform(), at[3];
+		const double along[3] = { 0, 1, 1.9 }, wide[3] = { 20, 16, 0 };
+		for (int a = 0; a < 3; a++)
+			at[a] = 4096 * uniform();
+		c->corners[i] = 5;
+		for (uint32_t k = 0; k < 5; k++) {
+			uint32_t node = k < 3 ? k : 4 - k, to = both && i % 3 == 0 ? 4 - k : k;
+			double side = k < 2 ? wide[node] : k > 2 ? -wide[node] : 0, tilt = lean + (node == 2 ? bend : 0);
+			double out = along[node] * length * sin(tilt), up = along[node] * length * cos(tilt);
+			const double p[3] = { at[0] + out * cos(way) - side * sin(way), at[1] + out * sin(way) + side * cos(way), at[2] + up };
+			for (uint32_t a = 0; a < 3; a++) {
+				c->exact[15 * i + 3 * to + a] = (int32_t)floor(8 * p[a] + 0.5);
+				c->position[15 * i + 3 * to + a] = (int32_t)floor(p[a] + 0.5);
+				c->uv[10 * i + 2 * to + a % 2] = (int32_t)(k * 100);
+			}
+		}
+	}
+	c->elements.corner_count = 5 * LEAVES;
+	c->elements.primitive_count = 3 * LEAVES;
+}
+
+static void blades_that_bend_each_differently_follow_a_trend(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	for (int both = 0; both < 2; both++) {
+		make_blades(&crown, both);
+		assert_true(share_of(&crown, false) < 0.72);
+	}
+}
+
+/* At right angles and of length 1, whatever they are made of. */
+static void axes_are_at_right_angles(void **unused)
+{
+	(void)unused;
+	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } }, { { 1, 0, 0 }, { 1 << 29, 0, 1 } },
+		{ { 40000, -3, 17 }, { 41000, 30, 17 } }, { { -(1 << 30) + 1, (1 << 30) - 1, 1 }, { (1 << 30) - 1, (1 << 30) - 1, 1 - (1 << 30) } },
+		{ { 3, 4, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 9 } } };
+	for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+		int64_t axis[3][3], length = eco_axes_first(of[i][0], axis);
+		double d = sqrt((double)(of[i][0][0] * of[i][0][0] + of[i][0][1] * of[i][0][1] + of[i][0][2] * of[i][0][2]));
+		assert_true(fabs((double)length - d) <= 1);
+		eco_axes_others(i % 2 ? of[i][1] : NULL, axis);
+		for (int a = 0; a < 3; a++)
+			for (int b = 0; b < 3; b++) {
+				double product = 0;
+				for (int k = 0; k < 3; k++)
+					product += ldexp((double)axis[a][k], -ECO_AXIS_BITS) * ldexp((double)axis[b][k], -ECO_AXIS_BITS);
+				assert_true(fabs(product - (a == b)) < 1e-5);
+			}
+	}
+}
+
+/* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
+static void forms_belong_to_placed_leaves(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	static uint8_t ones[LEAVES];
+	static int32_t middle[3 * LEAVES];
+	uint32_t order[LEAVES];
+	uint8_t *bytes, *form_bytes;
+	size_t size, form_size;
+	struct eco_error error = { 0 };
+	make_crown(&crown, 60, 5);
+	encode(&crown, &bytes, &size, order);
+	for (uint32_t i = 0; i < LEAVES; i++) {
+		ones[i] = 1;
+		middle[3 * i] = (int32_t)i;
+	}
+	const struct eco_list points = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM };
+	const struct eco_elements forms = { .element_count = LEAVES, .corner_count = LEAVES, .primitive_count = LEAVES, .corners = ones,
+		.position = middle };
+	const struct eco_chunk_input input = { &crown.list, &crown.elements, 0, LEAVES, 3 };
+	const struct eco_chunk chunk = { .primitive_count = LEAVES, .element_count = LEAVES };
+	assert_int_equal(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &error), ECO_OK);
+	struct eco_chunk of = chunk;
+	struct eco_elements out;
+	of.size_bytes = (uint32_t)form_size;
+	assert_int_equal(eco_chunk_decode(&points, &of, 3, form_bytes, form_size, &out, &error), ECO_OK);
+	for (uint32_t i = 0; i < LEAVES; i++)
+		assert_int_equal(out.position[3 * i], order[i]);
+	eco_elements_free(&out);
+	free(bytes);
+	free(form_bytes);
+}
+
+static void damage_is_refused_or_harmless(void **unused)
+{
+	(void)unused;
+	static struct crown crown;
+	uint8_t *bytes;
+	size_t size;
+	struct eco_elements out;
+	make_crown(&crown, 40, 9);
+	encode(&crown, &bytes, &size, NULL);
+	for (size_t cut = 0; cut < size; cut += 1 + cut / 64)
+		assert_int_not_equal(decode(&crown, bytes, cut, &out), ECO_OK);
+	for (size_t at = 0; at < size; at += 1 + at / 32)
+		for (int bit = 0; bit < 8; bit += 3) {
+			bytes[at] ^= (uint8_t)(1u << bit);
+			if (decode(&crown, bytes, size, &out) == ECO_OK) {
+				assert_int_equal(out.element_count, LEAVES);
+				eco_elements_free(&out);
+			}
+			bytes[at] ^= (uint8_t)(1u << bit);
+		}
+	free(bytes);
+}
+
+static const struct eco_shape triangle = { .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
+
+static void placings_out_of_bounds_are_none(void **unused)
+{
+	(void)unused;
+	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_ALL, .place_shift = 2, .size_shift = { 2, 2, 2 }, .way_bits = 9,
+		.roll_bits = 9 };
+	static const struct { struct eco_placing placing; bool turns, good; } cases[] = {
+		{ { { 0, 0, 0 }, { 0, 0 }, 0, { 100, 100, 100 } }, true, true },
+		{ { { 0, 0, 0 }, { 1023, 1023 }, 2047, { 0, -100, 100 } }, true, true },
+		{ { { 0, 0, 0 }, { 1024, 0 }, 0, { 100, 100, 100 } }, false, false },
+		{ { { 0, 0, 0 }, { 0, -1 }, 0, { 100, 100, 100 } }, false, false },
+		{ { { 0, 0, 0 }, { 0, 0 }, 2048, { 100, 100, 100 } }, false, false },
+		{ { { 0, 0, 0 }, { 0, 0 }, 0, { ECO_SHAPE_SIZE_MAX + 1, 100, 100 } }, false, false },
+		{ { { 0, 0, 0 }, { 0, 0 }, 0, { 100, INT32_MIN, 100 } }, false, false },
+		{ { { 0, INT32_MIN, 0 }, { 0, 0 }, 0, { 100, 100, 100 } }, true, false },
+		{ { { 0, 0, INT32_MAX }, { 0, 0 }, 0, { 100, 100, 100 } }, true, false },
+		{ { { 0, (1 << 26) - 1, 0 }, { 0, 0 }, 0, { 100, 100, 100 } }, true, false },
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		int32_t offset[9], at[9];
+		assert_int_equal(eco_shape_turn(&shapes, &triangle, &cases[i].placing, offset), cases[i].turns);
+		if (cases[i].turns)
+			assert_int_equal(eco_shape_place(&shapes, &cases[i].placing, offset, 3, at), cases[i].good);
+	}
+}
+
+/* Every way and roll of a coarse set gives three axes that are about 1 long and at right angles, and no two give the same. */
+static void turns_are_rotations(void **unused)
+{
+	(void)unused;
+	const struct eco_shape corner = { .corners = 3, .position = { 4096, 0, 0, 0, 4096, 0, 0, 0, 4096 } };
+	const struct eco_shapes shapes = { .count = 1, .size_shift = { 2, 2, 2 }, .way_bits = 2, .roll_bits = 2 };
+	static int32_t seen[8 * 8 * 16][9];
+	uint32_t count = 0;
+	for (int u = 0; u < 8; u++)
+		for (int v = 0; v < 8; v++)
+			for (int roll = 0; roll < 16; roll++) {
+				const struct eco_placing p = { .way = { u, v }, .roll = roll, .size = { 2500, 0, 0 } };
+				int32_t *o = seen[count];
+				assert_true(eco_shape_turn(&shapes, &corner, &p, o));
+				double det = 0;
+				for (int a = 0; a < 3; a++) {
+					int b = (a + 1) % 3, c = (a + 2) % 3;
+					for (int k = 0; k < 3; k++) {
+						double dot = 0;
+						for (int j = 0; j < 3; j++)
+							dot += (double)o[3 * a + j] * o[3 * k + j] / 1e8;
+						assert_true(fabs(dot - (a == k)) < 1e-3);
+					}
+					det += o[a] / 1e4 * (o[3 + b] / 1e4 * o[6 + c] / 1e4 - o[3 + c] / 1e4 * o[6 + b] / 1e4);
+				}
+				assert_true(fabs(det - 1) < 1e-3);
+				for (uint32_t i = 0; i < count; i++)
+					assert_memory_not_equal(o, seen[i], sizeof seen[i]);
+				count++;
+			}
+}
+
+static void a_placing_is_where_it_says(void **unused)
+{
+	(void)unused;
+	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_WIDTH, .place_shift = 2, .size_shift = { 2, 1, 0 }, .way_bits = 14,
+		.roll_bits = 8 };
+	/* x points up, as nearly as can be; a quarter of a turn; twice as long as wide */
+	const struct eco_placing placing = { { 10, 20, 30 }, { 1 << 14, 1 << 14 }, 1 << 8, { 100, 100, 0 } };
+	int32_t offset[9], at[9];
+	assert_true(eco_shape_turn(&shapes, &triangle, &placing, offset));
+	assert_true(eco_shape_place(&shapes, &placing, offset, 3, at));
+	const double along[3] = { 400, -200, -200 }, aside[3] = { 0, 173.2, -173.2 };
+	for (int k = 0; k < 3; k++) {
+		double level = hypot(at[3 * k] - 40, at[3 * k + 1] - 80);
+		assert_true(fabs(at[3 * k + 2] - 120 - along[k]) < 1.5);
+		assert_true(fabs(level - fabs(aside[k])) < 1.5);
+	}
+}
+
+/* Leaves of one shape and any length, width and bend. */
+static void leaves_that_are_stretched_are_placed(void **unused)
+{
+	(void)unused;
+	static const struct { bool wide, deep; uint32_t percent; } cases[] = { { true, false, 75 }, { true, true, 86 } };
+	static struct crown crown;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		for (double steps = 60; steps < 2000; steps *= 5) {
+			uint32_t order[LEAVES];
+			uint8_t *bytes, *soup;
+			size_t size, soup_size;
+			struct eco_elements out;
+			make_stretched_crown(&crown, steps, cases[i].wide, cases[i].deep);
+			encode(&crown, &bytes, &size, order);
+			assert_int_equal(bytes[1], ECO_CODER_SHAPES);
+			assert_int_equal(decode(&crown, bytes, size, &out), ECO_OK);
+			compare(&crown, &out, order);
+			eco_elements_free(&out);
+			crown.elements.exact = NULL;
+			encode(&crown, &soup, &soup_size, NULL);
+			assert_true(size * 100 <= soup_size * cases[i].percent);
+			free(bytes);
+			free(soup);
+		}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(leaves_of_one_shape_are_placed),
+		cmocka_unit_test(leaves_that_are_all_different_are_corners),
+		cmocka_unit_test(corners_that_leaves_share_are_stored_once),
+		cmocka_unit_test(images_of_one_leaf_take_three_corners),
+		cmocka_unit_test(blades_that_bend_each_differently_follow_a_trend),
+		cmocka_unit_test(axes_are_at_right_angles),
+		cmocka_unit_test(forms_belong_to_placed_leaves),
+		cmocka_unit_test(damage_is_refused_or_harmless),
+		cmocka_unit_test(leaves_that_are_stretched_are_placed),
+		cmocka_unit_test(turns_are_rotations),
+		cmocka_unit_test(placings_out_of_bounds_are_none),
+		cmocka_unit_test(a_placing_is_where_it_says),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

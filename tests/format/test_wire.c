@@ -1,0 +1,482 @@
+/* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is damaged is found. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "ecofiles/format/wire_string.h"
+#include "tests/support/wire_random.h"
+
+/* ---- Streams ---- */
+
+/* Everything that a parser told, as bytes. */
+struct told { struct eco_writer w; uint32_t events, fail_at; };
+
+static enum eco_code tell(struct told *t, uint8_t what, struct eco_error *e)
+{
+	eco_write_u8(&t->w, what);
+	(void)e;
+	return ++t->events == t->fail_at ? ECO_INTERRUPTED : ECO_OK;
+}
+
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *e)
+{
+	struct told *t = ctx;
+	assert_true(scene->plants == NULL && scene->lists == NULL && scene->root == ECO_NONE);
+	eco_wire_write_scene(&t->w, scene, id);
+	return tell(t, 1, e);
+}
+
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
+	struct eco_error *e)
+{
+	struct told *t = ctx;
+	eco_write_u32(&t->w, id);
+	eco_write_bytes(&t->w, plant->name, sizeof plant->name);
+	for (uint32_t i = 0; i < plant->anchor_count; i++)
+		eco_anchor_write(&t->w, &anchors[i]);
+	return tell(t, 2, e);
+}
+
+static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *e)
+{
+	struct told *t = ctx;
+	eco_write_u32(&t->w, id);
+	eco_list_write(&t->w, list);
+	eco_write_bytes(&t->w, palette, 3 * (size_t)list->palette_count);
+	return tell(t, 3, e);
+}
+
+static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
+	struct eco_error *e)
+{
+	struct told *t = ctx;
+	eco_write_u32(&t->w, list);
+	eco_write_u32(&t->w, ordinal);
+	eco_write_u32(&t->w, chunk->primitive_count);
+	eco_write_u32(&t->w, chunk->element_count);
+	eco_write_bytes(&t->w, payload, chunk->size_bytes);
+	return tell(t, 4, e);
+}
+
+static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *e)
+{
+	struct told *t = ctx;
+	eco_wire_write_plan(&t->w, plan);
+	eco_plan_free(plan);
+	return tell(t, 5, e);
+}
+
+static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
+{
+	struct told *t = ctx;
+	eco_write_u64(&t->w, vertices);
+	return tell(t, 6, e);
+}
+
+static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+
+/* Feeds in portions of `portion` bytes; 0: of random sizes. */
+static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told, struct eco_error *error)
+{
+	struct eco_wire_parser *parser;
+	struct wire_random r = { size + portion };
+	enum eco_code code = eco_wire_parser_new(&parser, &telling, told, error);
+	for (size_t at = 0; at < size && !code;) {
+		size_t n = portion ? portion : wire_random_below(&r, 200);
+		n = n < size - at ? n : size - at;
+		code = eco_wire_feed(parser, bytes + at, n, error);
+		at += n;
+	}
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	eco_wire_parser_free(parser);
+	return code;
+}
+
+static struct eco_writer random_stream(uint64_t seed, uint32_t steps)
+{
+	struct wire_random r = { seed };
+	struct eco_writer w = { 0 };
+	wire_random_stream(&r, &w, steps);
+	assert_false(w.failed);
+	return w;
+}
+
+static void portions_do_not_matter(void **state)
+{
+	static const size_t portions[] = { 0, 1, 2, 3, 5, 15, 16, 17, 64, 1000, 4096 };
+	(void)state;
+	for (uint64_t seed = 1; seed <= 20; seed++) {
+		struct eco_writer w = random_stream(seed, 8);
+		struct told whole = { 0 };
+		struct eco_error error = { 0 };
+		assert_int_equal(parse(w.bytes, w.size, w.size, &whole, &error), ECO_OK);
+		assert_true(whole.events >= 1 + 2 + 6 + 8 + 1);
+		for (size_t i = 0; i < sizeof portions / sizeof *portions; i++) {
+			struct told told = { 0 };
+			assert_int_equal(parse(w.bytes, w.size, portions[i], &told, &error), ECO_OK);
+			assert_true(told.w.size == whole.w.size);
+			assert_memory_equal(told.w.bytes, whole.w.bytes, told.w.size);
+			eco_writer_free(&told.w);
+		}
+		eco_writer_free(&whole.w);
+		eco_writer_free(&w);
+	}
+}
+
+struct damage { const struct told *sound; struct told told; uint32_t found, harmless; };
+
+static void damage_tried(struct damage *d, const uint8_t *bytes, size_t size)
+{
+	struct eco_error error = { 0 };
+	d->told.w.size = d->told.events = 0;
+	if (parse(bytes, size, size ? size : 1, &d->told, &error) != ECO_OK) {
+		assert_true(error.text[0]);
+		d->found++;
+		return;
+	}
+	assert_true(d->told.w.size == d->sound->w.size);
+	assert_memory_equal(d->told.w.bytes, d->sound->w.bytes, d->told.w.size);
+	d->harmless++;
+}
+
+/* Every single bit, every truncation, and random handfuls of bits. */
+static void damage_is_found(void **state)
+{
+	struct eco_writer w = random_stream(7, 5);
+	struct told sound = { 0 };
+	struct damage d = { .sound = &sound };
+	struct wire_random r = { 99 };
+	(void)state;
+	assert_int_equal(parse(w.bytes, w.size, w.size, &sound, NULL), ECO_OK);
+	for (size_t bit = 0; bit < 8 * w.size; bit++) {
+		w.bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
+		damage_tried(&d, w.bytes, w.size);
+		w.bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
+	}
+	for (size_t size = 0; size < w.size; size++)
+		damage_tried(&d, w.bytes, size);
+	uint8_t *copy = malloc(w.size);
+	while (d.found + d.harmless < 100000) {
+		memcpy(copy, w.bytes, w.size);
+		for (uint32_t n = 1 + wire_random_below(&r, 8); n > 0; n--)
+			copy[wire_random_below(&r, (uint32_t)w.size)] ^= (uint8_t)(1u << wire_random_below(&r, 8));
+		damage_tried(&d, copy, w.size);
+	}
+	print_message("stream of %zu bytes, %u events: damage found %u times, harmless %u times, missed 0 times\n", w.size, sound.events,
+		d.found, d.harmless);
+	free(copy);
+	eco_writer_free(&d.told.w);
+	eco_writer_free(&sound.w);
+	eco_writer_free(&w);
+}
+
+static size_t frame_size(const uint8_t *header)
+{
+	struct eco_reader r = { .bytes = header, .size = 8, .at = 4 };
+	return ECO_FRAME_HEADER_BYTES + eco_read_u32(&r);
+}
+
+/* Each frame is sound, but one is lost, comes twice, or changes places with the next. */
+static void lost_repeated_and_swapped_frames_are_found(void **state)
+{
+	struct eco_writer w = random_stream(8, 6);
+	uint8_t *copy = malloc(2 * w.size);
+	(void)state;
+	for (size_t at = 0; at < w.size; at += frame_size(w.bytes + at)) {
+		struct told told = { 0 };
+		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size ? frame_size(w.bytes + after) : 0;
+		memcpy(copy, w.bytes, at);
+		memcpy(copy + at, w.bytes + after, w.size - after);
+		assert_int_equal(parse(copy, w.size - one, 0, &told, NULL), ECO_DAMAGED);
+		memcpy(copy, w.bytes, after);
+		memcpy(copy + after, w.bytes + at, w.size - at);
+		assert_int_equal(parse(copy, w.size + one, 0, &told, NULL), ECO_DAMAGED);
+		memcpy(copy, w.bytes, w.size);
+		memcpy(copy + at, w.bytes + after, two);
+		memcpy(copy + at + two, w.bytes + at, one);
+		if (two)
+			assert_int_equal(parse(copy, w.size, 0, &told, NULL), ECO_DAMAGED);
+		eco_writer_free(&told.w);
+	}
+	free(copy);
+	eco_writer_free(&w);
+}
+
+/* Streams whose hashes are right and whose contents are not. */
+enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_PLANT_ID, FAULT_ANCHOR, FAULT_LIST_KIND, FAULT_LIST_CODER,
+	FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID, FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER,
+	FAULT_FORM_ITSELF, FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_ID, FAULT_CHUNK_SKIPS,
+	FAULT_CHUNK_AGAIN, FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING, FAULT_NO_PLAN, FAULT_END_EARLY,
+	FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE, FAULT_COUNT };
+
+static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault fault)
+{
+	struct eco_list list = wire_random_list(3);
+	list.kind = fault == FAULT_LIST_KIND ? 9 : list.kind;
+	list.coder = fault == FAULT_LIST_CODER ? ECO_CODER_BYTES : list.coder;
+	list.attributes = fault == FAULT_LIST_ATTRIBUTES ? 128 : list.attributes;
+	if (fault >= FAULT_FORM_KIND && fault <= FAULT_FORM_COUNT) {
+		list.coder = ECO_CODER_FORM;
+		list.kind = fault == FAULT_FORM_KIND ? ECO_LIST_INSTANCES : ECO_LIST_POINTS;
+		list.partner = fault == FAULT_FORM_PARTNER ? ECO_NONE : fault == FAULT_FORM_ITSELF ? 3 : 1;
+		list.primitive_count += fault == FAULT_FORM_COUNT;
+	}
+	list.grid_step[1] = fault == FAULT_LIST_GRID ? NAN : list.grid_step[1];
+	list.plant = fault == FAULT_LIST_PLANT ? WIRE_RANDOM_PLANTS : list.plant;
+	list.image = fault == FAULT_LIST_IMAGE ? WIRE_RANDOM_LISTS : list.image;
+	list.chunk_count = fault == FAULT_LIST_CHUNKS ? list.element_count + 1 : list.chunk_count;
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_LIST, (*number)++);
+	eco_write_u32(w, 3);
+	list.palette_count = fault == FAULT_PALETTE ? 1 : 0;
+	eco_list_write(w, &list);
+	eco_frame_end(w, mark);
+}
+
+static void put_faulty_plan(struct eco_writer *w, uint32_t *number, enum fault fault)
+{
+	struct eco_placement placement = { .scale = 1 };
+	struct eco_run run = { 0, 3, fault == FAULT_PLAN_RUN ? 7 : 4, 0 };
+	struct eco_gate gate = { fault == FAULT_PLAN_GATE ? 2 : 1, eco_gate_place(60, 0x1234) };
+	struct eco_cut cut = { .list = fault == FAULT_PLAN_LIST ? 6 : 1, .end = 9, .scale = 1, .band_end = 90, .share_end = ECO_SHARE_ONE };
+	struct eco_plan plan = { .vertices = 77, .placements = &placement, .placement_count = 1, .runs = &run, .run_count = 1,
+		.gates = &gate, .gate_count = 1, .cuts = &cut, .cut_count = 1 };
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
+	eco_wire_write_plan(w, &plan);
+	if (fault == FAULT_PLAN_TRAILING)
+		eco_write_u8(w, 0);
+	eco_frame_end(w, mark);
+}
+
+static struct eco_writer faulty_stream(enum fault fault)
+{
+	struct eco_writer w = { 0 };
+	struct eco_anchor anchors[3] = { { { 0, 0, fault == FAULT_ANCHOR ? INFINITY : 1 }, 1 } };
+	uint32_t number = 0;
+	if (fault != FAULT_NO_SCENE)
+		wire_put_scene(&w, &number, ECO_WIRE_VERSION + (fault == FAULT_VERSION));
+	if (fault == FAULT_TWO_SCENES)
+		wire_put_scene(&w, &number, ECO_WIRE_VERSION);
+	size_t plant_at = w.size;
+	wire_put_plant(&w, &number, 1, anchors, 1);
+	if (fault == FAULT_PLANT_ID) {
+		w.size = plant_at;
+		struct eco_frame_mark mark = eco_frame_begin(&w, ECO_FRAME_PLANT, number - 1);
+		eco_write_u32(&w, WIRE_RANDOM_PLANTS);
+		w.size = mark.at + ECO_FRAME_HEADER_BYTES + 4 + 1 + 3 + 4 + 4 + 4 + 16;     /* the other fields are still there */
+		eco_frame_end(&w, mark);
+	}
+	put_faulty_list(&w, &number, fault);
+	wire_put_chunk(&w, &number, 3, 0, "12345", 5, fault != FAULT_CHUNK_ID);
+	wire_put_chunk(&w, &number, 3, fault == FAULT_CHUNK_SKIPS ? 2 : fault == FAULT_CHUNK_AGAIN ? 0 : 1, "1234567", 7, true);
+	if (fault == FAULT_TYPE) {
+		struct eco_frame_mark mark = eco_frame_begin(&w, ECO_FRAME_CHUNK, number++);
+		w.bytes[mark.at] = 7;
+		eco_write_u64(&w, 0);
+	}
+	if (fault != FAULT_NO_PLAN)
+		put_faulty_plan(&w, &number, fault);
+	if (fault == FAULT_END_EARLY)
+		wire_put_chunk(&w, &number, 3, 2, "1", 1, true);
+	wire_put_end(&w, &number, fault == FAULT_END_VERTICES ? 78 : 77, fault == FAULT_END_BYTES ? 1 : 0);
+	if (fault == FAULT_AFTER_END)
+		eco_write_u8(&w, 0);
+	assert_false(w.failed);
+	return w;
+}
+
+static void impossible_contents_are_refused(void **state)
+{
+	(void)state;
+	for (int fault = 0; fault < FAULT_COUNT; fault++) {
+		struct eco_writer w = faulty_stream(fault);
+		struct told told = { 0 };
+		struct eco_error error = { 0 };
+		enum eco_code code = parse(w.bytes, w.size, 0, &told, &error);
+		if ((code == ECO_OK) != (fault == FAULT_NONE))
+			fail_msg("fault %d: code %d %s", fault, code, error.text);
+		if (fault)
+			assert_true(strncmp(error.text, "stream, frame ", 14) == 0);
+		eco_writer_free(&told.w);
+		eco_writer_free(&w);
+	}
+}
+
+static void first_failure_is_final(void **state)
+{
+	struct eco_writer w = random_stream(9, 3);
+	struct told whole = { 0 };
+	(void)state;
+	assert_int_equal(parse(w.bytes, w.size, 0, &whole, NULL), ECO_OK);
+	for (uint32_t n = 1; n <= whole.events; n++) {
+		struct told told = { .fail_at = n };
+		struct eco_wire_parser *parser;
+		struct eco_error a = { 0 }, b = { 0 }, c = { 0 };
+		assert_int_equal(eco_wire_parser_new(&parser, &telling, &told, NULL), ECO_OK);
+		assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, &a), ECO_INTERRUPTED);
+		assert_int_equal(told.events, n);
+		assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, &b), ECO_INTERRUPTED);
+		assert_int_equal(eco_wire_finish(parser, &c), ECO_INTERRUPTED);
+		assert_string_equal(a.text, b.text);
+		assert_string_equal(a.text, c.text);
+		assert_int_equal(told.events, n);
+		eco_wire_parser_free(parser);
+		eco_writer_free(&told.w);
+	}
+	eco_writer_free(&whole.w);
+	eco_writer_free(&w);
+}
+
+static void events_without_a_callback_are_checked_and_ignored(void **state)
+{
+	static const struct eco_wire_events none = { 0 };
+	struct eco_writer w = random_stream(10, 4);
+	struct eco_wire_parser *parser;
+	(void)state;
+	assert_int_equal(eco_wire_parser_new(&parser, &none, NULL, NULL), ECO_OK);
+	assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, NULL), ECO_OK);
+	assert_int_equal(eco_wire_finish(parser, NULL), ECO_OK);
+	eco_wire_parser_free(parser);
+	eco_wire_parser_free(NULL);
+	eco_writer_free(&w);
+}
+
+/* The bytes themselves: this must never change within a version that is released. */
+static void golden_stream(void **state)
+{
+	static const char expected[] =
+		"010000003a0000000e675d5926f917db"
+		"06000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
+		"0500000037000000ff507f1a532e73be"
+		"4d0000000000000000000000000000000000000000000000000000000000000000000107000000010d000001033c341200010b00025a08"
+		"0600000010000000a3e2480cfa50d2cf"
+		"4d00000000000000b100000000000000";
+	struct eco_writer w = { 0 };
+	uint32_t number = 0;
+	char hex[1024], *p = hex;
+	(void)state;
+	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
+	put_faulty_plan(&w, &number, FAULT_NONE);
+	wire_put_end(&w, &number, 77, 0);
+	for (size_t i = 0; i < w.size; i++)
+		p += sprintf(p, "%02x", w.bytes[i]);
+	assert_string_equal(hex, expected);
+	eco_writer_free(&w);
+}
+
+static void names_in_other_encodings_do_not_break_a_stream(void **state)
+{
+	static const struct { const char *name, *sent; } names[] = { { "Ahorn", "Ahorn" }, { "W\xC3\xA4ldchen", "W\xC3\xA4ldchen" },
+		{ "W\xE4ldchen", "W?ldchen" }, { "cut\xC3", "cut?" }, { "\xED\xA0\x80", "???" }, { "\xC0\x80", "??" }, { "\xF5\x80\x80\x80", "????" },
+		{ "\xF0\x9F\x8C\xB3", "\xF0\x9F\x8C\xB3" }, { "\xF0\x80\x80\x80", "????" }, { "\xE0\x80\x80", "???" } };
+	(void)state;
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_scene scene = { .near_m = 1 };
+		struct eco_chunk_id id = { { 0 } };
+		struct eco_writer w = { 0 };
+		strcpy(scene.name, names[i].name);
+		eco_wire_write_scene(&w, &scene, &id);
+		assert_int_equal(w.bytes[48], strlen(names[i].sent));
+		assert_memory_equal(w.bytes + 49, names[i].sent, strlen(names[i].sent));
+		eco_writer_free(&w);
+	}
+}
+
+/* ---- Holdings ---- */
+
+static void names_are_cut_between_characters(void **state)
+{
+	static const struct { const char *text; size_t most, kept; } cases[] = {
+		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 }, { "\xC3\xA4\xC3\xA4", 4, 4 }, { "\xC3\xA4\xC3\xA4", 3, 2 },
+		{ "\xC3\xA4", 1, 0 }, { "a\xE4s", 9, 1 }, { "\xE4", 9, 0 }, { "a\xC3", 9, 1 }, { "\xF0\x9F\x8C\xB2", 4, 4 }, { "\xF0\x9F\x8C\xB2", 3, 0 },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most), cases[i].kept);
+}
+
+static void holdings_survive_the_wire(void **state)
+{
+	struct wire_random r = { 11 };
+	(void)state;
+	for (int i = 0; i < 500; i++) {
+		struct eco_holding items[64];
+		struct eco_holdings held = { items, wire_random_below(&r, 65) }, back;
+		uint64_t list = wire_random_size(&r, 1000);
+		uint32_t count = 0;
+		for (; count < held.count && list < ECO_NONE; count++) {
+			items[count] = (struct eco_holding){ (uint32_t)list, 1 + wire_random_size(&r, UINT32_MAX - 1) };
+			list += 1 + (uint64_t)wire_random_size(&r, UINT32_MAX - 1);
+		}
+		held.count = count;
+		struct eco_writer w = { 0 }, again = { 0 };
+		eco_wire_write_holdings(&w, &held);
+		assert_int_equal(eco_wire_read_holdings(w.bytes, w.size, &back, NULL), ECO_OK);
+		assert_int_equal(back.count, held.count);
+		for (uint32_t n = 0; n < count; n++) {
+			assert_memory_equal(&back.items[n], &items[n], sizeof *items);
+			assert_int_equal(eco_holdings_chunks(&back, items[n].list), items[n].chunks);
+			assert_int_equal(eco_holdings_chunks(&back, items[n].list + 1),
+				n + 1 < count && items[n + 1].list == items[n].list + 1 ? items[n + 1].chunks : 0);
+		}
+		eco_wire_write_holdings(&again, &back);
+		assert_true(again.size == w.size && memcmp(again.bytes, w.bytes, w.size) == 0);
+		for (size_t size = 0; size < w.size; size++) {
+			struct eco_holdings none;
+			struct eco_error error = { 0 };
+			assert_int_not_equal(eco_wire_read_holdings(w.bytes, size, &none, &error), ECO_OK);
+			assert_true(error.text[0] && none.items == NULL && none.count == 0);
+		}
+		free(back.items);
+		eco_writer_free(&w);
+		eco_writer_free(&again);
+	}
+	assert_int_equal(eco_holdings_chunks(NULL, 3), 0);
+}
+
+static void impossible_holdings_are_refused(void **state)
+{
+	static const struct { const char *why; uint8_t bytes[16]; size_t size; enum eco_code code; } rows[] = {
+		{ "none", { 0, 0, 0, 0 }, 4, ECO_OK },
+		{ "two", { 2, 0, 0, 0, 5, 1, 1, 0x80, 1 }, 9, ECO_OK },
+		{ "no count", { 0, 0, 0 }, 3, ECO_BAD_INPUT },
+		{ "something after it", { 0, 0, 0, 0, 0 }, 5, ECO_BAD_INPUT },
+		{ "more items than bytes", { 3, 0, 0, 0, 5, 1, 1, 1 }, 8, ECO_BAD_INPUT },
+		{ "a count beyond all bounds", { 0, 0, 0, 0xFF, 5, 1 }, 6, ECO_TOO_LARGE },
+		{ "the same list twice", { 2, 0, 0, 0, 5, 1, 0, 1 }, 8, ECO_BAD_INPUT },
+		{ "no chunks", { 1, 0, 0, 0, 5, 0 }, 6, ECO_BAD_INPUT },
+		{ "a long zero", { 1, 0, 0, 0, 0x80, 0, 1 }, 7, ECO_BAD_INPUT },
+		{ "a list beyond 32 bits", { 1, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 1 }, 10, ECO_BAD_INPUT },
+		{ "chunks beyond 32 bits", { 1, 0, 0, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x10 }, 10, ECO_BAD_INPUT },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_holdings held;
+		if (eco_wire_read_holdings(rows[i].bytes, rows[i].size, &held, NULL) != rows[i].code)
+			fail_msg("%s", rows[i].why);
+		free(held.items);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(portions_do_not_matter),
+		cmocka_unit_test(damage_is_found),
+		cmocka_unit_test(lost_repeated_and_swapped_frames_are_found),
+		cmocka_unit_test(impossible_contents_are_refused),
+		cmocka_unit_test(first_failure_is_final),
+		cmocka_unit_test(events_without_a_callback_are_checked_and_ignored),
+		cmocka_unit_test(golden_stream),
+		cmocka_unit_test(names_in_other_encodings_do_not_break_a_stream),
+		cmocka_unit_test(names_are_cut_between_characters),
+		cmocka_unit_test(holdings_survive_the_wire),
+		cmocka_unit_test(impossible_holdings_are_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

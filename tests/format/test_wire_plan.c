@@ -1,0 +1,271 @@
+/* Plans as they travel: one encoding each, read back the same, small; whatever breaks a rule is neither written nor read. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "tests/support/wire_random.h"
+
+static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
+{
+	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance == b->sample_distance);
+	assert_true(a->prediction.tp == b->prediction.tp && a->prediction.fp == b->prediction.fp && a->prediction.fn == b->prediction.fn);
+	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
+	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
+	for (uint32_t i = 0; i < a->placement_count; i++) {
+		const struct eco_placement *p = &a->placements[i], *q = &b->placements[i];
+		assert_memory_equal(p->at, q->at, sizeof p->at);
+		assert_true(p->turn == q->turn && p->scale == q->scale && p->path == q->path);
+	}
+	for (uint32_t i = 0; i < a->run_count; i++)
+		assert_memory_equal(&a->runs[i], &b->runs[i], sizeof *a->runs);
+	for (uint32_t i = 0; i < a->gate_count; i++)
+		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
+	for (uint32_t i = 0; i < a->cut_count; i++)
+		assert_true(wire_same_cut(&a->cuts[i], &b->cuts[i]));
+}
+
+static void plan_survives_the_wire_and_has_one_encoding(void **state)
+{
+	struct wire_random r = { 1 };
+	(void)state;
+	for (int i = 0; i < 3000; i++) {
+		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1, i % 3 ? 40 : UINT32_MAX), back;
+		struct eco_writer w = { 0 }, again = { 0 };
+		struct eco_error error = { 0 };
+		assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
+		eco_wire_write_plan(&w, &plan);
+		assert_false(w.failed);
+		eco_write_u8(&w, 0xEE);          /* what follows a plan is not the plan's business */
+		struct eco_reader reader = { .bytes = w.bytes, .size = w.size };
+		assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_OK);
+		assert_true(reader.at == w.size - 1);
+		assert_same_plan(&plan, &back);
+		eco_wire_write_plan(&again, &back);
+		assert_true(again.size == w.size - 1);
+		assert_memory_equal(again.bytes, w.bytes, again.size);
+		eco_plan_free(&plan);
+		eco_plan_free(&back);
+		eco_writer_free(&w);
+		eco_writer_free(&again);
+	}
+}
+
+static void order_of_a_plan_does_not_change_its_bytes(void **state)
+{
+	struct wire_random r = { 2 };
+	(void)state;
+	for (int i = 0; i < 200; i++) {
+		struct eco_plan plan = wire_random_plan(&r, 30, 20, 50);
+		struct eco_writer a = { 0 }, b = { 0 };
+		eco_wire_write_plan(&a, &plan);
+		for (uint32_t n = plan.cut_count; n > 1; n--) {
+			uint32_t k = wire_random_below(&r, n);
+			struct eco_cut t = plan.cuts[k];
+			plan.cuts[k] = plan.cuts[n - 1];
+			plan.cuts[n - 1] = t;
+		}
+		for (uint32_t n = plan.run_count; n > 1; n--) {
+			uint32_t k = wire_random_below(&r, n);
+			struct eco_run t = plan.runs[k];
+			plan.runs[k] = plan.runs[n - 1];
+			plan.runs[n - 1] = t;
+		}
+		eco_wire_write_plan(&b, &plan);
+		assert_true(!a.failed && !b.failed && a.size == b.size);
+		assert_memory_equal(a.bytes, b.bytes, a.size);
+		eco_plan_free(&plan);
+		eco_writer_free(&a);
+		eco_writer_free(&b);
+	}
+}
+
+/* A forest as the planner sees it: 60 plants, each with wood and foliage in 12 bands, and runs of 8 species in 800 tiles of which
+ * some are out of view. */
+static struct eco_plan forest_plan(uint32_t cells)
+{
+	struct eco_plan plan = { .placement_count = 1 };
+	plan.placements = calloc(1, sizeof *plan.placements);
+	plan.placements[0].scale = 1;
+	plan.runs = calloc(800, sizeof *plan.runs);
+	plan.cuts = calloc(60 * 2 * 12 + cells * 6, sizeof *plan.cuts);
+	for (uint32_t tile = 0; tile < 800; tile++)
+		if (tile % 5)
+			plan.runs[plan.run_count++] = (struct eco_run){ .list_first = 500 + 9 * tile, .list_end = 508 + 9 * tile };
+	for (uint32_t plant = 0; plant < 60; plant++)
+		for (uint32_t organ = 0; organ < 2; organ++)
+			for (uint32_t band = 0; band < 12; band++) {
+				uint32_t end = (organ ? 9000u : 300u) >> band / 2;
+				plan.cuts[plan.cut_count++] = (struct eco_cut){ .list = 8 * plant + 3 * organ, .end = end + plant,
+					.scale = organ ? eco_wire_scale_round(1 + (float)band / 7) : 1, .anchor = plant * 40,
+					.band_first = (uint8_t)(100 + band), .band_end = (uint8_t)(101 + band), .share_end = ECO_SHARE_ONE };
+			}
+	for (uint32_t cell = 0; cell < cells; cell++)
+		for (uint32_t band = 0; band < 3; band++) {
+			uint32_t k = 1200 + 13 * cell, m = k >> (band + 1);
+			struct eco_cut cut = { .list = 9000 + 2 * cell, .end = m, .scale = 1, .anchor = 5000 + cell,
+				.band_first = (uint8_t)(80 + band), .band_end = (uint8_t)(81 + band), .share_end = ECO_SHARE_ONE };
+			plan.cuts[plan.cut_count++] = cut;
+			cut.list++, cut.first = 2 * m, cut.end = 2 * k, cut.scale = eco_wire_scale_round(0.9f);
+			plan.cuts[plan.cut_count++] = cut;
+		}
+	return plan;
+}
+
+static size_t plan_bytes(const struct eco_plan *plan)
+{
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, plan);
+	assert_false(w.failed);
+	size_t size = w.size;
+	eco_writer_free(&w);
+	return size;
+}
+
+static void plans_are_small(void **state)
+{
+	(void)state;
+	struct eco_plan plan = forest_plan(0), blends = forest_plan(100), empty = { 0 };
+	size_t fixed = plan_bytes(&empty), all = plan_bytes(&plan), more = plan_bytes(&blends);
+	uint32_t runs = plan.run_count, cuts = plan.cut_count;
+	plan.run_count = 0;
+	size_t rules = plan_bytes(&plan);
+	print_message("plan: %zu bytes empty, %.2f a run, %.2f a rule, %.2f a rule of a blend\n", fixed, (double)(all - rules) / runs,
+		(double)(rules - fixed) / cuts, (double)(more - all) / (blends.cut_count - cuts));
+	assert_true(fixed <= 40);
+	assert_true(all - rules <= 2 * runs + 8);
+	assert_true(rules - fixed <= 6 * cuts);
+	assert_true(more - all <= 7 * (blends.cut_count - cuts));
+	eco_plan_free(&plan);
+	eco_plan_free(&blends);
+}
+
+static void rounded_scales_are_near_and_short(void **state)
+{
+	struct wire_random r = { 3 };
+	(void)state;
+	for (int i = 0; i < 100000; i++) {
+		float s = (float)ldexp(1 + (double)wire_random_below(&r, 1u << 24) / (1u << 24), (int)wire_random_below(&r, 40) - 12);
+		float t = eco_wire_scale_round(s);
+		assert_true(fabs((double)t - s) <= s / 4096.0);
+		assert_true(eco_wire_scale_round(t) == t);
+	}
+	assert_true(eco_wire_scale_round(1) == 1 && eco_wire_scale_round(0) == 0);
+	struct { float scale; size_t bytes; } sizes[] = { { 1, 0 }, { 0.00390625f, 2 }, { 16773120, 2 }, { 1.5f, 2 }, { 0.0039f, 4 },
+		{ 16777216, 4 }, { 1.1f, 4 }, { 0, 4 } };
+	struct eco_plan plan = forest_plan(0);
+	plan.cut_count = 1;
+	plan.cuts[0].scale = 1;
+	size_t least = plan_bytes(&plan);
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		plan.cuts[0].scale = sizes[i].scale;
+		assert_int_equal(plan_bytes(&plan) - least, sizes[i].bytes);
+	}
+	eco_plan_free(&plan);
+}
+
+static void every_truncation_of_a_plan_is_refused(void **state)
+{
+	struct wire_random r = { 4 };
+	(void)state;
+	for (int i = 0; i < 40; i++) {
+		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
+		struct eco_writer w = { 0 };
+		eco_wire_write_plan(&w, &plan);
+		for (size_t size = 0; size < w.size; size++) {
+			struct eco_error error = { 0 };
+			uint8_t *exact = malloc(size + 1);       /* so that the sanitizer sees a read beyond the end */
+			memcpy(exact, w.bytes, size);
+			struct eco_reader reader = { .bytes = exact, .size = size };
+			assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_DAMAGED);
+			assert_true(error.text[0] && back.cuts == NULL && back.placements == NULL);
+			free(exact);
+		}
+		eco_plan_free(&plan);
+		eco_writer_free(&w);
+	}
+}
+
+/* Without the frame's hash around it: a changed byte gives another plan or an error, never one plan twice and never a bad one. */
+static void changed_plans_are_refused_or_other_plans(void **state)
+{
+	struct wire_random r = { 5 };
+	uint32_t refused = 0, other = 0;
+	(void)state;
+	for (int i = 0; i < 40; i++) {
+		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
+		struct eco_writer w = { 0 }, again = { 0 };
+		eco_wire_write_plan(&w, &plan);
+		for (size_t at = 0; at < w.size; at++) {
+			uint8_t old = w.bytes[at];
+			w.bytes[at] ^= (uint8_t)(1 + wire_random_below(&r, 255));
+			struct eco_reader reader = { .bytes = w.bytes, .size = w.size };
+			if (eco_wire_read_plan(&reader, &back, NULL) == ECO_OK) {
+				other++;
+				again.size = 0;
+				eco_wire_write_plan(&again, &back);
+				assert_true(!again.failed && again.size == reader.at);
+				assert_memory_equal(again.bytes, w.bytes, again.size);
+				eco_plan_free(&back);
+			} else {
+				refused++;
+			}
+			w.bytes[at] = old;
+		}
+		eco_plan_free(&plan);
+		eco_writer_free(&w);
+		eco_writer_free(&again);
+	}
+	assert_true(refused > 1000 && other > 1000);
+}
+
+static void plans_that_break_a_rule_are_not_written(void **state)
+{
+	(void)state;
+	for (int fault = 0; fault < 17; fault++) {
+		struct eco_plan plan = forest_plan(1);
+		struct eco_writer w = { 0 };
+		plan.gates = calloc(2, sizeof *plan.gates);
+		switch (fault) {
+		case 0: plan.cuts[3].end = plan.cuts[3].first = 5; break;
+		case 1: plan.cuts[3].scale = NAN; break;
+		case 2: plan.cuts[3].scale = -1; break;
+		case 3: plan.cuts[3].band_end = ECO_BANDS + 1; break;
+		case 4: plan.cuts[3].band_first = plan.cuts[3].band_end; break;
+		case 5: plan.cuts[3].share_end = ECO_SHARE_ONE + 1; break;
+		case 6: plan.cuts[3].anchor = ECO_NONE, plan.cuts[3].placement = 1; break;
+		case 7: plan.cuts[3] = plan.cuts[4]; break;
+		case 8: plan.runs[3] = plan.runs[4]; break;
+		case 9: plan.runs[3].placement = 1; break;
+		case 10: plan.runs[3].list_end = plan.runs[3].list_first; break;
+		case 11: plan.gate_count = 2; break;                     /* both of plant 0 */
+		case 12: plan.gate_count = 1, plan.gates[0].end = ECO_GATE_OPEN + 1; break;
+		case 13: plan.placements[0].scale = 0; break;
+		case 14: plan.placements[0].at[1] = INFINITY; break;
+		case 15: plan.sample_distance = -1; break;
+		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
+		}
+		eco_wire_write_plan(&w, &plan);
+		assert_true(w.failed);
+		eco_plan_free(&plan);
+		eco_writer_free(&w);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(plan_survives_the_wire_and_has_one_encoding),
+		cmocka_unit_test(order_of_a_plan_does_not_change_its_bytes),
+		cmocka_unit_test(plans_are_small),
+		cmocka_unit_test(rounded_scales_are_near_and_short),
+		cmocka_unit_test(every_truncation_of_a_plan_is_refused),
+		cmocka_unit_test(changed_plans_are_refused_or_other_plans),
+		cmocka_unit_test(plans_that_break_a_rule_are_not_written),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

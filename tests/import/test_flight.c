@@ -1,0 +1,282 @@
+/* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/track/track.h"
+#include "ecofiles/format/view.h"
+#include "tests/support/input_files.h"
+#include "tests/support/track_made.h"
+
+static struct eco_flight flight_of(const struct eco_track *track, const struct eco_smoothing *smoothing)
+{
+	static const struct eco_smoothing usual = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN };
+	struct eco_flight flight;
+	struct eco_error error = { 0 };
+	if (eco_flight_make(&flight, track, smoothing ? smoothing : &usual, &error))
+		fail_msg("%s", error.text);
+	for (uint32_t i = 0; i < flight.count; i++) {
+		const struct eco_sample *s = &flight.samples[i];
+		double look = 0, up = 0, dot = 0;
+		for (int k = 0; k < 3; k++) {
+			look += s->look[k] * s->look[k];
+			up += s->up[k] * s->up[k];
+			dot += s->look[k] * s->up[k];
+		}
+		assert_true(near(look, 1, 1e-6) && near(up, 1, 1e-6) && near(dot, 0, 1e-6));
+	}
+	return flight;
+}
+
+static double yaw_of(const struct eco_sample *s) { return atan2(s->look[0], s->look[1]) * DEG; }
+
+static void rounded_positions_do_not_jitter(void **state)
+{
+	/* a circle of 100 m radius at 5 m/s, once a second, in steps of 11 m east and 8 m north: 4 decimals of a degree */
+	struct made m = made_track(240);
+	(void)state;
+	for (uint32_t i = 0; i < 240; i++) {
+		double a = i * 0.05;
+		put(&m, i, floor(100 * cos(a) / 11 + 0.5) * 11, floor(100 * sin(a) / 8 + 0.5) * 8, floor(30 + 10 * sin(a) + 0.5));
+	}
+	m.track.still_m = 8;
+	m.track.still_z_m = 1;
+	struct eco_track_report report = cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&m.track, NULL);
+	double fastest = 0, slowest = 1e9, turn = 0, back = 0;
+	for (uint32_t i = 1; i < f.count; i++) {
+		const double *a = f.samples[i - 1].eye, *b = f.samples[i].eye;
+		double v = hypot(b[0] - a[0], b[1] - a[1]) / f.step_s, t = i * f.step_s;
+		double rate = remainder(yaw_of(&f.samples[i]) - yaw_of(&f.samples[i - 1]), 360) / f.step_s;
+		if (t < 15 || t > 220)
+			continue;
+		fastest = fmax(fastest, v);
+		slowest = fmin(slowest, v);
+		turn = fmax(turn, fabs(rate));
+		back = fmax(back, rate);
+		assert_true(near(hypot(b[0], b[1]), 100, 12));
+	}
+	/* 5 m/s, 2.9 degrees a second to the left */
+	assert_true(report.kept > 50 && fastest < 8 && slowest > 2.5 && turn < 7 && back < 1.5);
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
+}
+
+static void cameras_look_where_they_go_and_wait_without_turning(void **state)
+{
+	struct made m = made_track(90);
+	(void)state;
+	for (uint32_t i = 0; i < 90; i++)
+		put(&m, i, i < 30 ? 5.0 * i : 150, i < 60 ? 0 : 5.0 * (i - 60), 20);
+	cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&m.track, &(struct eco_smoothing){ .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .flies = true });
+	double before = yaw_of(&f.samples[0]);
+	assert_true(near(before, 90, 1) && near(yaw_of(&f.samples[f.count - 1]), 0, 1));
+	for (uint32_t i = 1; i < f.count; i++) {
+		double yaw = yaw_of(&f.samples[i]);
+		assert_true(yaw < before + 0.5 && near(asin(f.samples[i].look[2]) * DEG, -15, 0.5));
+		before = yaw;
+	}
+	assert_true(!f.yaw_recorded && f.samples[0].fov_y_deg == 60);
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
+}
+
+static void recorded_looks_turn_across_north(void **state)
+{
+	struct made m = straight(20);
+	(void)state;
+	for (uint32_t i = 0; i < 20; i++) {
+		struct eco_fix *fix = &m.track.fixes[i];
+		fix->yaw_deg = fmod(350 + i, 360);
+		fix->pitch_deg = -30;
+		fix->roll_deg = 5;
+		fix->fov_y_deg = 40 + i;
+	}
+	cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&m.track, NULL);
+	for (uint32_t i = 0; i < f.count; i++) {
+		double t = i * f.step_s;
+		assert_true(fabs(remainder(yaw_of(&f.samples[i]) - 350 - t, 360)) < 0.3 && near(asin(f.samples[i].look[2]) * DEG, -30, 0.1));
+		assert_true(near(f.samples[i].fov_y_deg, 40 + t, 1e-6));
+	}
+	assert_true(f.yaw_recorded && f.pitch_recorded && f.samples[0].up[2] < cos(30 / DEG));
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
+}
+
+static void flights_are_moved_turned_and_kept_above_ground(void **state)
+{
+	struct made m = straight(11);
+	float heights[4] = { 0, 0, 40, 40 };
+	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000, .step_y_m = 100, .height_m = heights };
+	struct eco_flight_moved moved;
+	struct eco_error error = { 0 };
+	(void)state;
+	cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&m.track, NULL);
+	struct eco_flight_move move = { .from_s = 2, .to_s = 8, .speed = 2, .scale = 0.5, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 },
+		.ground = &ground, .has_ground = true, .clearance_m = 2 };
+	double step_s = f.step_s;
+	assert_int_equal(eco_flight_move(&f, &move, &moved, &error), ECO_OK);
+	const struct eco_sample *last = &f.samples[f.count - 1];
+	assert_true(near(f.step_s, step_s / 2, 1e-12) && near((f.count - 1) * step_s, 6, 2 * step_s));
+	/* 60 m along x are 30 m along y; the ground rises by 0.4 a metre */
+	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 38, 0.5) && near(last->look[1], 1, 1e-3));
+	assert_true(near(last->eye[2], 0.4 * last->eye[1] + 2, 1e-4) && moved.raised > 0 && moved.off_ground == 0);
+	move = (struct eco_flight_move){ .from_s = 100, .to_s = NAN };
+	assert_int_equal(eco_flight_move(&f, &move, &moved, &error), ECO_BAD_INPUT);
+	move = (struct eco_flight_move){ .from_s = NAN, .to_s = NAN, .look_at_given = true, .look_at = { 7, 1000, 20 } };
+	assert_int_equal(eco_flight_move(&f, &move, &moved, NULL), ECO_OK);
+	assert_true(f.samples[0].look[1] > 0.99);
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
+}
+
+/* ---- Scripts ---- */
+
+static void scripts_keep_to_the_flight_as_they_say(void **state)
+{
+	/* stands, starts, corners, a gimbal that swings */
+	struct made m = made_track(600);
+	(void)state;
+	for (uint32_t i = 0; i < 600; i++) {
+		double t = i * 0.2, x = t < 20 ? 0 : t < 60 ? 8 * (t - 20) : 320, y = t < 60 ? 0 : 8 * (t - 60);
+		struct eco_fix *fix = put(&m, t, x, y, 50 + 20 * sin(t / 7));
+		fix->yaw_deg = 180 + 170 * sin(t / 5);
+		fix->pitch_deg = -45 + 45 * cos(t / 9);
+	}
+	cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&m.track, NULL);
+	for (uint32_t keys = 0; keys <= 40; keys += 20) {
+		struct eco_script script;
+		struct eco_camera *camera;
+		struct eco_error error = { 0 };
+		size_t size;
+		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
+		assert_true(keys ? script.count <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
+			&& script.count < f.count / 2);
+		char *text = eco_script_text(&script, &size);
+		if (eco_camera_parse(&camera, text, size, "made", &error))
+			fail_msg("%s", error.text);
+		assert_true(eco_camera_frame_count(camera) + 1 >= f.count);
+		for (uint32_t i = 0; i < eco_camera_frame_count(camera) && i < f.count; i++) {
+			struct eco_view view;
+			const struct eco_sample *s = &f.samples[i];
+			double d = 0, dot = 0, length = 0;
+			eco_camera_frame(camera, i, &view);
+			for (int k = 0; k < 3; k++) {
+				d += (view.eye[k] - s->eye[k]) * (view.eye[k] - s->eye[k]);
+				dot += (view.target[k] - view.eye[k]) * s->look[k];
+				length += (view.target[k] - view.eye[k]) * (view.target[k] - view.eye[k]);
+			}
+			/* four decimals of fps and of metres */
+			assert_true(sqrt(d) <= script.error_m + 0.02);
+			assert_true(acos(fmin(1, dot / sqrt(length))) * DEG <= script.error_deg + 0.1);
+		}
+		eco_camera_free(camera);
+		eco_script_free(&script);
+		free(text);
+	}
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
+}
+
+static void still_cameras_are_one_keyframe(void **state)
+{
+	struct eco_track track = track_of("{\"camera_angle_x\": 0.8, \"frames\": [{\"transform_matrix\": [[1,0,0,5],[0,0,-1,6],[0,1,0,7],[0,0,0,1]]}]}",
+		"t.json", NULL);
+	struct eco_script script;
+	size_t size;
+	(void)state;
+	cleaned(&track, &(struct eco_cleaning){ 0 });
+	struct eco_flight f = flight_of(&track, NULL);
+	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ 0 }, NULL), ECO_OK);
+	char *text = eco_script_text(&script, &size);
+	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], \"fov_y_deg\": "
+		"45.837}\n]}\n");
+	free(text);
+	eco_script_free(&script);
+	eco_flight_free(&f);
+	eco_track_free(&track);
+}
+
+/* ---- Recordings, where they are at hand: each beside a table of its positions ---- */
+
+static double nearest(const struct eco_flight *f, double x, double y)
+{
+	double least = INFINITY;
+	for (uint32_t i = 0; i < f->count; i++)
+		least = fmin(least, hypot(f->samples[i].eye[0] - x, f->samples[i].eye[1] - y));
+	return least;
+}
+
+static void compare_with_table(const char *folder, const char *name)
+{
+	char path[1000], table[1000];
+	struct eco_track track, wanted;
+	struct eco_track_report report;
+	struct eco_error error = { 0 };
+	uint32_t within = 0, seen = 0;
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
+	if (eco_track_read(&track, path, NULL, &error) || eco_track_read(&wanted, table, NULL, &error) ||
+		eco_track_place(&track, &(struct eco_track_frame){ .crs = NULL }, &error) || eco_track_clean(&track, &(struct eco_cleaning){ 0 },
+			&report, &error))
+		fail_msg("%s", error.text);
+	struct eco_flight f = flight_of(&track, NULL);
+	/* the table's zero is the file's first fix, which may lie in another part */
+	double zero[2] = { 0 };
+	if (report.part == 1)
+		memcpy(zero, f.samples[0].eye, sizeof zero);
+	for (uint32_t i = 0; report.part == 1 && i < wanted.count && i < report.kept; i++, seen++)
+		within += nearest(&f, zero[0] + wanted.fixes[i].at[0], zero[1] + wanted.fixes[i].at[1]) <= fmax(3, 0.8 * track.still_m) +
+			0.002 * hypot(wanted.fixes[i].at[0], wanted.fixes[i].at[1]);     /* tables count on a sphere */
+	if (within < 0.9 * seen)
+		fail_msg("%s: %u of %u positions are near the path", name, within, seen);
+	eco_flight_free(&f);
+	eco_track_free(&track);
+	eco_track_free(&wanted);
+}
+
+static void recordings_keep_near_their_positions(void **state)
+{
+	const char *data = getenv("ECO_DATA");
+	char folder[900];
+	(void)state;
+	if (!data)
+		skip();
+	snprintf(folder, sizeof folder, "%s/cameras", data);
+	DIR *files = opendir(folder);
+	if (!files)
+		skip();
+	for (const struct dirent *file; (file = readdir(files)) != NULL; ) {
+		char recording[300];
+		size_t length = strlen(file->d_name);
+		if (length < 8 || strcmp(file->d_name + length - 4, ".csv") != 0)
+			continue;
+		snprintf(recording, sizeof recording, "%.*s", (int)length - 4, file->d_name);
+		compare_with_table(folder, recording);
+	}
+	closedir(files);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(rounded_positions_do_not_jitter),
+		cmocka_unit_test(cameras_look_where_they_go_and_wait_without_turning),
+		cmocka_unit_test(recorded_looks_turn_across_north), cmocka_unit_test(flights_are_moved_turned_and_kept_above_ground),
+		cmocka_unit_test(scripts_keep_to_the_flight_as_they_say), cmocka_unit_test(still_cameras_are_one_keyframe),
+		cmocka_unit_test(recordings_keep_near_their_positions),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

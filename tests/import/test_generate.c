@@ -1,0 +1,337 @@
+/* Generated scenes: the same seed gives the same bytes, another seed another scene; plants have believable sizes; scenes parse. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/generate/generate.h"
+#include "ecofiles/generate/generate_plants.h"
+#include "ecofiles/generate/generate_scenes.h"
+#include "ecofiles/scene/scene.h"
+#include "ecofiles/format/view.h"
+
+#define ROOT "build/tmp/generate"
+
+static void remove_folder(const char *path)
+{
+	DIR *folder = opendir(path);
+	struct dirent *entry;
+	char inner[4096];
+	while (folder && (entry = readdir(folder))) {
+		if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, ".."))
+			continue;
+		snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+		if (unlink(inner) != 0)
+			remove_folder(inner);
+	}
+	if (folder)
+		closedir(folder);
+	rmdir(path);
+}
+
+static char *read_file(const char *folder, const char *name, size_t *size)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		fail_msg("%s is not there", path);
+	char *bytes = malloc(1 << 24);
+	*size = fread(bytes, 1, 1 << 24, file);
+	fclose(file);
+	return bytes;
+}
+
+static bool same_file(const char *a, const char *b, const char *name)
+{
+	size_t size_a, size_b;
+	char *bytes_a = read_file(a, name, &size_a), *bytes_b = read_file(b, name, &size_b);
+	bool same = size_a == size_b && memcmp(bytes_a, bytes_b, size_a) == 0;
+	free(bytes_a);
+	free(bytes_b);
+	return same;
+}
+
+static const char *fresh(const char *name)
+{
+	static char path[8][256];
+	static int next;
+	char *to = path[next++ % 8];
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	mkdir(ROOT, 0777);
+	snprintf(to, 256, ROOT "/%s-%ld", name, (long)getpid());
+	remove_folder(to);
+	return to;
+}
+
+static void generate(const char *name, const char *folder, uint32_t plants, uint64_t seed)
+{
+	struct eco_error error = { 0 };
+	enum eco_code code = eco_generate(&(struct eco_generate_options){ .name = name, .folder = folder, .plants = plants, .seed = seed }, &error);
+	if (code)
+		fail_msg("%s: %s", name, error.text);
+}
+
+static const struct { const char *name; uint32_t plants; const char *files[12]; } scenes[] = {
+	{ "park", 60, { "scene.json", "camera.json", "dem.tif", "models/oak.obj", "models/oak.mtl", "models/linden.obj", "models/spray.png",
+		"models/spruce.obj" } },
+	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv", "models/beech.obj", "models/fern.obj",
+		"models/leaf.png" } },
+	{ "meadow", 500, { "scene.json", "camera.json", "dem.tif", "grasses.json", "poppies.json", "models/poppy.obj" } },
+	{ "grove", 120, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/oak.obj", "models/spruce.obj" } },
+	{ "palms", 60, { "scene.json", "camera.json", "plants.csv", "models/palm.obj" } },
+	{ "sunflowers", 400, { "scene.json", "camera.json", "plants.csv", "models/sunflower.obj", "models/maple.obj" } },
+	{ "outdoor", 500, { "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
+	{ "billion", 230000, { "scene.json", "camera.json", "dem.tif", "hectare-0.json", "hectare-2.json", "block-1-1.json", "models/beech.obj" } },
+};
+#define SCENES (sizeof scenes / sizeof *scenes)
+
+static void test_same_seed_same_bytes(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < SCENES; i++) {
+		const char *a = fresh("a"), *b = fresh("b"), *c = fresh("c");
+		generate(scenes[i].name, a, scenes[i].plants, 5);
+		generate(scenes[i].name, b, scenes[i].plants, 5);
+		generate(scenes[i].name, c, scenes[i].plants, 6);
+		for (int f = 0; scenes[i].files[f]; f++)
+			assert_true(same_file(a, b, scenes[i].files[f]));
+		assert_false(same_file(a, c, "scene.json") && same_file(a, c, "dem.tif"));
+		remove_folder(a);
+		remove_folder(b);
+		remove_folder(c);
+	}
+}
+
+static void test_scenes_and_cameras_parse(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < SCENES; i++) {
+		const char *folder = fresh("parse");
+		char path[512];
+		struct eco_sources sources;
+		struct eco_camera *camera = NULL;
+		struct eco_error error = { 0 };
+		generate(scenes[i].name, folder, scenes[i].plants, 1);
+		snprintf(path, sizeof path, "%s/scene.json", folder);
+		if (eco_sources_load(&sources, path, &error))
+			fail_msg("%s", error.text);
+		assert_string_equal(sources.items[0].name, scenes[i].name);
+		eco_sources_free(&sources);
+		snprintf(path, sizeof path, "%s/camera.json", folder);
+		if (eco_camera_load(&camera, path, &error))
+			fail_msg("%s", error.text);
+		assert_in_range(eco_camera_frame_count(camera), 6, 40);
+		eco_camera_free(camera);
+		remove_folder(folder);
+	}
+}
+
+static void test_park_has_about_as_many_as_asked(void **state)
+{
+	static const uint32_t wanted[] = { 60, 240 };
+	(void)state;
+	for (size_t i = 0; i < 2; i++) {
+		const char *folder = fresh("count");
+		char path[512];
+		struct eco_sources sources;
+		generate("park", folder, wanted[i], 1);
+		snprintf(path, sizeof path, "%s/scene.json", folder);
+		assert_int_equal(eco_sources_load(&sources, path, NULL), ECO_OK);
+		assert_in_range(sources.items[0].instance_count, wanted[i] - wanted[i] / 8, wanted[i]);
+		eco_sources_free(&sources);
+		remove_folder(folder);
+	}
+}
+
+/* No two stems closer than their crowns allow; all inside the ground. */
+static void test_stems_keep_their_distance(void **state)
+{
+	const char *folder = fresh("stems");
+	static double x[1000], y[1000];
+	size_t size, count = 0;
+	(void)state;
+	generate("forest", folder, 600, 3);
+	char *text = read_file(folder, "stems.csv", &size), *line = strchr(text, '\n') + 1;
+	text[size] = 0;
+	for (; *line && count < 1000; line = strchr(line, '\n') + 1, count++)
+		assert_int_equal(sscanf(line, "%*u,%*[A-Z],%lf,%lf", &x[count], &y[count]), 2);
+	free(text);
+	assert_true(count > 350 && count <= 400);
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < i; k++)
+			assert_true(hypot(x[i] - x[k], y[i] - y[k]) > 1.4);
+	remove_folder(folder);
+}
+
+static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
+{
+	static const struct { const char *name; uint32_t plants; } cases[] = { { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
+		{ "sunflowers", 900 }, { "outdoor", 1000 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const char *folder = fresh("exact");
+		size_t size, lines = 0;
+		generate(cases[i].name, folder, cases[i].plants, 9);
+		char *csv = read_file(folder, "plants.csv", &size);
+		for (size_t k = 0; k < size; k++)
+			lines += csv[k] == '\n';
+		free(csv);
+		assert_int_equal(lines, cases[i].plants + 1);
+		remove_folder(folder);
+	}
+}
+
+/* Plants of a file with all that it nests. */
+static uint64_t plants_of(const struct eco_sources *sources, uint32_t source)
+{
+	const struct eco_source *s = &sources->items[source];
+	uint64_t sum = s->instance_count;
+	for (uint32_t first = 0, next; first < s->child_count; first = next) {
+		for (next = first; next < s->child_count && s->children[next].source == s->children[first].source; next++)
+			;
+		sum += (next - first) * plants_of(sources, s->children[first].source);
+	}
+	return sum;
+}
+
+static void test_blocks_of_blocks_hold_any_number(void **state)
+{
+	static const uint64_t wanted[] = { 1, 700, 100000, 230000 };
+	(void)state;
+	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+		const char *folder = fresh("blocks");
+		char path[512];
+		struct eco_sources sources;
+		struct eco_error error = { 0 };
+		if (eco_generate(&(struct eco_generate_options){ .name = "billion", .folder = folder, .plants = wanted[i], .seed = 4 }, &error))
+			fail_msg("%s", error.text);
+		snprintf(path, sizeof path, "%s/scene.json", folder);
+		if (eco_sources_load(&sources, path, &error))
+			fail_msg("%s", error.text);
+		uint64_t plants = plants_of(&sources, 0);
+		if (plants < wanted[i] || plants > wanted[i] + wanted[i] / 2)
+			fail_msg("%llu plants where %llu were asked for", (unsigned long long)plants, (unsigned long long)wanted[i]);
+		eco_sources_free(&sources);
+		remove_folder(folder);
+	}
+}
+
+static void test_detail_multiplies_leaves(void **state)
+{
+	static const struct { const char *name; double least, most; } cases[] = { { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
+		gen_plant_find(cases[i].name)->grow(&once, &(struct gen_random){ 5 });
+		gen_plant_find(cases[i].name)->grow(&fine, &(struct gen_random){ 5 });
+		double times = (double)fine.face_count / once.face_count;
+		if (!(times >= cases[i].least && times <= cases[i].most))
+			fail_msg("%s: %g times the faces", cases[i].name, times);
+		gen_mesh_free(&once);
+		gen_mesh_free(&fine);
+	}
+}
+
+static void test_plants_have_believable_sizes(void **state)
+{
+	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
+		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 }, { "spruce", 14, 18, 5, 6000 },
+		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 }, { "palm", 7, 11, 5, 3000 },
+		{ "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
+		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 }, { "daisy", 0.3, 0.8, 0.6, 300 },
+		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 }, { "sunflower", 1.4, 2.1, 0.7, 1000 } };
+	(void)state;
+	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
+	for (uint32_t i = 0; i < gen_plant_count; i++) {
+		struct gen_mesh mesh = { 0 };
+		struct gen_random random = { 99 };
+		double high = 0, low = 0, wide = 0;
+		gen_plant_find(sizes[i].name)->grow(&mesh, &random);
+		assert_false(mesh.failed);
+		for (uint32_t k = 0; k < mesh.count; k++) {
+			const struct gen_v3 *p = &mesh.position[k];
+			assert_true(isfinite(p->x) && isfinite(p->y) && isfinite(p->z));
+			high = fmax(high, p->z);
+			low = fmin(low, p->z);
+			wide = fmax(wide, hypot(p->x, p->y));
+		}
+		if (!(high >= sizes[i].low && high <= sizes[i].high && wide <= sizes[i].wide && low > -0.6 && mesh.face_count >= sizes[i].faces))
+			fail_msg("%s: %g to %g m high, %g m wide, %u faces", sizes[i].name, low, high, wide, mesh.face_count);
+		for (uint32_t f = 0; f < mesh.face_count; f++)
+			for (uint32_t c = 0; c < mesh.faces[f].corners; c++)
+				assert_true(mesh.faces[f].corner[c] < mesh.count && mesh.faces[f].material < mesh.material_count);
+		gen_mesh_free(&mesh);
+	}
+}
+
+static void test_ground_is_smooth(void **state)
+{
+	struct gen_terrain terrain = { 4, 20, 100, 2, 30 };
+	(void)state;
+	for (int i = 0; i < 20000; i++) {
+		double x = i * 0.37 - 3000, y = 11 + i * 0.11, h = gen_terrain_height(&terrain, x, y);
+		assert_true(h >= 0 && h <= 22);
+		assert_true(fabs(gen_terrain_height(&terrain, x + 0.01, y) - h) < 0.01);
+	}
+}
+
+static bool stop(void *ctx, const char *stage, double share)
+{
+	(void)stage;
+	(void)share;
+	return --*(int *)ctx > 0;
+}
+
+static void test_stopping_leaves_no_scene(void **state)
+{
+	const char *folder = fresh("stop");
+	char path[512];
+	int left = 4;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder, .seed = 1, .progress = stop, .ctx = &left },
+		&error), ECO_INTERRUPTED);
+	snprintf(path, sizeof path, "%s/scene.json", folder);
+	assert_int_not_equal(access(path, F_OK), 0);
+	remove_folder(folder);
+}
+
+static void test_errors_say_what(void **state)
+{
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" }, &error), ECO_BAD_USAGE);
+	assert_non_null(strstr(error.text, "park"));
+	error = (struct eco_error){ 0 };
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = "/dev/null/x" }, &error), ECO_IO);
+	assert_non_null(strstr(error.text, "/dev/null/x"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_same_seed_same_bytes),
+		cmocka_unit_test(test_scenes_and_cameras_parse),
+		cmocka_unit_test(test_park_has_about_as_many_as_asked),
+		cmocka_unit_test(test_stems_keep_their_distance),
+		cmocka_unit_test(test_measured_scenes_have_exactly_as_many_as_asked),
+		cmocka_unit_test(test_blocks_of_blocks_hold_any_number),
+		cmocka_unit_test(test_detail_multiplies_leaves),
+		cmocka_unit_test(test_plants_have_believable_sizes),
+		cmocka_unit_test(test_ground_is_smooth),
+		cmocka_unit_test(test_stopping_leaves_no_scene),
+		cmocka_unit_test(test_errors_say_what),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

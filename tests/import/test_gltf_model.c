@@ -1,0 +1,612 @@
+/* glTF models: what a viewer would show at rest is what arrives; the rest is counted, said, or refused by name. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "ecofiles/format/draco_shim.h"
+#include "ecofiles/import/model/gltf.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/model_import.h"
+#include "tests/support/gltf_writer.h"
+#include "tests/support/input_files.h"
+
+/* ---- Models: as they are read, before anything is dropped or moved ---- */
+
+static struct eco_model_frame frame;
+static struct eco_notes notes;
+
+static enum eco_code read_model(struct eco_model *m, const char *rest, uint32_t triangles_max, struct eco_error *error)
+{
+	struct eco_gltf *doc;
+	uint8_t *bytes;
+	size_t size = gw_glb_bytes(rest, ' ', &bytes);
+	enum eco_code code;
+
+	*m = (struct eco_model){ .position = NULL };
+	frame = (struct eco_model_frame){ .unit_m = 0 };
+	notes = (struct eco_notes){ .used = 0 };
+	code = eco_gltf_open_memory(&doc, input_path("gltf_model", "m.glb"), bytes, size, error);
+	if (code == ECO_OK)
+		code = eco_gltf_read_document(m, &frame, doc, triangles_max, &notes, error);
+	eco_gltf_close(doc);
+	free(bytes);
+	return code;
+}
+
+static void read_good(struct eco_model *m, const char *rest)
+{
+	struct eco_error error = { .code = ECO_OK };
+	uint64_t accounted;
+
+	if (read_model(m, rest, 1000000, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	accounted = m->triangle_count;
+	for (int i = 0; i < ECO_DROP_COUNT; i++)
+		accounted += m->dropped[i];
+	assert_int_equal(accounted, m->triangles_in);
+	assert_true(frame.unit_m == 1 && frame.up == ECO_UP_Y);
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		assert_true(m->material[i] < m->material_count && m->part[i] < m->part_count);
+}
+
+static void read_fails(const char *rest, enum eco_code wanted, const char *says)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model m;
+	enum eco_code code = read_model(&m, rest, 1000, &error);
+
+	eco_model_free(&m);
+	if (code != wanted || strstr(error.text, says) == NULL)
+		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
+}
+
+/* Corner c of triangle t is at that place, in the file's own axes. */
+static void expect_corner(const struct eco_model *m, uint32_t t, uint32_t c, double x, double y, double z)
+{
+	const float *p;
+
+	assert_true(t < m->triangle_count && m->index[t * 3 + c] < m->vertex_count);
+	p = &m->position[m->index[t * 3 + c] * 3];
+	if (fabs((double)p[0] - x) + fabs((double)p[1] + z) + fabs((double)p[2] - y) > 1e-4)
+		fail_msg("corner %u of triangle %u is at %g %g %g, not %g %g %g", c, t, (double)p[0], (double)p[2], -(double)p[1], x, y, z);
+}
+
+static const float square[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
+#define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
+
+static void indices_of_every_type_or_none_make_triangles(void **state)
+{
+	static const uint8_t bytes[6] = { 0, 1, 2, 2, 1, 3 };
+	static const uint16_t shorts[6] = { 0, 1, 2, 2, 1, 3 };
+	static const uint32_t words[6] = { 0, 1, 2, 2, 1, 3 };
+	struct eco_model m;
+
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		gw_begin();
+		gw_floats(square[0], i < 3 ? 4 : 3, "VEC3", 3);
+		if (i == 0)
+			gw_accessor(gw_view(bytes, sizeof bytes, ""), GLTF_UBYTE, 6, "SCALAR", "");
+		else if (i == 1)
+			gw_accessor(gw_view(shorts, sizeof shorts, ""), GLTF_USHORT, 6, "SCALAR", "");
+		else
+			gw_accessor(gw_view(words, sizeof words, ""), GLTF_UINT, 6, "SCALAR", "");
+		read_good(&m, i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1") : ONE_MESH("\"POSITION\":0", ""));
+		assert_int_equal(m.triangle_count, i < 3 ? 2 : 1);
+		expect_corner(&m, 0, 1, 1, 0, 0);
+		if (i < 3)
+			expect_corner(&m, 1, 2, 1, 1, 0);
+		eco_model_free(&m);
+	}
+}
+
+static void strips_and_fans_become_triangles(void **state)
+{
+	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 4, "VEC3", 3);
+	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
+	gw_accessor(gw_view(fan, sizeof fan, ""), GLTF_USHORT, 4, "SCALAR", "");
+	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":1,\"mode\":5"));
+	assert_int_equal(m.triangle_count, 3);       /* and one behind the restart */
+	expect_corner(&m, 0, 2, 0, 1, 0);
+	expect_corner(&m, 1, 0, 0, 1, 0);            /* the second keeps the first's winding */
+	expect_corner(&m, 1, 1, 1, 0, 0);
+	expect_corner(&m, 1, 2, 1, 1, 0);
+	expect_corner(&m, 2, 0, 1, 1, 0);
+	eco_model_free(&m);
+	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":2,\"mode\":6"));
+	assert_int_equal(m.triangle_count, 2);
+	expect_corner(&m, 1, 0, 0, 0, 0);
+	expect_corner(&m, 1, 1, 1, 1, 0);
+	expect_corner(&m, 1, 2, 0, 1, 0);
+	eco_model_free(&m);
+}
+
+static void points_and_lines_are_counted_and_said(void **state)
+{
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 4, "VEC3", 3);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
+		"\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
+	assert_int_equal(m.triangle_count, 1);
+	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
+	assert_non_null(strstr(notes.text, "1 primitives without positions"));
+	assert_non_null(strstr(notes.text, "1 corners"));
+	eco_model_free(&m);
+	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":0"), ECO_BAD_INPUT, "only 4 points");
+	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":9"), ECO_DAMAGED, "meshes[0].primitives[0]: its mode");
+	read_fails("", ECO_BAD_INPUT, "no triangles in its scene");
+}
+
+static void a_broken_index_is_kept_apart(void **state)
+{
+	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 4, "VEC3", 3);
+	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
+	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":1"));
+	assert_int_equal(m.triangle_count, 2);
+	assert_int_equal(m.index[5], ECO_NONE);
+	assert_int_equal(m.vertex_count, 3);         /* what nobody names is left behind */
+	eco_model_free(&m);
+}
+
+static void quantized_meshes_are_read(void **state)
+{
+	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
+	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
+	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
+	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
+		"\"translation\":[1,0,0]},{\"mesh\":1}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
+	expect_corner(&m, 0, 0, 1, 0, 0);
+	expect_corner(&m, 0, 1, 5, 0, 0);
+	expect_corner(&m, 1, 2, 0, 20, -30);
+	assert_string_equal(notes.text, "");
+	eco_model_free(&m);
+}
+
+static void places_far_from_the_origin_keep_their_detail(void **state)
+{
+	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_floats(far[0], 3, "VEC3", 3);
+	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3] == 1.25);
+	assert_string_equal(notes.text, "");
+	eco_model_free(&m);
+	read_good(&m, ONE_MESH("\"POSITION\":1", ""));
+	assert_non_null(strstr(notes.text, "in single precision"));
+	eco_model_free(&m);
+}
+
+static void parts_are_nodes_and_meshes(void **state)
+{
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
+		"{\"mesh\":1,\"name\":\"Pot\"}],"
+		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	assert_int_equal(m.part_count, 3);
+	assert_string_equal(m.parts[m.part[0]].name, "Tree/Leaves");
+	assert_string_equal(m.parts[m.part[1]].name, "Leaves");
+	assert_string_equal(m.parts[m.part[2]].name, "Leaves");
+	assert_string_equal(m.parts[m.part[3]].name, "Pot");
+	assert_int_equal(m.part[3], m.part[4]);
+	eco_model_free(&m);
+}
+
+static void instances_of_a_model_are_expanded(void **state)
+{
+	static const float places[3][3] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 0, 10 } }, sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 1, 1 } };
+	static const int16_t turns[3][4] = { { 0, 0, 0, 32767 }, { 0, 0, 0, 32767 }, { 0, 23170, 0, 23170 } };
+	static const char rest[] = ",\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],\"nodes\":[{\"mesh\":0,\"translation\":[0,1,0],\"extensions\":{"
+		"\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}}}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+		"{\"POSITION\":0}}]}]";
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_floats(places[0], 3, "VEC3", 3);
+	gw_floats(sizes[0], 3, "VEC3", 3);
+	gw_accessor(gw_view(turns, sizeof turns, ""), GLTF_SHORT, 3, "VEC4", ",\"normalized\":true");
+	read_good(&m, rest);
+	assert_int_equal(m.triangle_count, 3);
+	expect_corner(&m, 0, 1, 1, 1, 0);
+	expect_corner(&m, 1, 1, 12, 1, 0);
+	expect_corner(&m, 2, 1, 0, 1, 9);
+	assert_non_null(strstr(notes.text, "3 instances"));
+	eco_model_free(&m);
+	assert_int_equal(read_model(&m, rest, 2, &error), ECO_TOO_LARGE);
+	eco_model_free(&m);
+}
+
+static void instances_without_end_are_refused_at_once(void **state)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
+	assert_int_equal(read_model(&m, ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 100, &error), ECO_TOO_LARGE);
+	eco_model_free(&m);
+}
+
+/* A joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the node's own place does not count. */
+static void skins_stand_where_their_joints_hold_them(void **state)
+{
+	static const float inverse[2][16] = { { 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 1 },
+		{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
+	static const uint8_t joints[3][4] = { { 0, 1 }, { 0, 1 }, { 1, 0 } };
+	static const float weights[3][4] = { { 1, 0 }, { 0.5f, 0.5f }, { 1, 0 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
+	gw_floats(weights[0], 3, "VEC4", 4);
+	gw_floats(inverse[0], 2, "MAT4", 16);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,0],\"scale\":[100,100,100]},"
+		"{\"translation\":[7,0,0]}],"
+		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
+		"\"WEIGHTS_0\":2}}]}]");
+	expect_corner(&m, 0, 0, 5, 0, 0);
+	expect_corner(&m, 0, 1, 7, 0, 0);            /* between 6 and 8 */
+	expect_corner(&m, 0, 2, 7, 1, 0);
+	eco_model_free(&m);
+}
+
+static void morph_targets_have_their_default_weights(void **state)
+{
+	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_floats(delta[0], 3, "VEC3", 3);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],\"meshes\":[{\"weights\":[0.5],"
+		"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]");
+	expect_corner(&m, 0, 1, 3, 0, 0);
+	expect_corner(&m, 1, 1, 1, 0, 0);
+	expect_corner(&m, 2, 1, 3, 0, 0);
+	eco_model_free(&m);
+}
+
+static void vertex_colours_count_in_linear_light(void **state)
+{
+	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
+	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
+		"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
+	assert_int_equal(m.materials[m.material[0]].rgb[0], 188);
+	assert_int_equal(m.materials[m.material[0]].rgb[1], 0);
+	assert_non_null(strstr(notes.text, "1 vertices have colours with alpha below 0.5"));
+	eco_model_free(&m);
+}
+
+static void the_older_materials_and_those_without_any_have_colours(void **state)
+{
+	struct eco_model m;
+
+	(void)state;
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
+		"{\"attributes\":{\"POSITION\":0}},"
+		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\","
+			"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]},"
+		"\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0,1,0,1]}}},{\"name\":\"thin\",\"alphaMode\":\"BLEND\","
+		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,0.2]}}]");
+	assert_int_equal(m.triangle_count, 2);
+	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);
+	assert_string_equal(m.materials[m.material[0]].name, "old");
+	assert_true(m.materials[m.material[0]].rgb[0] == 0 && m.materials[m.material[0]].rgb[1] == 255);
+	assert_true(m.materials[m.material[1]].rgb[0] == 255 && m.materials[m.material[1]].rgb[1] == 255);
+	eco_model_free(&m);
+}
+
+/* One texel, in a view, a data URI, a file, and nowhere. */
+static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
+{
+	static const uint8_t rgba[] = { 10, 20, 30, 255 };
+	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } }, second[3][2] = { { 5, 5 }, { 6, 5 }, { 5, 6 } };
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model m;
+	char rest[3000], text[1000] = "";
+	uint8_t *png;
+	size_t size;
+
+	(void)state;
+	if (eco_png_encode(&(struct eco_pixels){ 1, 1, 4, rgba }, &png, &size, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	input_bytes("gltf_model", "bark one.png", png, size);
+	for (size_t i = 0; i < size; i++)
+		snprintf(text + strlen(text), 4, "%%%02x", png[i]);
+	gw_begin();
+	gw_floats(square[0], 3, "VEC3", 3);
+	gw_floats(uv[0], 3, "VEC2", 2);
+	gw_floats(second[0], 3, "VEC2", 2);
+	gw_view(png, size, "");
+	snprintf(rest, sizeof rest, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[");
+	for (int i = 0; i < 5; i++)
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
+			"\"material\":%d}", i > 0 ? "," : "", i);
+	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],\"materials\":[");
+	for (int i = 0; i < 5; i++)
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,"
+			"\"texCoord\":%d%s}}}",
+			i > 0 ? "," : "", i, i == 0, i == 1 ? ",\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
+	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+		"],\"textures\":[{\"source\":0},{\"source\":1},{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
+		"{\"source\":3},{}],\"images\":[{\"bufferView\":3,\"mimeType\":\"image/png\"},{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
+		"{\"uri\":\"none.png\"}]", text);
+	free(png);
+	read_good(&m, rest);
+	assert_int_equal(m.image_count, 3);
+	for (uint32_t i = 0; i < 3; i++) {
+		assert_int_equal(m.materials[i].image, i);
+		assert_memory_equal(m.images[i].rgba, rgba, 4);
+	}
+	assert_true(m.uv[m.index[0] * 2] == 5 && m.uv[m.index[3] * 2] == 10 && m.uv[m.index[6] * 2] == 0);
+	assert_true(m.materials[3].image == ECO_NONE && m.materials[4].image == ECO_NONE);
+	assert_non_null(strstr(notes.text, "none.png"));
+	assert_non_null(strstr(notes.text, "no picture of a kind that is read"));
+	eco_model_free(&m);
+}
+
+/* ---- Draco ---- */
+
+#define DRACO_SIDE 300u              /* vertices: more than 16-bit indices reach */
+
+static void draco_meshes_of_any_size_are_read(void **state)
+{
+	uint32_t vertices = DRACO_SIDE * DRACO_SIDE, faces = 0, *index = malloc(6 * vertices * sizeof *index);
+	int32_t *position = malloc(3 * vertices * sizeof *position), view;
+	struct eco_error error = { .code = ECO_OK };
+	double sum = 0;
+	struct eco_model m;
+	uint8_t *bytes;
+	size_t size;
+	char rest[600];
+
+	(void)state;
+	for (uint32_t v = 0; v < vertices; v++) {
+		position[v * 3] = (int32_t)(v % DRACO_SIDE);
+		position[v * 3 + 1] = (int32_t)(v / DRACO_SIDE);
+		position[v * 3 + 2] = (int32_t)(v % 5);
+		if (v % DRACO_SIDE == DRACO_SIDE - 1 || v / DRACO_SIDE == DRACO_SIDE - 1)
+			continue;
+		memcpy(&index[faces * 3], (const uint32_t[]){ v, v + 1, v + DRACO_SIDE, v + DRACO_SIDE, v + 1, v + DRACO_SIDE + 1 }, 24);
+		faces += 2;
+	}
+	if (eco_draco_encode_mesh(position, vertices, index, faces, &bytes, &size, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	gw_begin();
+	view = gw_view(bytes, size, "");
+	gw_accessor(-1, GLTF_FLOAT, vertices, "VEC3", "");
+	gw_accessor(-1, GLTF_UINT, faces * 3, "SCALAR", "");
+	gw_accessor(-1, GLTF_UINT, faces * 3 - 3, "SCALAR", "");
+	for (int i = 1; i <= 2; i++) {
+		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],"
+			"\"meshes\":[{\"primitives\":[{\"attributes\":"
+			"{\"POSITION\":0},\"indices\":%d,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,\"attributes\":{\"POSITION\":0}}}}]}]",
+				i, view);
+		if (i == 2) {
+			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);        /* fewer faces declared than there are */
+			assert_non_null(strstr(error.text, "more faces"));
+			eco_model_free(&m);
+			break;
+		}
+		read_good(&m, rest);
+		assert_int_equal(m.triangle_count, faces);
+		assert_int_equal(m.vertex_count, vertices);
+		for (uint32_t k = 0; k < vertices * 3; k++)
+			sum += (double)m.position[k];
+		assert_true(sum == vertices * (DRACO_SIDE - 1.0 - 2));       /* x and y from 0 to the side, less z from 0 to 4 */
+		eco_model_free(&m);
+	}
+	for (size_t cut = 0; cut < size; cut += size / 50 + 1) {
+		struct eco_draco_attribute a = { .id = 0, .components = 3 };
+		struct eco_draco_mesh mesh;
+		uint8_t *part = malloc(cut + 1);
+
+		memcpy(part, bytes, cut);
+		assert_int_not_equal(eco_draco_decode_gltf(part, cut, faces, vertices * 3, &a, 1, &mesh, NULL), ECO_OK);
+		assert_null(mesh.index);
+		assert_null(a.values);
+		free(part);
+	}
+	free(bytes);
+	free(position);
+	free(index);
+}
+
+static void draco_attributes_are_found_by_their_ids(void **state)
+{
+	static const int32_t position[9] = { 0, 0, 0, 10, 0, 0, 0, 10, 0 };
+	static const uint32_t index[3] = { 0, 1, 2 };
+	struct eco_draco_attribute a[2] = { { .id = 0, .components = 4 }, { .id = 7, .components = 3 } };
+	struct eco_draco_mesh mesh;
+	struct eco_error error = { .code = ECO_OK };
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	assert_int_equal(eco_draco_encode_mesh(position, 3, index, 1, &bytes, &size, NULL), ECO_OK);
+	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 3, a, 1, &mesh, NULL), ECO_OK);
+	assert_true(mesh.faces == 1 && mesh.points == 3);
+	for (int k = 0; k < 3; k++)
+		assert_true(a[0].values[k * 4] + a[0].values[k * 4 + 1] <= 10 && a[0].values[k * 4 + 3] == 0);
+	free(a[0].values);
+	free(mesh.index);
+	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 3, a, 2, &mesh, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "an attribute is missing"));
+	assert_int_equal(eco_draco_decode_gltf(bytes, size, 0, 3, a, 1, &mesh, NULL), ECO_DAMAGED);
+	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 2, a, 1, &mesh, NULL), ECO_DAMAGED);
+	bytes[6] = 1;
+	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 3, a, 1, &mesh, NULL), ECO_UNSUPPORTED);
+	free(bytes);
+}
+
+/* ---- Refusals ---- */
+
+static void what_a_file_requires_and_is_not_read_is_named(void **state)
+{
+	static const struct { const char *list, *says; enum eco_code code; } cases[] = {
+		{ "\"extensionsRequired\":[\"KHR_texture_basisu\"]", "KHR_texture_basisu", ECO_UNSUPPORTED },
+		{ "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"VENDOR_secret\"]", "VENDOR_secret", ECO_UNSUPPORTED },
+		{ "\"extensionsRequired\":[3]", "not a name", ECO_UNSUPPORTED }, { "\"extensionsUsed\":[\"VENDOR_secret\"]", "", ECO_OK },
+		{ "\"extensionsRequired\":[\"KHR_materials_anything\"]", "", ECO_OK },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char rest[500];
+
+		gw_begin();
+		gw_floats(square[0], 3, "VEC3", 3);
+		snprintf(rest, sizeof rest, ONE_MESH("\"POSITION\":0", "") ",%s", cases[i].list);
+		read_fails(rest, cases[i].code, cases[i].says);
+	}
+}
+
+static void references_to_nothing_are_refused(void **state)
+{
+	static const struct { const char *rest, *says; } cases[] = {
+		{ ",\"nodes\":[{\"mesh\":4}]", "mesh 4" }, { ONE_MESH("\"POSITION\":9", ""), "accessor 9" },
+		{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" }, { ONE_MESH("\"POSITION\":1", ""), "components" },
+		{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
+		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
+			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "instances without" },
+		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}}}}],"
+			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "3 and 2 places" },
+		{ ONE_MESH("\"POSITION\":0", ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}"),
+			"Draco" },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		gw_begin();
+		gw_floats(square[0], 3, "VEC3", 3);
+		gw_floats(square[0], 3, "VEC2", 2);
+		gw_floats(square[0], 2, "VEC3", 3);
+		read_fails(cases[i].rest, ECO_DAMAGED, cases[i].says);
+	}
+}
+
+/* Through the child and the clean-up, whatever the file is called. */
+static void a_glb_is_known_by_its_content(void **state)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model m;
+	const char *path;
+	uint8_t *bytes;
+	size_t size;
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		gw_begin();
+		gw_floats(square[0], 3, "VEC3", 3);
+		size = gw_glb_bytes(ONE_MESH("\"POSITION\":0", ""), ' ', &bytes);
+		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin", bytes, size);
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, &error) != ECO_OK)
+			fail_msg("%s", error.text);
+		assert_int_equal(m.triangle_count, 1);
+		assert_true(fabs(eco_model_height(&m) - 1) < 1e-6);
+		eco_model_free(&m);
+		free(bytes);
+	}
+}
+
+static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
+{
+	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
+		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its nodes are read", 2 },
+		{ "", "no scene in it: all of its nodes are read", 2 }, { ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_model m;
+		char rest[1000];
+
+		gw_begin();
+		gw_floats(square[0], 3, "VEC3", 3);
+		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+			"{\"POSITION\":0}}]}]", cases[i].scenes);
+		read_good(&m, rest);
+		assert_int_equal(m.triangle_count, cases[i].triangles);
+		assert_non_null(strstr(notes.text, cases[i].says));
+		if (cases[i].says[0] == 0)
+			assert_null(strstr(notes.text, "scene"));
+		eco_model_free(&m);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(without_its_scene_all_nodes_are_read_and_it_is_said),
+		cmocka_unit_test(indices_of_every_type_or_none_make_triangles),
+		cmocka_unit_test(strips_and_fans_become_triangles),
+		cmocka_unit_test(points_and_lines_are_counted_and_said),
+		cmocka_unit_test(a_broken_index_is_kept_apart),
+		cmocka_unit_test(quantized_meshes_are_read),
+		cmocka_unit_test(places_far_from_the_origin_keep_their_detail),
+		cmocka_unit_test(parts_are_nodes_and_meshes),
+		cmocka_unit_test(instances_of_a_model_are_expanded),
+		cmocka_unit_test(instances_without_end_are_refused_at_once),
+		cmocka_unit_test(skins_stand_where_their_joints_hold_them),
+		cmocka_unit_test(morph_targets_have_their_default_weights),
+		cmocka_unit_test(vertex_colours_count_in_linear_light),
+		cmocka_unit_test(the_older_materials_and_those_without_any_have_colours),
+		cmocka_unit_test(pictures_come_from_anywhere_or_are_missed_aloud),
+		cmocka_unit_test(draco_meshes_of_any_size_are_read),
+		cmocka_unit_test(draco_attributes_are_found_by_their_ids),
+		cmocka_unit_test(what_a_file_requires_and_is_not_read_is_named),
+		cmocka_unit_test(references_to_nothing_are_refused),
+		cmocka_unit_test(a_glb_is_known_by_its_content),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,614 @@
+/* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <gdal.h>
+#include <math.h>
+#include <ogr_srs_api.h>
+
+#include "ecofiles/import/ground/ground.h"
+#include "tests/support/input_files.h"
+
+static char warnings[4000];
+
+static void note(void *ctx, const char *text)
+{
+	(void)ctx;
+	snprintf(warnings + strlen(warnings), sizeof warnings - strlen(warnings), "%s\n", text);
+}
+
+/* What a test says of its ground; the first NULL of `paths` ends them. */
+struct given {
+	const char *path, *paths[4], *crs, *scene_crs, *vertical, *scene_vertical;
+	double origin[3], scale, offset, unit_m, nodata, corner[2], pixel[2];
+	bool has_offset, has_nodata, no_holes, has_place;
+	uint32_t side_max, band;
+};
+
+static enum eco_code import(struct eco_ground *ground, const struct given *g, struct eco_error *error)
+{
+	char *paths[4] = { (char *)g->path };
+	struct eco_ground_source source = { .heights = paths, .height_count = g->path != NULL, .crs = (char *)g->crs,
+		.vertical = (char *)g->vertical, .band = g->band, .scale = g->scale, .offset = g->offset, .unit_m = g->unit_m, .nodata = g->nodata,
+		.has_offset = g->has_offset, .has_nodata = g->has_nodata, .no_holes = g->no_holes, .has_place = g->has_place,
+		.corner = { g->corner[0], g->corner[1] }, .pixel = { g->pixel[0], g->pixel[1] } };
+	struct eco_ground_options options = { .source = &source, .scene_crs = g->scene_crs, .scene_vertical = g->scene_vertical,
+		.origin = { g->origin[0], g->origin[1], g->origin[2] }, .side_max = g->side_max, .warn = note };
+
+	for (int i = 0; g->path == NULL && i < 4 && g->paths[i] != NULL; i++)
+		paths[source.height_count++] = (char *)g->paths[i];
+	warnings[0] = 0;
+	return eco_ground_import(ground, &options, error);
+}
+
+static void import_good(struct eco_ground *ground, const struct given *g)
+{
+	struct eco_error error = { .code = ECO_OK };
+
+	if (import(ground, g, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+}
+
+static void import_fails(const struct given *g, const char *says)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_ground ground;
+
+	assert_int_not_equal(import(&ground, g, &error), ECO_OK);
+	assert_null(ground.height_m);
+	if (strstr(error.text, says) == NULL)
+		fail_msg("%s\n  wanted ... %s", error.text, says);
+}
+
+static bool said(const char *text)
+{
+	return strstr(warnings, text) != NULL;
+}
+
+/* 3 x 2 samples of 10 m, first row in the north. */
+#define GRID "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -9999\n"
+
+static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
+{
+	static const float wanted[] = { 4, 5, 6, 1, 2, 3 };
+	struct eco_ground g;
+
+	(void)state;
+	import_good(&g, &(struct given){ .path = input_text("ground", "a.asc", GRID "11 12 13\n14.0 15 16\n"),
+		.origin = { 90, 190, 10 } });
+	assert_int_equal(g.columns, 3);
+	assert_int_equal(g.rows, 2);
+	assert_true(g.x_m == 15 && g.y_m == 15 && g.step_x_m == 10 && g.step_y_m == 10);
+	assert_memory_equal(g.height_m, wanted, sizeof wanted);
+	assert_int_equal(g.filled, 0);
+	assert_true(said("what its heights count from is not said"));
+	eco_ground_free(&g);
+	assert_null(g.height_m);
+}
+
+static void what_is_missing_grows_in_from_its_neighbours(void **state)
+{
+	struct eco_ground g;
+
+	(void)state;
+	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\n"
+		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 1e6 -9999 -9999 -9999\n") });
+	assert_int_equal(g.filled, 12);
+	for (int i = 0; i < 15; i++)
+		assert_true(g.height_m[i] == 7);
+	assert_true(said("12 of 15 samples"));
+	eco_ground_free(&g);
+	import_good(&g, &(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
+	assert_true(g.height_m[1] == 5 && g.height_m[4] == 5);
+	eco_ground_free(&g);
+}
+
+/* A slope with a hole is a slope again: no crease where what grew in from two sides meets. */
+static void a_hole_in_a_slope_is_levelled(void **state)
+{
+	enum { SIDE = 24 };
+	char text[8192];
+	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
+	struct eco_ground g;
+
+	(void)state;
+	for (int y = 0; y < SIDE; y++)
+		for (int x = 0; x < SIDE; x++) {
+			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
+
+			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c", hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
+		}
+	import_good(&g, &(struct given){ .path = input_text("ground", "slope.asc", text) });
+	assert_int_equal(g.filled, 81);
+	for (uint32_t y = 1; y + 1 < SIDE; y++)
+		for (uint32_t x = 1; x + 1 < SIDE; x++) {
+			const float *at = &g.height_m[y * SIDE + x];
+
+			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1 && fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
+		}
+	eco_ground_free(&g);
+}
+
+/* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
+static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const int16_t *samples, const char *crs)
+{
+	const char *path = input_path("ground", name);
+	double transform[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
+	GDALDatasetH file;
+	GDALRasterBandH band;
+
+	GDALAllRegister();
+	file = GDALCreate(GDALGetDriverByName("GTiff"), path, columns, rows, 1, GDT_Int16, NULL);
+	assert_non_null(file);
+	GDALSetGeoTransform(file, transform);
+	if (crs != NULL) {
+		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
+
+		OSRSetFromUserInput(reference, crs);
+		GDALSetSpatialRef(file, reference);
+		OSRDestroySpatialReference(reference);
+	}
+	band = GDALGetRasterBand(file, 1);
+	GDALSetRasterNoDataValue(band, -1);
+	GDALSetRasterScale(band, 0.5);
+	GDALSetRasterOffset(band, 100);
+	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows, GDT_Int16, 0, 0), CE_None);
+	GDALClose(file);
+	return path;
+}
+
+static void scale_offset_and_row_order_of_the_file_are_honoured(void **state)
+{
+	static const int16_t samples[] = { 2, 4, 6, 8, 10, 12 };
+	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 } };
+	struct eco_ground g;
+
+	(void)state;
+	o.path = write_tiff("north.tif", false, 2, 3, samples, "EPSG:32631");
+	import_good(&g, &o);
+	assert_true(g.x_m == 5 && g.y_m == 5 && g.columns == 2 && g.rows == 3);
+	assert_true(g.height_m[0] == 5 && g.height_m[1] == 6 && g.height_m[4] == 1);
+	eco_ground_free(&g);
+	o.path = write_tiff("south.tif", true, 2, 3, samples, "EPSG:32631");
+	import_good(&g, &o);
+	assert_true(g.y_m == 5 && g.height_m[0] == 1 && g.height_m[5] == 6);
+	eco_ground_free(&g);
+}
+
+static void a_crs_is_converted_and_never_guessed(void **state)
+{
+	static int16_t samples[40 * 30];
+	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 0 } };
+	struct eco_ground g;
+	double z;
+
+	(void)state;
+	for (int i = 0; i < 40 * 30; i++)
+		samples[i] = (int16_t)(i % 40 * 10);
+	o.path = write_tiff("utm.tif", false, 40, 30, samples, "EPSG:32631");
+	o.scene_crs = "EPSG:3857";           /* Mercator: metres too, but another place */
+	o.origin[0] = 333958.5;
+	o.origin[1] = 1000;
+	import_good(&g, &o);
+	assert_true(eco_ground_height(&g, 200, 150, &z));    /* about 20 columns in: 100 m + 0.5 * 10 * 19.5 */
+	assert_true(fabs(z - 197.5) < 5);
+	eco_ground_free(&g);
+	o.crs = "EPSG:32631";                /* stated and contained agree: no warning of that kind */
+	import_good(&g, &o);
+	assert_false(said("which is used"));
+	eco_ground_free(&g);
+	o.crs = "EPSG:32632";
+	import_good(&g, &o);
+	assert_true(said("which is used"));
+	eco_ground_free(&g);
+
+	o = (struct given){ .path = write_tiff("none.tif", false, 40, 30, samples, NULL), .scene_crs = "EPSG:32631" };
+	import_fails(&o, "the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": \"EPSG:32631\"}");
+	o.crs = "EPSG:99999999";
+	import_fails(&o, "the CRS \"EPSG:99999999\" is not known");
+	o.crs = "EPSG:32631";
+	o.scene_crs = "EPSG:4326";
+	import_fails(&o, "not one in metres");
+	import_fails(&(struct given){ .path = "build/tmp/ground/utm.tif" }, "the scene has no CRS");
+}
+
+static void a_raster_that_is_too_large_is_averaged_down(void **state)
+{
+	static int16_t samples[64 * 32];
+	struct eco_ground g;
+
+	(void)state;
+	for (int i = 0; i < 64 * 32; i++)
+		samples[i] = (int16_t)(i % 64);
+	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL), .side_max = 16,
+		.origin = { 500000, 1000, 100 } });
+	assert_true(g.columns == 16 && g.rows == 16 && g.step_x_m == 40 && g.step_y_m == 20 && g.x_m == 20 && g.y_m == 10);
+	assert_true(fabsf(g.height_m[0] - 0.75f) < 1e-4f && fabsf(g.height_m[17] - 2.75f) < 1e-4f);
+	assert_true(said("averaged down to 16 x 16"));
+	eco_ground_free(&g);
+}
+
+static void what_is_no_raster_is_refused(void **state)
+{
+	(void)state;
+	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
+	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") }, "not a raster that GDAL can read");
+	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\n"
+		"cellsize 1\n5\n") }, "at least 2 x 2");
+	import_fails(&(struct given){ .path = input_text("ground", "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n") },
+		"no height at all");
+}
+
+/* ---- Values ---- */
+
+static const char *write_raster(const char *driver, const char *name, GDALDataType type, int columns, int rows, const double *samples,
+	const double transform[6], const char *crs)
+{
+	const char *path = input_path("ground", name);
+	GDALDriverH memory, target;
+	GDALDatasetH file, copy;
+
+	GDALAllRegister();
+	memory = GDALGetDriverByName("MEM");
+	target = GDALGetDriverByName(driver);
+	file = GDALCreate(memory, "", columns, rows, 1, type, NULL);
+	if (transform != NULL)
+		GDALSetGeoTransform(file, (double *)transform);
+	if (crs != NULL) {
+		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
+
+		OSRSetFromUserInput(reference, crs);
+		GDALSetSpatialRef(file, reference);
+		OSRDestroySpatialReference(reference);
+	}
+	assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, 1), GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows, GDT_Float64, 0, 0),
+		CE_None);
+	remove(path);
+	copy = GDALCreateCopy(target, path, file, FALSE, NULL, NULL, NULL);
+	assert_non_null(copy);
+	GDALClose(copy);
+	GDALClose(file);
+	return path;
+}
+
+static const double at_zero[6] = { 0, 10, 0, 40, 0, -10 };      /* 4 rows of 10 m */
+
+/* A height map as pictures have it: sixteen bits, no place, no scale. */
+static void a_png_takes_its_meaning_from_the_scene(void **state)
+{
+	static const double samples[16] = { 0, 1000, 2000, 65535, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
+	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL), .no_holes = true };
+	struct eco_ground ground;
+
+	(void)state;
+	remove("build/tmp/ground/map.png.aux.xml");
+	import_fails(&g, "add to the ground \"north_west\": [x, y]");
+	g.has_place = true;
+	g.corner[0] = 100;
+	g.corner[1] = 240;
+	g.pixel[0] = g.pixel[1] = 10;
+	import_good(&ground, &g);
+	assert_true(said("heights from 0 to 65535 m are not of this Earth"));
+	assert_true(ground.x_m == 105 && ground.y_m == 205 && ground.height_m[0] == 3 && ground.height_m[15] == 65535);
+	eco_ground_free(&ground);
+	g.scale = 0.001;
+	g.offset = 273.5;
+	g.has_offset = true;
+	import_good(&ground, &g);
+	assert_false(said("not of this Earth"));
+	assert_true(fabsf(ground.height_m[13] - 274.5f) < 1e-4f && fabsf(ground.height_m[15] - 339.035f) < 1e-4f);
+	eco_ground_free(&ground);
+	g.unit_m = 0.3048;                   /* feet: scale and offset first */
+	import_good(&ground, &g);
+	assert_true(fabsf(ground.height_m[13] - 274.5f * 0.3048f) < 1e-4f);
+	eco_ground_free(&ground);
+}
+
+static void a_world_file_says_where_a_picture_lies(void **state)
+{
+	static const double samples[16] = { 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7, 8, 8, 8, 8 };
+	struct given g = { .path = write_raster("PNG", "world.png", GDT_UInt16, 4, 4, samples, NULL, NULL) };
+	struct eco_ground ground;
+
+	(void)state;
+	remove("build/tmp/ground/world.png.aux.xml");
+	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
+	import_good(&ground, &g);
+	assert_true(ground.x_m == 1001 && ground.y_m == 2001 && ground.step_x_m == 2 && ground.height_m[0] == 8);
+	eco_ground_free(&ground);
+}
+
+static void units_of_the_file_are_converted_and_said(void **state)
+{
+	double samples[16];
+	const char *path;
+	struct eco_ground ground;
+	GDALDatasetH file;
+
+	(void)state;
+	for (int i = 0; i < 16; i++)
+		samples[i] = 1000 + i;
+	path = write_raster("GTiff", "feet.tif", GDT_Float32, 4, 4, samples, at_zero, NULL);
+	file = GDALOpen(path, GA_Update);
+	GDALSetRasterUnitType(GDALGetRasterBand(file, 1), "US survey foot");
+	GDALClose(file);
+	import_good(&ground, &(struct given){ .path = path });
+	assert_true(fabs((double)ground.height_m[12] - 1000 * 1200.0 / 3937) < 1e-3);
+	assert_true(said("units of 0.304800610 m") || said("units of 0.30480061 m"));
+	eco_ground_free(&ground);
+	import_good(&ground, &(struct given){ .path = path, .unit_m = 1 });
+	assert_true(ground.height_m[12] == 1000);
+	eco_ground_free(&ground);
+}
+
+static void a_band_is_chosen_and_colours_are_no_heights(void **state)
+{
+	const char *path = input_path("ground", "bands.tif");
+	static const uint8_t gray[4] = { 1, 2, 3, 4 };
+	struct eco_ground ground;
+	GDALDatasetH file;
+
+	(void)state;
+	GDALAllRegister();
+	file = GDALCreate(GDALGetDriverByName("GTiff"), path, 2, 2, 3, GDT_Byte, NULL);
+	GDALSetGeoTransform(file, (double *)at_zero);
+	for (int b = 1; b <= 3; b++)
+		assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, b), GF_Write, 0, 0, 2, 2, (void *)gray, 2, 2, GDT_Byte, 0, 0), CE_None);
+	GDALSetRasterColorInterpretation(GDALGetRasterBand(file, 1), GCI_RedBand);
+	GDALClose(file);
+	import_fails(&(struct given){ .path = path }, "it holds colours, not heights");
+	import_fails(&(struct given){ .path = path, .band = 4 }, "it has 3 bands, not a band 4");
+	import_good(&ground, &(struct given){ .path = path, .band = 2 });
+	assert_true(ground.height_m[0] == 3);
+	eco_ground_free(&ground);
+}
+
+/* ---- Holes that nothing marks ---- */
+
+#define HOLES_SIDE 40
+static double terrain(int x, int y) { return 400 + 3 * sin(x * 0.4) + 2 * cos(y * 0.3 + x * 0.1) + 0.05 * x * y; }
+
+static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
+{
+	static const struct { double value; bool hole; double base; } cases[] = {
+		{ 0, true, 0 }, { -9999, true, 0 }, { -3.4028234663852886e38, true, 0 }, { 32767, true, 0 }, { -32768, true, 0 }, { 12345, true, 0 },
+		{ -1, true, 0 }, { 65535, true, 0 },
+		{ 0, false, -399 },                  /* terrain that goes down to about 0: a sea, with beaches */
+	};
+	static double samples[HOLES_SIDE * HOLES_SIDE];
+	static const double transform[6] = { 0, 1, 0, HOLES_SIDE, 0, -1 };
+
+	(void)state;
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		struct given g = { 0 };
+		struct eco_ground ground;
+		uint64_t missing = 0;
+
+		for (int y = 0; y < HOLES_SIDE; y++)
+			for (int x = 0; x < HOLES_SIDE; x++) {
+				double *z = &samples[y * HOLES_SIDE + x];
+				bool here = (x > 10 && x < 15 && y > 20 && y < 30) || (x == 30 && y == 3);
+
+				*z = terrain(x, y) + cases[k].base;
+				if (cases[k].base != 0)
+					*z = *z < 8 ? 0 : *z - 8;        /* below the sea's level all is 0 */
+				else if (here)
+					*z = cases[k].value;
+				missing += here;
+			}
+		g.path = write_raster("GTiff", "holes.tif", GDT_Float32, HOLES_SIDE, HOLES_SIDE, samples, transform, NULL);
+		import_good(&ground, &g);
+		if (!cases[k].hole) {
+			assert_int_equal(ground.filled, 0);
+			assert_false(said("stand out"));
+			eco_ground_free(&ground);
+			continue;
+		}
+		assert_int_equal(ground.filled, missing);
+		assert_true(fabs(cases[k].value) > 1e6 || said("stand out"));
+		for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++)
+			assert_true(ground.height_m[i] > 380 && ground.height_m[i] < 500);
+		eco_ground_free(&ground);
+		if (fabs(cases[k].value) > 1e6)
+			continue;                            /* no height in any case */
+		g.no_holes = true;
+		import_good(&ground, &g);
+		assert_int_equal(ground.filled, 0);
+		eco_ground_free(&ground);
+		g.no_holes = false;
+		g.has_nodata = true;
+		g.nodata = cases[k].value;
+		import_good(&ground, &g);
+		assert_int_equal(ground.filled, missing);
+		assert_false(said("stand out"));
+		eco_ground_free(&ground);
+	}
+}
+
+static void ground_that_is_all_one_is_said(void **state)
+{
+	struct eco_ground ground;
+
+	(void)state;
+	import_good(&ground, &(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
+	assert_true(said("every height is 7 m"));
+	eco_ground_free(&ground);
+}
+
+/* ---- Several rasters ---- */
+
+static void rasters_side_by_side_become_one_ground(void **state)
+{
+	static double west[16], east[16], fine[64];
+	static const double east_at[6] = { 40, 10, 0, 40, 0, -10 }, fine_at[6] = { 80, 5, 0, 40, 0, -5 };
+	struct given g = { .no_holes = true };
+	struct eco_ground ground;
+	double z;
+
+	(void)state;
+	for (int i = 0; i < 16; i++) {
+		west[i] = 100 + i % 4;
+		east[i] = 104 + i % 4;
+	}
+	for (int i = 0; i < 64; i++)
+		fine[i] = 108 + (i % 8 - 0.5) * 0.5;
+	g.paths[0] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
+	g.paths[1] = write_raster("GTiff", "east.tif", GDT_Float32, 4, 4, east, east_at, NULL);
+	import_good(&ground, &g);
+	assert_true(ground.columns == 8 && ground.rows == 4 && ground.step_x_m == 10 && ground.x_m == 5 && ground.filled == 0);
+	for (uint32_t i = 0; i < 32; i++)
+		assert_true(ground.height_m[i] == 100 + (float)(i % 8));
+	eco_ground_free(&ground);
+	/* a finer one beside them: all at its resolution, the others resampled */
+	g.paths[2] = write_raster("GTiff", "fine.tif", GDT_Float32, 8, 8, fine, fine_at, NULL);
+	import_good(&ground, &g);
+	assert_true(ground.columns == 24 && ground.rows == 8 && ground.step_x_m == 5);
+	for (double x = 10; x < 110; x += 7) {
+		eco_ground_height(&ground, x, 20, &z);
+		assert_true(fabs(z - (100 + (x - 5) / 10)) < 0.3);
+	}
+	eco_ground_free(&ground);
+	/* where two have a height, the first counts */
+	g.paths[0] = write_raster("GTiff", "over.tif", GDT_Float32, 4, 4, (double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
+	g.paths[1] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
+	g.paths[2] = NULL;
+	import_good(&ground, &g);
+	assert_true(ground.height_m[5] == 9);
+	eco_ground_free(&ground);
+	g.paths[1] = "build/tmp/ground/gone.tif";
+	import_fails(&g, "gone.tif: No such file");
+}
+
+/* Rows from the south, and degrees: the way of most global models. */
+static void degrees_and_turned_rasters_are_resampled(void **state)
+{
+	static double samples[60 * 60];
+	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 }, turned[6] = { 0, 7, 7, 500, 7, -7 };
+	struct given g = { .scene_crs = "EPSG:32632", .origin = { 500000, 5316000, 0 } };
+	struct eco_ground ground;
+	double z, far_z = 0;
+
+	(void)state;
+	for (int i = 0; i < 3600; i++)
+		samples[i] = 500 + i / 60;           /* falls to the north: 500 in the first row */
+	g.path = write_raster("GTiff", "degrees.tif", GDT_Float32, 60, 60, samples, degrees, "EPSG:4326");
+	import_good(&ground, &g);
+	assert_true(ground.step_x_m > 60 && ground.step_x_m < 120);
+	assert_true(eco_ground_height(&ground, 0, 0, &z) && eco_ground_height(&ground, 0, 1112, &far_z));
+	assert_true(fabs(z - far_z - 10) < 0.5);     /* a hundredth of a degree, ten rows */
+	eco_ground_free(&ground);
+	g = (struct given){ .path = write_raster("GTiff", "turned.tif", GDT_Float32, 60, 60, samples, turned, NULL), .no_holes = true };
+	import_good(&ground, &g);
+	/* its centre */
+	assert_true(eco_ground_height(&ground, 0 + 30 * 7 + 30 * 7, 500 + 30 * 7 - 30 * 7, &z) && fabs(z - 529.5) < 1);
+	eco_ground_free(&ground);
+}
+
+/* ---- Vertical datum ---- */
+
+static void one_vertical_datum_without_the_other_is_an_error(void **state)
+{
+	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
+	struct eco_ground ground;
+
+	(void)state;
+	import_good(&ground, &g);
+	assert_true(said("add \"vertical\" to the scene and to its ground"));
+	eco_ground_free(&ground);
+	g.vertical = "EPSG:5703";
+	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the scene");
+	g.scene_vertical = "EPSG:5703";
+	import_good(&ground, &g);
+	assert_false(said("vertical"));
+	eco_ground_free(&ground);
+	g.vertical = "NAVD88 height";        /* the same by name */
+	import_good(&ground, &g);
+	eco_ground_free(&ground);
+	g.vertical = "EPSG:5773";
+	import_fails(&g, "no conversion is at hand");
+	g.vertical = NULL;
+	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the ground");
+	g = (struct given){ .path = g.path, .crs = "EPSG:32632", .scene_crs = "EPSG:32632+5773" };       /* a compound CRS states one too */
+	import_fails(&g, "add \"vertical\": \"EGM96 height\" to the ground");
+	g.crs = "EPSG:32632+5773";
+	import_good(&ground, &g);
+	eco_ground_free(&ground);
+}
+
+/* ---- Heights ---- */
+
+static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **state)
+{
+	float samples[] = { 0, 10, 20, 0, 100, 0 };          /* sw 0, se 10; nw 0, ne 100 in the first cell */
+	struct eco_ground g = { .columns = 3, .rows = 2, .x_m = -1, .y_m = 2, .step_x_m = 2, .step_y_m = 4, .height_m = samples };
+	static const struct { double x, y, z; bool inside; } cases[] = {
+		{ -1, 2, 0, true }, { 1, 2, 10, true }, { 3, 2, 20, true }, { -1, 6, 0, true }, { 1, 6, 100, true }, { 3, 6, 0, true },
+		{ 0, 4, 50, true },              /* on the diagonal: mean of its ends, not of four corners */
+		{ 0.5, 3, 30, true },            /* u .75, v .25: 0 + .75 * 10 + .25 * 90 */
+		{ -0.5, 5, 25, true },           /* u .25, v .75: 0 + .75 * 0 + .25 * 100 */
+		{ -9, 2, 0, false }, { 9, 6, 0, false }, { 1, 99, 100, false }, { 1, -99, 10, false },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double z = -1;
+
+		assert_int_equal(eco_ground_height(&g, cases[i].x, cases[i].y, &z), cases[i].inside);
+		assert_true(z == cases[i].z);
+	}
+	for (double v = 0; v <= 1; v += 0.125) {             /* continuous across the cell border */
+		double left, right;
+
+		eco_ground_height(&g, 1 - 1e-9, 2 + 4 * v, &left);
+		eco_ground_height(&g, 1 + 1e-9, 2 + 4 * v, &right);
+		assert_true(fabs(left - right) < 1e-6);
+	}
+	assert_false(eco_ground_height(&g, NAN, 3, &(double){ 0 }));
+}
+
+static void the_shared_terrain_reads(void **state)
+{
+	const char *data = getenv("ECO_DATA");
+	char path[4096];
+	struct eco_ground g;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/terrain/scbi_plot_elevation.tif", data != NULL ? data : "");
+	if (data == NULL || access(path, R_OK) != 0)
+		skip();
+	import_good(&g, &(struct given){ .path = path, .crs = "EPSG:26917", .scene_crs = "EPSG:26917",
+		.origin = { 747375, 4308510, 0 } });
+	assert_true(g.columns == 82 && g.rows == 129 && g.step_x_m == 5);
+	for (uint32_t i = 0; i < g.columns * g.rows; i++)
+		assert_true(g.height_m[i] > 273 && g.height_m[i] < 338);
+	eco_ground_free(&g);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(samples_lie_at_pixel_centres_from_the_south_west),
+		cmocka_unit_test(what_is_missing_grows_in_from_its_neighbours),
+		cmocka_unit_test(a_hole_in_a_slope_is_levelled),
+		cmocka_unit_test(scale_offset_and_row_order_of_the_file_are_honoured),
+		cmocka_unit_test(a_crs_is_converted_and_never_guessed),
+		cmocka_unit_test(a_raster_that_is_too_large_is_averaged_down),
+		cmocka_unit_test(what_is_no_raster_is_refused),
+		cmocka_unit_test(a_png_takes_its_meaning_from_the_scene),
+		cmocka_unit_test(a_world_file_says_where_a_picture_lies),
+		cmocka_unit_test(units_of_the_file_are_converted_and_said),
+		cmocka_unit_test(a_band_is_chosen_and_colours_are_no_heights),
+		cmocka_unit_test(constants_that_stand_out_are_holes_and_seas_are_not),
+		cmocka_unit_test(ground_that_is_all_one_is_said),
+		cmocka_unit_test(rasters_side_by_side_become_one_ground),
+		cmocka_unit_test(degrees_and_turned_rasters_are_resampled),
+		cmocka_unit_test(one_vertical_datum_without_the_other_is_an_error),
+		cmocka_unit_test(heights_lie_on_the_triangles_from_south_west_to_north_east),
+		cmocka_unit_test(the_shared_terrain_reads),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

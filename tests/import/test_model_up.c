@@ -1,0 +1,280 @@
+/* Which axis of a soup points up, by its shape. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "ecofiles/import/model/model_up.h"
+#include "tests/support/plant_models.h"
+
+/* ---- Plants, z up ---- */
+
+static uint32_t plain(struct soup *s)
+{
+	return soup_material(s, 153, 153, 153, ECO_NONE, false);
+}
+
+static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 at, double length, double lean, double sink)
+{
+	for (int i = 0; i < count; i++) {
+		struct lod_v3 d = soup_direction(s), last = at;
+		d.z = 0;
+		d = lod_v3_unit(d);
+		for (int k = 1; k <= 6; k++) {
+			double w = k / 6.0;
+			struct lod_v3 next = lod_v3_add(at, (struct lod_v3){ d.x * lean * w * length, d.y * lean * w * length,
+				(w - sink * w * w) * length });
+			soup_tube(s, material, last, next, 0.01 * length, 0.008 * length, 3, 1);
+			last = next;
+		}
+	}
+}
+
+static void tree(struct soup *s)
+{
+	soup_tree(s, 600, 0, false);
+}
+
+static void bare_tree(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s);
+	soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0.1, 0, 4 }, 0.2, 0.05, 8, 12);
+	for (int i = 0; i < 25; i++) {
+		struct lod_v3 d = soup_direction(s);
+		d.z = fabs(d.z);
+		soup_tube(s, m, (struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_add((struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_scale(d, 1.8)), 0.05,
+			0.01, 5, 6);
+	}
+}
+
+static void low_poly_tree(struct soup *s)
+{
+	soup_begin(s);
+	soup_tube(s, plain(s), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2 }, 0.12, 0.1, 6, 2);
+	soup_ball(s, plain(s), (struct lod_v3){ 0, 0, 3 }, 1.2, 6);
+}
+
+static void conifer(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s), n = plain(s);
+	soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 10 }, 0.2, 0.02, 6, 10);
+	for (int i = 0; i < 1500; i++) {
+		double h = soup_random(s, 0, 1), a = soup_random(s, 0, 2 * LOD_PI), r = (1 - h) * 2.2 * sqrt(soup_random(s, 0, 1));
+		soup_leaf(s, n, (struct lod_v3){ r * cos(a), r * sin(a), 0.5 + 9.5 * h }, 0.3, 0.1);
+	}
+}
+
+static void palm(struct soup *s)
+{
+	soup_begin(s);
+	soup_tube(s, plain(s), (struct lod_v3){ 0.8, 0, 0 }, (struct lod_v3){ 0, 0, 6 }, 0.15, 0.12, 8, 12);
+	blades(s, plain(s), 30, (struct lod_v3){ 0, 0, 6 }, 2, 1.2, 1.2);
+}
+
+static void grass_tuft(struct soup *s)
+{
+	soup_begin(s);
+	blades(s, plain(s), 60, (struct lod_v3){ 0, 0, 0 }, 0.5, 0.8, 0.4);
+}
+
+static void potted_plant(struct soup *s)
+{
+	soup_begin(s);
+	soup_tube(s, plain(s), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.3 }, 0.12, 0.16, 16, 2);
+	blades(s, plain(s), 40, (struct lod_v3){ 0, 0, 0.3 }, 0.7, 0.6, 0.3);
+}
+
+static void weeping_tree(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s), n = plain(s);
+	soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 4 }, 0.3, 0.2, 8, 8);
+	for (int i = 0; i < 30; i++) {
+		struct lod_v3 d = soup_direction(s);
+		d.z = 0.3;
+		struct lod_v3 tip = lod_v3_add((struct lod_v3){ 0, 0, 4 }, lod_v3_scale(d, 2.5));
+		soup_tube(s, m, (struct lod_v3){ 0, 0, 4 }, tip, 0.06, 0.02, 5, 4);
+		for (int k = 0; k < 30; k++)
+			soup_leaf(s, n, (struct lod_v3){ tip.x + soup_random(s, -0.3, 0.3), tip.y + soup_random(s, -0.3, 0.3), tip.z - 4 * soup_random(s, 0, 1) },
+				0.15, 0.04);
+	}
+}
+
+static void flowers(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t stem = plain(s), leaf = plain(s), head = plain(s);
+	for (int i = 0; i < 7; i++) {
+		double x = soup_random(s, -0.05, 0.05), y = soup_random(s, -0.05, 0.05);
+		soup_tube(s, stem, (struct lod_v3){ x, y, 0 }, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.006, 0.004, 5, 6);
+		soup_leaves(s, head, 12, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.04, 0.05);
+	}
+	blades(s, leaf, 12, (struct lod_v3){ 0, 0, 0 }, 0.25, 0.9, 0.3);
+}
+
+static void shrub(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s), n = plain(s);
+	for (int i = 0; i < 9; i++) {
+		struct lod_v3 d = soup_direction(s);
+		d.z = fabs(d.z) + 0.5;
+		soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, lod_v3_scale(d, 1), 0.03, 0.01, 5, 6);
+		soup_leaves(s, n, 60, lod_v3_scale(d, 1), 0.4, 0.1);
+	}
+}
+
+static void mushroom(struct soup *s)
+{
+	soup_begin(s);
+	soup_tube(s, plain(s), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.1 }, 0.015, 0.012, 10, 4);
+	soup_ball(s, plain(s), (struct lod_v3){ 0, 0, 0.12 }, 0.05, 8);
+}
+
+/* ---- What does not tell ---- */
+
+static void ball(struct soup *s)
+{
+	soup_begin(s);
+	soup_ball(s, plain(s), (struct lod_v3){ 0, 0, 0 }, 1, 10);
+}
+
+static void cloud_of_leaves(struct soup *s)
+{
+	soup_begin(s);
+	soup_leaves(s, plain(s), 800, (struct lod_v3){ 0, 0, 0 }, 1, 0.1);
+}
+
+static void hanging_basket(struct soup *s)
+{
+	soup_begin(s);
+	soup_tube(s, plain(s), (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0, 0, 1.2 }, 0.12, 0.16, 16, 2);
+	blades(s, plain(s), 40, (struct lod_v3){ 0, 0, 1.2 }, 0.5, 0.6, 3);
+}
+
+static void hedge(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s);
+	for (int i = 0; i < 1500; i++)
+		soup_leaf(s, m, (struct lod_v3){ soup_random(s, -3, 3), soup_random(s, -0.4, 0.4), soup_random(s, 0, 1.3) }, 0.1, 0.07);
+}
+
+static void ivy_on_a_wall(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s);
+	for (int i = 0; i < 1500; i++) {
+		double h = soup_random(s, 0, 1);
+		soup_leaf(s, m, (struct lod_v3){ (0.1 + h) * soup_random(s, -1.2, 1.2), soup_random(s, -0.08, 0.08), 3 * h }, 0.1, 0.07);
+	}
+}
+
+static void flat_card(struct soup *s)
+{
+	soup_begin(s);
+	soup_quad(s, plain(s), (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0, 2 });
+}
+
+/* ---- Tests ---- */
+
+/* The soup turned about its z axis by eighths of a turn, moved, scaled, and written with y or z up. */
+static void place(const struct soup *from, float *position, int eighth, double scale, const double move[3], enum eco_up up)
+{
+	static const double cosine[3] = { 1, 0.70710678118654752, 0 };
+	double c = eighth <= 2 ? cosine[eighth] : -cosine[4 - eighth], s = eighth <= 2 ? cosine[2 - eighth] : cosine[eighth - 2];
+	for (uint32_t i = 0; i < from->model.vertex_count; i++) {
+		const float *p = from->model.position + 3 * (size_t)i;
+		double x = (c * p[0] - s * p[1]) * scale + move[0], y = (s * p[0] + c * p[1]) * scale + move[1], z = p[2] * scale + move[2];
+		float *to = position + 3 * (size_t)i;
+		to[0] = (float)x;
+		to[1] = (float)(up == ECO_UP_Z ? y : z);
+		to[2] = (float)(up == ECO_UP_Z ? z : -y);
+	}
+}
+
+struct counts { uint32_t sure, right, wrong, surely_wrong; };
+
+static struct counts ask(void (*make)(struct soup *s))
+{
+	static const double moves[3][3] = { { 0, 0, 0 }, { 40, -3, 7 }, { -300, 800, 55 } };
+	struct counts counts = { 0, 0, 0, 0 };
+	struct soup soup;
+	make(&soup);
+	struct eco_model turned = soup.model;
+	turned.position = malloc(((size_t)soup.model.vertex_count * 3 + 1) * sizeof(float));
+	for (int n = 0; n < 2 * 5 * 3; n++) {
+		enum eco_up up = n % 2 ? ECO_UP_Y : ECO_UP_Z;
+		double certainty = -1;
+		place(&soup, turned.position, n / 2 % 5, n / 10 == 1 ? 100 : 1, moves[n / 10], up);
+		bool right = eco_model_find_up(&turned, &certainty) == up;
+		assert_true(certainty >= 0 && certainty <= 1);
+		*(certainty >= ECO_UP_CERTAIN ? right ? &counts.sure : &counts.surely_wrong : right ? &counts.right : &counts.wrong) += 1;
+	}
+	free(turned.position);
+	soup_free(&soup);
+	return counts;
+}
+
+static void plants_tell_which_way_is_up(void **state)
+{
+	(void)state;
+	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure; } plants[] = {     /* of 30 */
+		{ "tree", tree, 30 }, { "bare tree", bare_tree, 30 }, { "low-poly tree", low_poly_tree, 30 }, { "conifer", conifer, 30 },
+		{ "palm", palm, 30 }, { "grass tuft", grass_tuft, 30 }, { "potted plant", potted_plant, 30 }, { "weeping tree", weeping_tree, 24 },
+		{ "flowers", flowers, 24 }, { "shrub", shrub, 30 }, { "mushroom", mushroom, 24 },
+	};
+	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
+		struct counts c = ask(plants[i].make);
+		if (c.sure < plants[i].sure || c.surely_wrong)
+			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u", plants[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
+	}
+}
+
+static void what_does_not_tell_is_never_surely_wrong(void **state)
+{
+	(void)state;
+	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure_at_most; } shapes[] = {
+		{ "ball", ball, 0 }, { "cloud of leaves", cloud_of_leaves, 0 }, { "hanging basket", hanging_basket, 30 }, { "hedge", hedge, 30 },
+		{ "ivy on a wall", ivy_on_a_wall, 30 }, { "flat card", flat_card, 30 },
+	};
+	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+		struct counts c = ask(shapes[i].make);
+		if (c.surely_wrong || c.sure > shapes[i].sure_at_most)
+			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u", shapes[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
+	}
+}
+
+static void what_is_broken_does_not_count(void **state)
+{
+	(void)state;
+	struct soup soup;
+	double certainty, again;
+	tree(&soup);
+	assert_int_equal(eco_model_find_up(&soup.model, &certainty), ECO_UP_Z);
+	uint32_t far = soup_vertex(&soup, (struct lod_v3){ NAN, 0, 0 }, 0, 0), high = soup_vertex(&soup, (struct lod_v3){ 0, INFINITY, 0 }, 0, 0);
+	soup_triangle(&soup, 0, 0, 1, far);
+	soup_triangle(&soup, 0, 0, high, 2);
+	soup_triangle(&soup, 0, 0, 1, 4000000000u);
+	soup_vertex(&soup, (struct lod_v3){ 1e6, 1e6, 1e6 }, 0, 0);  /* of no triangle */
+	assert_int_equal(eco_model_find_up(&soup.model, &again), ECO_UP_Z);
+	assert_true(again == certainty);
+	soup.model.triangle_count = 0;
+	assert_int_equal(eco_model_find_up(&soup.model, &again), ECO_UP_Y);
+	assert_true(again == 0);
+	soup_free(&soup);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(plants_tell_which_way_is_up),
+		cmocka_unit_test(what_does_not_tell_is_never_surely_wrong),
+		cmocka_unit_test(what_is_broken_does_not_count),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

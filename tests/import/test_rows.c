@@ -1,0 +1,425 @@
+/* Tables in every format that is read, row by row, and files that are none. Those that only OGR can write are made with it here. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <cpl_error.h>
+#include <gdal.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+#include <stdlib.h>
+
+#include "tests/support/input_files.h"
+#include "tests/support/rows_text.h"
+
+static struct eco_rows *open_good(const struct eco_rows_source *source)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_rows *rows;
+
+	if (eco_rows_open_here(&rows, source, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	return rows;
+}
+
+/* Of a file of this name and text, with a note that says this (NULL: none), and this CRS (NULL: none). */
+static void expect(const char *name, const char *text, const char *wanted, const char *note, const char *crs)
+{
+	struct eco_rows_source source = { .path = input_text("rows", name, text) };
+	struct eco_rows *rows = open_good(&source);
+	char got[4000];
+
+	if (rows->note_count != (note != NULL) || (note != NULL && strstr(rows->notes[0], note) == NULL))
+		fail_msg("%s: %u notes, the first: %s", name, rows->note_count, rows->note_count > 0 ? rows->notes[0] : "none");
+	assert_int_equal(rows->crs != NULL, crs != NULL);
+	if (crs != NULL)
+		assert_string_equal(rows->crs, crs);
+	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
+}
+
+static void expect_error(const char *path, const char *layer, const char *says)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_rows_source source = { .path = path, .layer = layer };
+	struct eco_rows *rows;
+
+	if (eco_rows_open_here(&rows, &source, &error) == ECO_OK)
+		fail_msg("%s is read", path);
+	assert_null(rows);
+	if (strstr(error.text, says) == NULL)
+		fail_msg("%s\n  wanted ... %s", error.text, says);
+	if (getenv("ECO_SHOW") != NULL)
+		print_message("%s\n", error.text);
+}
+
+/* ---- CSV ---- */
+
+static void quotes_line_breaks_marks_and_endings_are_read(void **state)
+{
+	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n"
+		"\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
+		"plain\"quote,3,\"4\"\n"
+		",-5.5e1,6.25";
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_rows *rows;
+	bool more;
+
+	(void)state;
+	assert_int_equal(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &error), ECO_OK);
+	assert_int_equal(rows->column_count, 3);
+	assert_string_equal(rows->columns[0], "name");
+	assert_string_equal(rows->columns[1], "x");
+	assert_string_equal(rows->columns[2], "y");
+	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_string_equal(rows->fields[0], "a, \"b\"\nsecond line");
+	assert_string_equal(rows->fields[2], "2");
+	assert_int_equal(rows->line, 2);
+	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_string_equal(rows->fields[0], "plain\"quote");
+	assert_int_equal(rows->line, 5);
+	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_string_equal(rows->fields[0], "");
+	assert_int_equal(rows->row, 3);
+	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_false(more);
+	eco_rows_close(rows);
+}
+
+static void separators_are_found_in_the_header(void **state)
+{
+	(void)state;
+	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
+	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"", NULL);
+	expect("c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
+	expect("d.psv", "x|y\n1|2\n", "x,y / 1,2", "separated by \"|\"", NULL);
+	expect("e.csv", "sep=;\r\nx;y\r\n1;2\r\n", "x,y / 1,2", NULL, NULL);
+	expect("f.csv", "x\n1\n", "x / 1", NULL, NULL);
+	expect("noextension", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
+	expect("g.tab", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
+}
+
+static void text_of_western_pages_becomes_utf8(void **state)
+{
+	(void)state;
+	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
+	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
+}
+
+static void rows_may_be_short_or_long(void **state)
+{
+	(void)state;
+	expect("short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,", NULL, NULL);
+	expect("old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL);
+}
+
+static void files_that_are_no_csv_are_refused_with_a_line(void **state)
+{
+	static const struct { const char *bytes; size_t size; const char *says; } inputs[] = {
+		{ "", 0, "empty file" }, { "x,y\n1,\"2", 8, ":2: a quoted field" }, { "x\0,\0y\0\n\0", 8, ":1: a zero byte" },
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
+		struct eco_error error = { .code = ECO_OK };
+		struct eco_rows *rows;
+		bool more = true;
+		enum eco_code code = eco_rows_open_csv(&rows, input_bytes("rows", "bad.csv", inputs[i].bytes, inputs[i].size), ',', &error);
+
+		while (code == ECO_OK && more)
+			code = rows->next(rows, &more, &error);
+		assert_int_not_equal(code, ECO_OK);
+		assert_non_null(strstr(error.text, inputs[i].says));
+		eco_rows_close(rows);
+	}
+}
+
+static void a_row_without_end_is_bounded(void **state)
+{
+	size_t size = ECO_ROW_BYTES_MAX + 100;
+	char *bytes = malloc(size);
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_rows *rows;
+
+	(void)state;
+	memset(bytes, 'a', size);
+	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
+	memset(bytes, ',', size);
+	error.code = ECO_OK;
+	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
+	free(bytes);
+}
+
+static void points_as_text_are_the_geometry(void **state)
+{
+	(void)state;
+	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
+		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
+		"POINT (x y),bad", NULL, NULL);
+	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n", "id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
+	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n", "id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
+}
+
+/* ---- Which reader ---- */
+
+static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
+{
+	(void)state;
+	expect_error(input_bytes("rows", "utf16.csv", "\xff\xfex\0,\0y\0\n\0", 10), NULL, "UTF-16; save it as UTF-8");
+	expect_error(input_bytes("rows", "unmarked.csv", "x\0,\0y\0\n\0", 8), NULL, "UTF-16; save it as UTF-8");
+	expect_error(input_text("rows", "city.json", "{\"type\":\"CityJSON\",\"version\":\"1.1\"}"), NULL, "CityJSON is not read; convert it");
+	expect_error(input_text("rows", "features.jsonl", "{\"type\":\"CityJSONFeature\"}"), NULL, "CityJSON is not read; convert it");
+	expect_error("build/tmp", NULL, "it is a folder");
+	expect_error("build/tmp/rows/gone.csv", NULL, "No such file");
+	expect_error("/dev/null", NULL, "it is not a file");
+	expect_error(input_bytes("rows", "empty.geojson", "", 0), NULL, "the file is empty");
+	expect_error(input_bytes("rows", "picture.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), NULL, "not a table that can be read");
+	expect_error(input_text("rows", "page.csv", "<!DOCTYPE html><html><body>404</body></html>"), NULL, "web page");
+	expect_error(input_text("rows", "pointer.csv", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"), NULL, "git lfs pull");
+	expect_error(input_bytes("rows", "trees.csv.gz", "\x1f\x8b\x08\0\0\0\0\0\0\3", 10), NULL, "packed");
+	expect_error(input_bytes("rows", "book.csv", "PK\3\4\x14\0\0\0\0\0[Content_Types].xml", 29), NULL, "an Excel workbook; give it its name .xlsx");
+	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL, "an old Excel");
+	expect_error(input_text("rows", "a.shx", "x"), NULL, "name the one that ends in .shp");
+	expect_error(input_bytes("rows", "trees.zip", "PK\3\4\x14\0\0\0\0\0trees.shp", 19), NULL, "packed");
+	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL, "topo.json");
+	expect_error(input_text("rows", "cut.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\","), NULL, "cut.geojson");
+	expect_error(input_text("rows", "records.json", "[{\"x\":1,\"y\":2}]"), NULL, "JSON, but not GeoJSON");
+}
+
+/* ---- GeoJSON ---- */
+
+#define FEATURE(geometry, properties) "{\"type\":\"Feature\",\"geometry\":" geometry ",\"properties\":{" properties "}}"
+#define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
+#define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
+
+static void geojson_is_degrees_unless_it_says_otherwise(void **state)
+{
+	struct eco_rows_source source = { .path = NULL };
+	struct eco_rows *rows;
+
+	(void)state;
+	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
+		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
+	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
+		FEATURE(POINT("121000,487000"), "\"id\":1")), "id / (121000 487000) 1", NULL, "EPSG:28992");
+	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
+		FEATURE(POINT("2,48"), "\"id\":1")), "id / (2 48) 1", NULL, "EPSG:4326");
+	expect("d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979");
+	source.path = input_text("rows", "metres.geojson", COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
+	rows = open_good(&source);
+	assert_true(rows->degrees_doubted);
+	eco_rows_close(rows);
+}
+
+static void each_feature_is_a_row_whatever_its_geometry(void **state)
+{
+	(void)state;
+	expect("e.geojson", COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\",\"coordinates\":[]}", "\"id\":2") ","
+		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
+		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
+		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[]}", "\"id\":5") ","
+		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
+		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
+		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / Geometry Collec 7", NULL, "EPSG:4326");
+	expect("f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL,
+		"EPSG:4326");
+	expect("g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")), "Größe / (1 2) 3.5", NULL, "EPSG:4326");
+}
+
+/* ---- Others of OGR ---- */
+
+struct made { const char *layer; int epsg; OGRwkbGeometryType type; const char *wkt, *species; };
+
+static void make_file(const char *driver, const char *path, const struct made *layers, size_t count)
+{
+	GDALDatasetH data;
+
+	GDALAllRegister();
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+	GDALDeleteDataset(GDALGetDriverByName(driver), path);
+	data = GDALCreate(GDALGetDriverByName(driver), path, 0, 0, 0, GDT_Unknown, NULL);
+	assert_non_null(data);
+	for (size_t i = 0; i < count; i++) {
+		OGRSpatialReferenceH crs = layers[i].epsg != 0 ? OSRNewSpatialReference(NULL) : NULL;
+		OGRFieldDefnH field = OGR_Fld_Create("species", OFTString);
+		OGRGeometryH geometry = NULL;
+		OGRFeatureH feature;
+		OGRLayerH layer;
+		char *wkt = (char *)layers[i].wkt;
+
+		if (crs != NULL) {
+			OSRImportFromEPSG(crs, layers[i].epsg);
+			OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
+		}
+		layer = GDALDatasetCreateLayer(data, layers[i].layer, crs, layers[i].type, NULL);
+		assert_non_null(layer);
+		OGR_L_CreateField(layer, field, 1);
+		feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+		OGR_F_SetFieldString(feature, 0, layers[i].species);
+		if (wkt != NULL && OGR_G_CreateFromWkt(&wkt, NULL, &geometry) == OGRERR_NONE)
+			OGR_F_SetGeometryDirectly(feature, geometry);
+		assert_int_equal(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
+		OGR_F_Destroy(feature);
+		OGR_Fld_Destroy(field);
+		if (crs != NULL)
+			OSRRelease(crs);
+	}
+	GDALClose(data);
+	CPLPopErrorHandler();
+}
+
+static void expect_made(const char *driver, const char *name, const struct made *layers, size_t count, const char *layer, const char *wanted,
+	const char *note, const char *crs)
+{
+	struct eco_rows_source source = { .path = input_path("rows", name), .layer = layer };
+	struct eco_rows *rows;
+	char got[2000];
+
+	make_file(driver, source.path, layers, count);
+	rows = open_good(&source);
+	assert_int_equal(rows->note_count, note != NULL);
+	if (note != NULL && strstr(rows->notes[0], note) == NULL)
+		fail_msg("%s", rows->notes[0]);
+	assert_int_equal(rows->crs != NULL, crs != NULL);
+	if (crs != NULL)
+		assert_string_equal(rows->crs, crs);
+	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
+}
+
+static void files_of_gis_bring_points_and_their_crs(void **state)
+{
+	static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" };
+	static const struct made degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" };
+	static const struct made nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" };
+	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
+	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" };
+
+	(void)state;
+	expect_made("GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
+	expect_made("GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
+	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL, "EPSG:25832");
+	expect_made("ESRI Shapefile", "a.shp", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
+	expect_made("ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
+	unlink("build/tmp/rows/c.prj");
+	expect_made("ESRI Shapefile", "c.shp", &nowhere, 1, NULL, "species / (3 4) oak", NULL, NULL);
+	expect_made("XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL);
+	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
+	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
+	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data "
+		"name=\"dbh\"><value>30</value></Data></ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
+		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
+			NULL, "EPSG:4326");
+}
+
+static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
+{
+	static const struct made tree = { "trees", 25832, wkbPoint, "POINT (3 4)", "oak" };
+	static const char plan[] = "LOCAL_CS[\"plan of the garden\",UNIT[\"m\",1]]";
+	struct eco_rows_source source;
+	struct eco_rows *rows;
+	char got[2000];
+
+	(void)state;
+	source = (struct eco_rows_source){ .path = input_path("rows", "parts.shp") };
+	make_file("ESRI Shapefile", source.path, &tree, 1);
+	unlink("build/tmp/rows/parts.prj");
+	rows = open_good(&source);
+	assert_null(rows->crs);
+	assert_string_equal(rows->no_crs, " (there is no .prj beside it)");
+	assert_string_equal(rows_text_of(rows, got, sizeof got), "species / (3 4) oak");
+	source.path = "build/tmp/rows/parts.shp";
+	input_text("rows", "parts.prj", plan);
+	rows = open_good(&source);
+	assert_null(rows->crs);
+	assert_string_equal(rows->no_crs, " (it names \"plan of the garden\", which has no place on Earth)");
+	eco_rows_close(rows);
+	unlink("build/tmp/rows/parts.dbf");
+	rows = open_good(&source);
+	assert_string_equal(rows->notes[0], "its .dbf is not beside it, so it has no columns");
+	assert_string_equal(rows_text_of(rows, got, sizeof got), " / (3 4)");
+	unlink("build/tmp/rows/parts.shx");
+	expect_error(source.path, NULL, "a Shapefile is several files, and its .shx is not beside it; copy all of them");
+}
+
+static void the_layer_that_fits_is_taken_or_asked_for(void **state)
+{
+	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
+		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
+	const char *path;
+
+	(void)state;
+	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "of its 2 layers \"trees\" is taken", "EPSG:25832");
+	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
+	path = input_path("rows", "many.gpkg");
+	make_file("GPKG", path, layers, 3);
+	expect_error(path, NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), shrubs (Point)");
+	expect_error(path, "herbs", "no layer \"herbs\"; there are: trees");
+}
+
+static void gml_has_easting_or_longitude_first_in_the_end(void **state)
+{
+	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" "
+		"xmlns:gml=\"http://www.opengis.net/gml/3.2\">"
+		"<ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry><gml:Point srsName=\"%s\"><gml:pos>%s</gml:pos></gml:Point></ogr:geometry>"
+		"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>";
+	char text[2000];
+
+	(void)state;
+	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::28992", "121000 487000");
+	expect("boom.gml", text, "gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992");
+	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::4326", "52.4 4.9");
+	expect("degrees.gml", text, "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326");
+	snprintf(text, sizeof text, gml, "EPSG:4326", "4.9 52.4");
+	expect("short.gml", text, "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326");
+	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::31467", "5335000 3560000");
+	expect("north.gml", text, "gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467");
+}
+
+/* ---- The child process ---- */
+
+static void a_child_hands_over_the_same_rows(void **state)
+{
+	struct eco_rows_source source = { .path = input_text("rows", "child.geojson",
+		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null", "\"s\":\"a\\nb\""))) };
+	const char *const wanted[] = { "s" };
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_rows *rows;
+	char here[1000], there[1000];
+
+	(void)state;
+	rows_text_of(open_good(&source), here, sizeof here);
+	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_true(rows->has_geometry && rows->has_z);
+	assert_string_equal(rows_text_of(rows, there, sizeof there), here);
+	source.wanted = wanted;
+	source.wanted_count = 1;
+	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_string_equal(rows_text_of(rows, there, sizeof there), "s,t / (1 2 3) oak, / empty a\nb,");
+	source.path = input_text("rows", "child.csv", "x,y\n1,\"2\n");
+	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_non_null(strstr(rows_text_of(rows, there, sizeof there), "! build/tmp/rows/child.csv:2: a quoted field"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(quotes_line_breaks_marks_and_endings_are_read),
+		cmocka_unit_test(separators_are_found_in_the_header),
+		cmocka_unit_test(text_of_western_pages_becomes_utf8),
+		cmocka_unit_test(rows_may_be_short_or_long),
+		cmocka_unit_test(points_as_text_are_the_geometry),
+		cmocka_unit_test(files_that_are_no_csv_are_refused_with_a_line),
+		cmocka_unit_test(a_row_without_end_is_bounded),
+		cmocka_unit_test(a_file_that_is_no_table_is_refused_with_what_to_do),
+		cmocka_unit_test(geojson_is_degrees_unless_it_says_otherwise),
+		cmocka_unit_test(each_feature_is_a_row_whatever_its_geometry),
+		cmocka_unit_test(files_of_gis_bring_points_and_their_crs),
+		cmocka_unit_test(parts_of_a_shapefile_that_are_missed_are_named),
+		cmocka_unit_test(the_layer_that_fits_is_taken_or_asked_for),
+		cmocka_unit_test(gml_has_easting_or_longitude_first_in_the_end),
+		cmocka_unit_test(a_child_hands_over_the_same_rows),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,343 @@
+/* Scattered plants: numbers, distances, holes, filters, masks; nothing depends on the order of the file. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/base/room.h"
+#include "ecofiles/import/places/scatter.h"
+#include "tests/support/input_files.h"
+
+static const struct eco_frame frame = { .crs = "EPSG:32617" };
+static struct eco_scatter_plant two[] = { { 0, 1, 300 }, { 1, 1, 100 } };
+static char said[4096];
+
+static void say(void *ctx, const char *text)
+{
+	(void)ctx;
+	strncat(said, text, sizeof said - strlen(said) - 2);
+	strcat(said, "\n");
+}
+
+struct scattered { struct eco_scatter_place *places; uint32_t count, room; };
+
+static struct scattered scatter(const struct eco_scatter_spec *spec)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_scatter *s;
+	struct eco_scatter_place place;
+	struct scattered out = { .count = 0 };
+
+	if (eco_scatter_open(&s, spec, &frame, NULL, NULL, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	while (eco_scatter_next(s, &place)) {
+		assert_true(eco_room(&out.places, &out.room, out.count, sizeof place));
+		out.places[out.count++] = place;
+	}
+	said[0] = 0;
+	eco_scatter_report(s, say, NULL);
+	eco_scatter_close(s);
+	return out;
+}
+
+#define HEAD "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::32617\"}},\"features\":["
+#define FIELD "{\"type\":\"Feature\",\"properties\":{\"kind\":\"field\",\"n\":77,\"d\":20},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
+	"[[[0,0],[200,0],[200,100],[0,100],[0,0]],[[50,25],[50,75],[150,75],[150,25],[50,25]]]}}"
+#define CORNER "{\"type\":\"Feature\",\"properties\":{\"kind\":\"corner\",\"n\":5,\"d\":400},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
+	"[[[200,0],[300,0],[200,100],[200,0]]]}}"
+#define LINE "{\"type\":\"Feature\",\"properties\":{\"kind\":\"line\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[9,9]]}}"
+#define NOTHING "{\"type\":\"Feature\",\"properties\":{\"kind\":\"nothing\"},\"geometry\":null}"
+
+static char *areas(const char *name, const char *features)
+{
+	char text[4096];
+
+	snprintf(text, sizeof text, HEAD "%s]}", features);
+	return (char *)input_text("scatter", name, text);
+}
+
+static struct eco_scatter_spec spec_of(char *path)
+{
+	return (struct eco_scatter_spec){ .path = path, .crs = "EPSG:32617", .plants = two, .plant_count = 2, .height_low_m = NAN, .height_high_m = NAN,
+		.seed = 1 };
+}
+
+static size_t count_of(const struct scattered *s, uint32_t plant)
+{
+	size_t count = 0;
+
+	for (size_t i = 0; i < s->count; i++)
+		count += s->places[i].plant == plant;
+	return count;
+}
+
+static double nearest(const struct scattered *s)
+{
+	double least = INFINITY;
+
+	for (size_t i = 0; i < s->count; i++)
+		for (size_t j = 0; j < i; j++)
+			least = fmin(least, hypot(s->places[i].at[0] - s->places[j].at[0], s->places[i].at[1] - s->places[j].at[1]));
+	return least;
+}
+
+static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("field.geojson", FIELD));
+	struct scattered s = scatter(&spec);
+
+	(void)state;
+	/* 1.5 ha of 400 plants each, three of the first kind for each of the second */
+	assert_int_equal(s.count, 600);
+	assert_in_range(count_of(&s, 0), 449, 451);
+	for (size_t i = 0; i < s.count; i++) {
+		double x = s.places[i].at[0], y = s.places[i].at[1];
+
+		assert_true(x >= 0 && x <= 200 && y >= 0 && y <= 100 && !(x > 50 && x < 150 && y > 25 && y < 75));
+		assert_true(isnan(s.places[i].height_m) && s.places[i].yaw_deg >= 0 && s.places[i].yaw_deg < 360);
+	}
+	/* random places would come within 0.2 m */
+	assert_true(nearest(&s) > 0.5 * sqrt(2 / (sqrt(3.0) * 0.04)));
+	free(s.places);
+}
+
+static void columns_say_how_many(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("both.geojson", FIELD "," CORNER "," LINE "," NOTHING));
+	struct scattered s;
+
+	(void)state;
+	spec.count_column = "n";
+	s = scatter(&spec);
+	assert_int_equal(s.count, 82);
+	assert_non_null(strstr(said, "82 plants of 82 wanted"));
+	assert_non_null(strstr(said, "1 feature left out: no usable number in its column (first: feature 3)"));
+	free(s.places);
+	spec.count_column = NULL;
+	spec.density_column = "d";
+	s = scatter(&spec);
+	assert_in_range(s.count, 229, 231);          /* 1.5 ha of 20, half a hectare of 400 */
+	free(s.places);
+}
+
+static void what_is_left_out_is_counted_by_reason(void **state)
+{
+	static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
+	struct eco_filter only = { "kind", true, values, 3 };
+	struct eco_scatter_spec spec = spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
+	struct scattered s;
+
+	(void)state;
+	spec.filters = &only;
+	spec.filter_count = 1;
+	s = scatter(&spec);
+	assert_int_equal(s.count, 600);
+	assert_non_null(strstr(said, "1 feature left out: not a polygon (first: feature 3)"));
+	assert_non_null(strstr(said, "1 feature left out: no geometry (first: feature 4)"));
+	assert_non_null(strstr(said, "1 feature left out: left out by only or skip (first: feature 2)"));
+	free(s.places);
+}
+
+static int place_order(const void *a, const void *b)
+{
+	return memcmp(((const struct eco_scatter_place *)a)->at, ((const struct eco_scatter_place *)b)->at, sizeof ((struct eco_scatter_place *)0)->at);
+}
+
+static void the_order_of_the_file_does_not_matter(void **state)
+{
+	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)), second = spec_of(areas("ba.geojson", CORNER "," FIELD));
+	struct scattered a, b;
+
+	(void)state;
+	first.distance_m = second.distance_m = 3;
+	a = scatter(&first);
+	b = scatter(&second);
+	assert_int_equal(a.count, b.count);
+	qsort(a.places, a.count, sizeof *a.places, place_order);
+	qsort(b.places, b.count, sizeof *b.places, place_order);
+	for (size_t i = 0; i < a.count; i++)
+		assert_true(memcmp(a.places[i].at, b.places[i].at, sizeof a.places[i].at) == 0 && a.places[i].plant == b.places[i].plant
+			&& a.places[i].yaw_deg == b.places[i].yaw_deg);
+	free(a.places);
+	free(b.places);
+}
+
+static void distances_hold_and_what_has_no_room_is_said(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("near.geojson", FIELD "," CORNER));
+	struct scattered s;
+
+	(void)state;
+	spec.distance_m = 4;
+	s = scatter(&spec);
+	assert_true(nearest(&s) >= 4);
+	assert_true(s.count > 500);
+	free(s.places);
+	spec.distance_m = 30;
+	s = scatter(&spec);
+	assert_true(nearest(&s) >= 30);
+	assert_in_range(s.count, 10, 60);
+	assert_non_null(strstr(said, "2 areas have no room"));
+	free(s.places);
+}
+
+static void what_is_to_be_clear_is_clear(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
+	struct scattered s;
+
+	(void)state;
+	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\","
+		"\"coordinates\":[[0,10],[200,10]]}},"
+		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
+	spec.clear_m = 5;
+	spec.height_low_m = 2;
+	spec.height_high_m = 3;
+	s = scatter(&spec);
+	/* 600, less by the strip of 200 m x 10 m and the corner of 25 m x 25 m without its rounding, of 15,000 m2 */
+	assert_in_range(s.count, 600 - 80 - 25 - 10, 600 - 80 - 25 + 10);
+	for (size_t i = 0; i < s.count; i++) {
+		assert_true(fabs(s.places[i].at[1] - 10) >= 5);
+		assert_false(s.places[i].at[0] < 25 && s.places[i].at[1] > 75 && hypot(fmax(s.places[i].at[0] - 20, 0), fmax(80 - s.places[i].at[1], 0)) < 5);
+		assert_true(s.places[i].height_m >= 2 && s.places[i].height_m <= 3);
+	}
+	free(s.places);
+	spec.count_column = "n";
+	s = scatter(&spec);
+	assert_int_equal(s.count, 77);               /* a number is meant for the whole area */
+	free(s.places);
+}
+
+/* West a tenth, east all, in the middle nothing. */
+static void a_mask_scales_densities(void **state)
+{
+	char text[64 * 64 * 4 + 200];
+	size_t used = (size_t)snprintf(text, sizeof text, "ncols 60\nnrows 40\nxllcorner 100\nyllcorner 0\ncellsize 5\nNODATA_value -1\n");
+	struct eco_scatter_spec spec;
+	struct scattered s;
+	size_t west = 0, east = 0;
+
+	(void)state;
+	for (int row = 0; row < 40; row++)
+		for (int column = 0; column < 60; column++)
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1",
+				column < 59 ? " " : "\n");
+	spec = spec_of((char *)input_text("scatter", "mask.asc", text));
+	s = scatter(&spec);
+	for (size_t i = 0; i < s.count; i++) {
+		assert_true(s.places[i].at[0] >= 100 && s.places[i].at[0] <= 400 && s.places[i].at[1] >= 0 && s.places[i].at[1] <= 200);
+		assert_false(s.places[i].at[0] > 202.5 && s.places[i].at[0] < 297.5);
+		west += s.places[i].at[0] < 250;
+		east += s.places[i].at[0] > 250;
+	}
+	/* two hectares of 40 and of 400 */
+	assert_in_range(west, 70, 90);
+	assert_in_range(east, 780, 820);
+	assert_true(count_of(&s, 0) > 2 * count_of(&s, 1));
+	free(s.places);
+	spec.full = 2;
+	s = scatter(&spec);
+	assert_in_range(s.count, 410, 470);
+	free(s.places);
+	spec = spec_of((char *)input_text("scatter", "bytes.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n255 0\n0 51\n"));
+	s = scatter(&spec);
+	assert_in_range(s.count, 460, 500);          /* a hectare of 400 and one of a fifth */
+	assert_non_null(strstr(said, "255 is taken for the whole density"));
+	free(s.places);
+}
+
+static void errors_say_what_to_do(void **state)
+{
+	static const struct { const char *name, *text, *says; } wrong[] = {
+		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
+		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
+		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "add \"full\": 4000" },
+	};
+	struct eco_scatter *s;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		struct eco_scatter_spec spec = spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
+		struct eco_error error = { .code = ECO_OK };
+
+		assert_int_not_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_OK);
+		assert_null(s);
+		assert_int_equal(eco_scatter_check(&spec, &frame, NULL), error.code);
+		if (strstr(error.text, wrong[i].says) == NULL)
+			fail_msg("%s: %s", wrong[i].name, error.text);
+	}
+}
+
+/* A strip of 20 m across a box of 300 by 300 km. */
+static void long_narrow_areas_are_filled(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+		"\"coordinates\":[[[0,0],[20,0],[300020,300000],[300000,300000],[0,0]]]}}"));
+	struct eco_scatter_plant few[] = { { 0, 1, 10 } };
+	struct scattered s;
+
+	(void)state;
+	spec.plants = few;
+	spec.plant_count = 1;
+	s = scatter(&spec);
+	assert_int_equal(s.count, 6000);
+	for (size_t i = 0; i < s.count; i++)
+		assert_true(s.places[i].at[0] >= s.places[i].at[1] && s.places[i].at[0] <= s.places[i].at[1] + 20);
+	free(s.places);
+}
+
+static void what_is_too_far_or_too_much_is_said(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+		"\"coordinates\":[[[0,0],[1e200,0],[0,1e200],[0,0]]]}}"));
+	struct scattered s = scatter(&spec);
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_scatter *none;
+
+	(void)state;
+	assert_int_equal(s.count, 600);
+	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: feature 2)"));
+	free(s.places);
+	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
+		"[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
+	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
+	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
+}
+
+static void columns_that_are_not_there_are_named(void **state)
+{
+	struct eco_scatter_spec spec = spec_of(areas("columns.geojson", FIELD));
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_scatter *s;
+
+	(void)state;
+	spec.count_column = "trees";
+	assert_int_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_BAD_INPUT);
+	assert_non_null(strstr(error.text, "no column \"trees\"; there are: kind, n, d"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(numbers_are_those_asked_for_and_nothing_stands_in_holes),
+		cmocka_unit_test(columns_say_how_many),
+		cmocka_unit_test(what_is_left_out_is_counted_by_reason),
+		cmocka_unit_test(the_order_of_the_file_does_not_matter),
+		cmocka_unit_test(distances_hold_and_what_has_no_room_is_said),
+		cmocka_unit_test(what_is_to_be_clear_is_clear),
+		cmocka_unit_test(a_mask_scales_densities),
+		cmocka_unit_test(errors_say_what_to_do),
+		cmocka_unit_test(long_narrow_areas_are_filled),
+		cmocka_unit_test(what_is_too_far_or_too_much_is_said),
+		cmocka_unit_test(columns_that_are_not_there_are_named),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,236 @@
+/* What a scene's tables must agree on: a small pack's are sound, and each way to break one of them is found and said. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/format/pack_record.h"
+#include "tests/support/scene_pack.h"
+
+#define PATH "build/tmp/test_scene_check.eco"
+
+/* A copy of the small pack's scene whose tables can be written to. */
+struct loose {
+	struct eco_scene scene;
+	struct eco_plant plants[1];
+	struct eco_anchor anchors[2];
+	struct eco_ladder ladders[4];
+	struct eco_curve curves[3];
+	struct eco_tile tiles[2];
+	struct eco_group groups[1];
+	struct eco_child children[2];
+	struct eco_list lists[12];
+	struct eco_chunk chunks[20];
+	struct eco_ground_tile grounds[3];
+};
+
+static void loosen(struct loose *l, const struct eco_scene *s)
+{
+	l->scene = *s;
+#define COPY(kind, field, name) \
+	assert_int_equal(s->name##_count, sizeof l->field / sizeof l->field[0]); \
+	memcpy(l->field, s->field, sizeof l->field); \
+	l->scene.field = l->field;
+	ECO_PACK_TABLES(COPY)
+	COPY(CHUNKS, chunks, chunk)
+	memcpy(l->grounds, s->ground, sizeof l->grounds);
+	l->scene.ground = l->grounds;
+#undef COPY
+}
+
+#define BREAK(id, what) static void break_##id(struct loose *l) { what; }
+BREAK(name, memset(l->scene.name, 'x', sizeof l->scene.name))
+BREAK(needs, l->scene.needs = 512)
+BREAK(missing_need, l->scene.needs = 511 & ~ECO_NEED_LINES)
+BREAK(missing_cells, l->scene.needs = 511 & ~ECO_NEED_CELLS)
+BREAK(root, l->scene.root = 2)
+BREAK(near, l->scene.near_m = NAN)
+BREAK(near_zero, l->scene.near_m = 0)
+BREAK(ground, l->grounds[0].list = 5)
+BREAK(ground_range, l->grounds[0].list = 99)
+BREAK(ground_size, l->scene.ground_columns = 71)
+BREAK(ground_none, l->scene.ground_columns = 0)
+BREAK(ground_rows, l->scene.ground_rows = 0)
+BREAK(ground_lost, l->scene.ground_count = 2)
+BREAK(ground_level, l->grounds[1].level = 1)
+BREAK(ground_column, l->grounds[2].column = 2)
+BREAK(ground_twice, l->grounds[2].column = 0)
+BREAK(ground_children, l->grounds[0].child_count = 1)
+BREAK(ground_child_first, l->grounds[0].child_first = 2)
+BREAK(ground_orphans, l->grounds[0].child_count = 0; l->grounds[0].child_first = 0)
+BREAK(ground_cycle, l->grounds[1].child_count = 2; l->grounds[1].child_first = 0)
+BREAK(ground_error, l->grounds[0].error_m = -1)
+BREAK(ground_error_nan, l->grounds[0].error_m = NAN)
+BREAK(ground_error_child, l->grounds[1].error_m = 0.5f)
+BREAK(ground_bounds, l->grounds[0].low_m = 1)
+BREAK(ground_bounds_child, l->grounds[2].high_m = 0.75f)
+BREAK(ground_grid, l->lists[7].grid_origin[0] = 0)
+BREAK(ground_chunks, l->lists[8].chunk_count = 0; l->lists[8].primitive_count = l->lists[8].element_count = 0)
+BREAK(level_large, l->lists[6].level = 8)
+BREAK(level_other, l->lists[7].level = 1)
+BREAK(plant_name, memset(l->plants[0].name, 'x', 64))
+BREAK(no_anchor, l->plants[0].anchor_count = 0)
+BREAK(anchors, l->plants[0].anchor_first = UINT32_MAX)
+BREAK(ladders, l->plants[0].ladder_count = 5)
+BREAK(orphan_ladder, l->plants[0].ladder_count = 3)
+BREAK(height, l->plants[0].height_m = INFINITY)
+BREAK(radius, l->anchors[1].radius = -1)
+BREAK(center, l->anchors[0].center[2] = NAN)
+BREAK(ladder_plant, l->ladders[2].plant = 1)
+BREAK(ladder_anchor, l->ladders[2].anchor = 2)
+BREAK(organ, l->ladders[0].organ = ECO_ORGAN_COUNT)
+BREAK(flags, l->ladders[0].flags = 8)
+BREAK(above_range, l->ladders[0].flags |= ECO_LADDER_ABOVE)
+BREAK(above_share, l->ladders[0].flags |= ECO_LADDER_ABOVE; l->ladders[0].curve_count = 1)
+BREAK(both_flags, l->ladders[0].flags = 3)
+BREAK(no_list, l->ladders[3].triangles = ECO_NONE)
+BREAK(wrong_kind, l->ladders[3].triangles = 4)
+BREAK(summary_in_ladder, l->ladders[0].points = 9)
+BREAK(pair, l->ladders[0].triangles = 5)
+BREAK(levels, l->ladders[1].level_count = 7)
+BREAK(level_end, l->ladders[1].level_end[1] = 31)
+BREAK(level_order, l->ladders[1].level_end[1] = 8)
+BREAK(level_rest, l->ladders[1].level_end[2] = 1)
+BREAK(before, l->ladders[0].before = 41)
+BREAK(importance, l->ladders[0].importance = -1)
+BREAK(epsilon, l->ladders[1].epsilon = NAN)
+BREAK(curve_range, l->ladders[0].curve_count = 4)
+BREAK(share_zero, l->curves[0].share = 0)
+BREAK(share_order, l->curves[1].share = 0.1f)
+BREAK(share_one, l->curves[2].share = 1.5f)
+BREAK(share_nan, l->curves[1].share = NAN)
+BREAK(scale, l->curves[1].scale = INFINITY)
+BREAK(fn, l->curves[1].fn = -0.1f)
+BREAK(bounds, l->tiles[0].low[1] = 11)
+BREAK(bounds_nan, l->tiles[1].high[1] = NAN)
+BREAK(instance_count, l->tiles[1].instance_count = 8)
+BREAK(subtree_count, l->tiles[0].instance_count = 7)
+BREAK(summary, l->tiles[1].summary = 2)
+BREAK(summary_tile, l->tiles[0].summary = 9)
+BREAK(groups, l->tiles[1].group_first = 1)
+BREAK(two_tiles_a_group, l->tiles[0].group_count = 1)
+BREAK(children, l->tiles[0].child_count = 3)
+BREAK(lost_child, l->tiles[0].child_count = 1)
+BREAK(cycle, l->children[0].tile = 0)
+BREAK(child_tile, l->children[0].tile = 2)
+BREAK(child_at, l->children[1].at[0] = INFINITY)
+BREAK(child_scale, l->children[1].scale = 0)
+BREAK(group_tile, l->groups[0].tile = 0)
+BREAK(group_plant, l->groups[0].plant = 1)
+BREAK(group_list, l->groups[0].list = 12)
+BREAK(group_kind, l->groups[0].list = 9)
+BREAK(places, l->groups[0].place_first = 1)
+BREAK(places_overflow, l->groups[0].place_first = UINT64_MAX)
+BREAK(kind, l->lists[1].kind = 0)
+BREAK(kind_large, l->lists[1].kind = 7)
+BREAK(coder, l->lists[1].coder = ECO_CODER_KD)
+BREAK(attributes, l->lists[4].attributes = ECO_ATTR_PLACE)
+BREAK(level, l->lists[4].level = 1)
+BREAK(no_place, l->lists[10].attributes = 0)
+BREAK(owner, l->lists[4].owner = 1)
+BREAK(owner_tile, l->lists[10].owner = 2)
+BREAK(owner_none, l->lists[4].owner = ECO_NONE)
+BREAK(list_plant, l->lists[10].plant = 1)
+BREAK(list_plant_none, l->lists[10].plant = ECO_NONE)
+BREAK(grid_step, l->lists[0].grid_step[1] = 0)
+BREAK(grid_origin, l->lists[0].grid_origin[1] = NAN)
+BREAK(unit_area, l->lists[2].unit_area = NAN)
+BREAK(palette, l->lists[1].palette_first = 1)
+BREAK(palette_overflow, l->lists[1].palette_first = UINT32_MAX)
+BREAK(no_palette, l->lists[1].palette_count = 0)
+BREAK(image, l->lists[1].image = 2)
+BREAK(image_range, l->lists[1].image = 12)
+BREAK(partner, l->lists[2].partner = ECO_NONE)
+BREAK(partner_kind, l->lists[2].partner = 3)
+BREAK(partner_range, l->lists[2].partner = 99)
+BREAK(partner_of_plain, l->lists[9].partner = 1)
+BREAK(columns, l->lists[6].columns = 5)
+BREAK(no_columns, l->lists[6].columns = 0)
+BREAK(columns_of_plain, l->lists[9].columns = 5)
+BREAK(chunk_range, l->lists[10].chunk_first = 19)
+BREAK(chunk_shared, l->lists[10].chunk_count = 18)
+BREAK(primitives, l->lists[5].primitive_count++)
+BREAK(elements, l->lists[5].element_count--)
+BREAK(chunk_empty, l->chunks[9].element_count = 0)
+BREAK(chunk_size, l->chunks[9].size_bytes = 0)
+BREAK(chunk_huge, l->chunks[9].size_bytes = UINT32_MAX)
+BREAK(chunk_primitives, l->chunks[9].primitive_count = 1)
+BREAK(chunk_forms, l->chunks[3].primitive_count -= 2; l->chunks[4].primitive_count += 2; l->chunks[3].element_count -= 2;
+	l->chunks[4].element_count += 2)
+BREAK(form_of_form, l->lists[11].partner = 2)
+BREAK(form_of_itself, l->lists[11].partner = 11)
+BREAK(form_of_wood, l->lists[11].partner = 3)
+BREAK(form_count, l->lists[11].partner = 5)
+BREAK(form_primitives, l->lists[11].primitive_count = 60; l->chunks[18].primitive_count = 20; l->chunks[19].primitive_count = 40)
+BREAK(form_shape, l->lists[11].primitive_count = 80; l->chunks[18].primitive_count = 20; l->chunks[19].primitive_count = 60)
+BREAK(form_coder, l->lists[11].coder = ECO_CODER_ELEMENTS)
+BREAK(simple, l->ladders[0].simple = 5)
+BREAK(simple_of_other, l->ladders[0].points = ECO_NONE; l->ladders[0].triangles = 5)
+BREAK(simple_kind, l->ladders[0].simple = 2)
+BREAK(reach, l->curves[1].reach = 1.1f)
+BREAK(reach_nan, l->curves[1].reach = NAN)
+
+static void every_inconsistency_is_found(void **state)
+{
+#define CASE(id) { #id, break_##id }
+	static const struct { const char *name; void (*apply)(struct loose *); } cases[] = {
+		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near), CASE(near_zero), CASE(ground), CASE(ground_range),
+			CASE(ground_size), CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level), CASE(ground_column), CASE(ground_twice),
+		CASE(ground_children), CASE(ground_child_first), CASE(ground_orphans), CASE(ground_cycle), CASE(ground_error),
+		CASE(ground_error_nan), CASE(ground_error_child), CASE(ground_bounds), CASE(ground_bounds_child), CASE(ground_grid),
+		CASE(ground_chunks), CASE(level_large), CASE(level_other),
+		CASE(plant_name), CASE(no_anchor), CASE(anchors), CASE(ladders), CASE(orphan_ladder), CASE(height), CASE(radius),
+		CASE(center), CASE(ladder_plant), CASE(ladder_anchor), CASE(organ), CASE(flags), CASE(both_flags), CASE(above_range),
+		CASE(above_share), CASE(no_list),
+		CASE(wrong_kind), CASE(summary_in_ladder), CASE(pair), CASE(levels), CASE(level_end), CASE(level_order), CASE(level_rest),
+		CASE(before), CASE(importance), CASE(epsilon), CASE(curve_range), CASE(share_zero), CASE(share_order), CASE(share_one),
+		CASE(share_nan), CASE(scale), CASE(fn), CASE(bounds), CASE(bounds_nan), CASE(instance_count), CASE(subtree_count),
+		CASE(summary), CASE(summary_tile), CASE(groups), CASE(two_tiles_a_group), CASE(children), CASE(lost_child), CASE(cycle),
+		CASE(child_tile), CASE(child_at), CASE(child_scale), CASE(group_tile), CASE(group_plant), CASE(group_list),
+		CASE(group_kind), CASE(places), CASE(places_overflow), CASE(kind), CASE(kind_large), CASE(coder), CASE(attributes),
+		CASE(level), CASE(no_place), CASE(owner), CASE(owner_tile), CASE(owner_none), CASE(list_plant), CASE(list_plant_none),
+		CASE(grid_step), CASE(grid_origin), CASE(unit_area), CASE(palette), CASE(palette_overflow), CASE(no_palette), CASE(image),
+		CASE(image_range), CASE(partner), CASE(partner_kind), CASE(partner_range), CASE(partner_of_plain), CASE(columns),
+		CASE(no_columns), CASE(columns_of_plain), CASE(chunk_range), CASE(chunk_shared), CASE(primitives), CASE(elements),
+		CASE(chunk_empty), CASE(chunk_size), CASE(chunk_huge), CASE(chunk_primitives), CASE(chunk_forms),
+		CASE(form_of_form), CASE(form_of_itself), CASE(form_of_wood), CASE(form_count), CASE(form_primitives), CASE(form_shape),
+		CASE(form_coder), CASE(simple), CASE(simple_of_other), CASE(simple_kind), CASE(reach), CASE(reach_nan),
+	};
+#undef CASE
+	struct eco_error error = { 0 };
+	struct scene_pack made;
+	struct eco_pack *pack;
+
+	(void)state;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	assert_int_equal(scene_pack_write(&made, PATH, NULL, &error), ECO_OK);
+	scene_pack_free(&made);
+	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		struct loose l;
+
+		loosen(&l, &pack->scene);
+		error = (struct eco_error){ 0 };
+		assert_int_equal(eco_scene_check(&l.scene, &error), ECO_OK);
+		cases[i].apply(&l);
+		if (eco_scene_check(&l.scene, &error) == ECO_OK)
+			fail_msg("%s is not found", cases[i].name);
+		assert_true(error.text[0] != 0);
+	}
+	eco_pack_close(pack);
+	unlink(PATH);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_inconsistency_is_found),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

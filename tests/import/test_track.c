@@ -1,0 +1,388 @@
+/* Recorded tracks: every format to the number, and what is no track is said to be none. Each format is written out as the small recording
+ * that shows it. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/track/track.h"
+#include "tests/support/input_files.h"
+#include "tests/support/track_made.h"
+
+#define METRES_PER_DEGREE 111195.0
+
+static void fails(const char *text, const char *path, const struct eco_track_options *options, const char *says)
+{
+	struct eco_track track;
+	struct eco_error error = { 0 };
+	assert_int_not_equal(eco_track_parse(&track, (const uint8_t *)text, strlen(text), path, options, &error), ECO_OK);
+	assert_null(track.fixes);
+	if (!strstr(error.text, says))
+		fail_msg("%s\n  wanted ... %s", error.text, says);
+}
+
+static void assert_fix(const struct eco_fix *fix, const struct eco_fix *wanted, const char *name)
+{
+	if (!near(fix->time_s, wanted->time_s, 1e-6) || !near(fix->at[0], wanted->at[0], 1e-9) || !near(fix->at[1], wanted->at[1], 1e-9) ||
+		!near(fix->at[2], wanted->at[2], 1e-9) || !near(fix->above_m, wanted->above_m, 1e-9) || !near(fix->yaw_deg, wanted->yaw_deg, 1e-9) ||
+		!near(fix->pitch_deg, wanted->pitch_deg, 1e-9))
+		fail_msg("%s: t %.9g at %.9g %.9g %.9g above %.9g yaw %.9g pitch %.9g", name, fix->time_s, fix->at[0], fix->at[1], fix->at[2], fix->above_m,
+			fix->yaw_deg, fix->pitch_deg);
+}
+
+/* ---- Subtitles ---- */
+
+#define FIX(t, x, y, z, above, yaw, pitch) { .time_s = t, .at = { x, y, z }, .above_m = above, .yaw_deg = yaw, .pitch_deg = pitch }
+
+static void subtitles_of_every_drone_are_read(void **state)
+{
+	static const struct { const char *name, *text; uint32_t count; struct eco_fix last; } rows[] = {
+		{ "brackets, misspelt", "1\n00:00:00,000 --> 00:00:00,016\n<font size=\"36\">FrameCnt : 1, DiffTime : 16ms\n2020-04-02 15:19:58,720,764\n"
+			"[iso : 120] [shutter : 1/2500.0] [latitude : 31.452012] [longtitude : 74.398751] [altitude: 213.983002] </font>\n", 1,
+			FIX(0, 74.398751, 31.452012, 213.983002, NAN, NAN, NAN) },
+		{ "rel_alt, abs_alt, gimbal", "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 31.2] [longitude: 121.6] [rel_alt: 79.969 abs_alt: "
+			"96.474]\r\n\r\n2\r\n00:00:00,033 --> 00:00:00,066\r\n[latitude: 31.3] [longitude: 121.7] [rel_alt: 80 abs_alt: 97] "
+			"[gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]\r\n", 2, FIX(0.033, 121.7, 31.3, 97, 80, -67.6, -30) },
+		{ "gimbal in brackets of its own", "1\n00:00:01,500 --> 00:00:02,000\n[latitude : 40.7] [longitude : -74.0] [altitude: 150.0]\n"
+			"[gb_yaw : 45.2] [gb_pitch : -15.3] [gb_roll : 0.1]</font>\n", 1, FIX(1.5, -74, 40.7, 150, NAN, 45.2, -15.3) },
+		{ "HOME and BAROMETER", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) 2017.08.05 14:11:51\nGPS(149.0251,-20.2533,16) "
+			"BAROMETER:1.9\nISO:100 Shutter:60 EV: Fnum:2.2\n", 1, FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
+		{ "Hb, Hs", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) 2017.8.5 14:11:51\nGPS(149.0251,-20.2533,16) Hb:1.9 Hs:2.5\n", 1,
+			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
+		{ "F.PRY and G.PRY, height of home", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS (-58.85, -34.23, 15), HOME (-58.84, -34.24, "
+			"-57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, F.PRY (2.7\xc2\xb0, -7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, "
+			"0.0\xc2\xb0, 110.4\xc2\xb0)\n", 1, FIX(0, -58.85, -34.23, -57.98 + 85.80, 85.80, 110.4, -24.4) },
+		{ "RTK in place of GPS", "1\n00:00:35,000 --> 00:00:36,000\nF/6.3, RTK (120.08, 30.21, 28), H 76.19m, H.S n/a, V.S n/a\n", 1,
+			FIX(35, 120.08, 30.21, NAN, 76.19, NAN, NAN) },
+		{ "latitude first with a capital M", "1\n00:00:00,000 --> 00:00:01,000\n2022.06.21 16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
+			FIX(0, -6.1120, 36.6146, NAN, 0.3, NAN, NAN) },
+		{ "sides of the world", "1\n00:00:00,000 --> 00:00:01,000\nGPS(W: 121.1, N: 38.2, 100.5m)\n", 1, FIX(0, -121.1, 38.2, 100.5, NAN, NAN, NAN) },
+		{ "no time lines", "1\n2017.08.05 14:11:51,393,525\n[latitude : -20.2] [longtitude : 149.0]\n\n2\n2017.08.05 14:11:52,393,525\n"
+			"[latitude : -20.3] [longtitude : 149.1]\n", 2, FIX(1501942312.393525, 149.1, -20.3, NAN, NAN, NAN, NAN) },
+		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS (n/a, n/a, n/a), H 1.0m\n\n2\n"
+			"00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] [longitude: 0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), "
+			"H 45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_track track = track_of(rows[i].text, "film.SRT", NULL);
+		assert_int_equal(track.format, ECO_TRACK_SRT);
+		assert_true(track.degrees && track.timed);
+		assert_int_equal(track.count, rows[i].count);
+		assert_fix(&track.fixes[track.count - 1], &rows[i].last, rows[i].name);
+		eco_track_free(&track);
+	}
+}
+
+static void focal_lengths_are_fields_of_view(void **state)
+{
+	static const struct { const char *text; double mm; } rows[] = { { "[focal_len : 240]", 24 }, { "[focal_len: 24.00]", 24 },
+		{ "[focal_len: 40.00] [dzoom_ratio: 2.00]", 80 }, { "[focal_len : 240] [dzoom_ratio: 10000, delta:0]", 24 }, { "[iso: 100]", NAN } };
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char text[300];
+		snprintf(text, sizeof text, "1\n00:00:00,000 --> 00:00:00,033\n%s [latitude: 1] [longitude: 2]\n", rows[i].text);
+		struct eco_track track = track_of(text, "film.srt", NULL);
+		assert_true(near(track.fixes[0].fov_y_deg, 2 * atan(10.125 / rows[i].mm) * DEG, 1e-9));
+		eco_track_free(&track);
+	}
+}
+
+/* ---- Logs ---- */
+
+static void igc_passes_midnight_and_takes_heights_by_satellite(void **state)
+{
+	static const char log[] = "AXGD000\nHFDTEDATE:270418,01\nI023636LAD3737LOD\nB2359554557816N01343411EA0059600583\nB2359584557815S01343412WV0059400000\n"
+		"B0000014557815N01343411EA0059400584123\nB000002XX57815N01343411EA0059400584\nE\n";
+	struct eco_track track = track_of(log, "a.txt", NULL);
+	(void)state;
+	assert_int_equal(track.format, ECO_TRACK_IGC);
+	assert_int_equal(track.count, 3);
+	assert_true(near(track.fixes[0].at[1], 45 + 57.816 / 60, 1e-9) && near(track.fixes[0].at[0], 13 + 43.411 / 60, 1e-9));
+	assert_true(track.fixes[0].time_s == 17648 * 86400.0 + 86395 && track.fixes[2].time_s - track.fixes[0].time_s == 6);
+	assert_true(track.fixes[0].at[2] == 583 && track.fixes[1].at[2] == 594 && track.fixes[1].at[0] < 0 && track.fixes[1].at[1] < 0);
+	assert_true(near(track.fixes[2].at[1], 45 + 57.8151 / 60, 1e-9) && near(track.fixes[2].at[0], 13 + 43.4112 / 60, 1e-9));
+	assert_int_equal(track.skipped[ECO_TRACK_BAD_NUMBER], 1);
+	eco_track_free(&track);
+	track = track_of(log, "a.igc", &(struct eco_track_options){ .pressure = true });
+	assert_true(track.fixes[0].at[2] == 596);
+	eco_track_free(&track);
+}
+
+static void nmea_checks_sums_and_dates(void **state)
+{
+	static const char log[] = "$GPRMC,235959.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W\n"
+		"$GPGGA,235959.00,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,\n$GPGGA,000000.50,4807.040,N,01131.000,W,1,08,0.9,546,M,46.9,M,,\n"
+		"$GPGGA,000001.00,4807.040,N,01131.000,W,1,08,0.9,546,M,46.9,M,,*00\n$GPGGA,000002.00,,,,,0,00,,,M,,M,,\n";
+	struct eco_track track = track_of(log, "a.log", NULL);
+	(void)state;
+	assert_int_equal(track.format, ECO_TRACK_NMEA);
+	assert_int_equal(track.count, 2);
+	assert_true(near(track.fixes[0].at[1], 48 + 7.038 / 60, 1e-9) && near(track.fixes[1].at[0], -(11 + 31.0 / 60), 1e-9));
+	assert_true(track.fixes[0].at[2] == 545.4 && track.fixes[0].time_s == 8847 * 86400.0 + 86399);
+	assert_true(near(track.fixes[1].time_s - track.fixes[0].time_s, 1.5, 1e-6));
+	assert_true(track.skipped[ECO_TRACK_BAD_CHECKSUM] == 1 && track.skipped[ECO_TRACK_NO_POSITION] == 1);
+	eco_track_free(&track);
+}
+
+/* ---- XML ---- */
+
+static void gpx_tracks_win_over_way_points(void **state)
+{
+	struct eco_track track = track_of("<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
+		"lon=\"4\"/></rte>"
+		"<trk><trkseg></trkseg><trkseg><trkpt lat=\"45.5\" lon=\"14.25\"><ele> 733.6 </ele></trkpt><trkpt lon=\"14.5\" lat=\"45.75\">"
+		"<time>2010-10-03T09:36:30Z</time></trkpt></trkseg><trkseg><trkpt lat='46' lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg>"
+		"</trk></gpx>", "a.gpx", NULL);
+	(void)state;
+	assert_int_equal(track.count, 3);
+	assert_true(track.fixes[0].at[1] == 45.5 && track.fixes[0].at[0] == 14.25 && track.fixes[0].at[2] == 733.6 && isnan(track.fixes[0].time_s));
+	assert_true(track.fixes[1].time_s == 1286098590 && isnan(track.fixes[1].at[2]) && track.fixes[2].time_s == 1286098591);
+	assert_true(track.fixes[0].segment == track.fixes[1].segment && track.fixes[1].segment != track.fixes[2].segment);
+	assert_true(says(&track, "other points"));
+	eco_track_free(&track);
+	track = track_of("<gpx><trk><trkseg><trkpt lat='1' lon='2'></trkpt><trkpt lat='1' lon='3'><ele>5", "cut.gpx", NULL);
+	assert_true(track.count == 1 && says(&track, "ends before its end"));
+	eco_track_free(&track);
+	fails("<gpx><trk><trkseg><trkpt lat='1' lon='2'></trk>", "bad.gpx", NULL, "bad.gpx:1:4");
+}
+
+static void kml_tracks_lines_and_tours(void **state)
+{
+	struct eco_track track = track_of("<kml xmlns:gx='x'><Placemark><gx:Track><when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when>"
+		"<gx:coord>-122.2 37.3 156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord><gx:angles>45 0 0</gx:angles><gx:angles>50 0 0</gx:angles>"
+		"</gx:Track></Placemark></kml>", "a.kml", NULL);
+	(void)state;
+	assert_int_equal(track.format, ECO_TRACK_KML);
+	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157 && track.fixes[1].yaw_deg == 50);
+	assert_true(track.fixes[1].time_s - track.fixes[0].time_s == 26);
+	eco_track_free(&track);
+	track = track_of("<kml><Placemark><Point><coordinates>9,9,9</coordinates></Point></Placemark><LineString><altitudeMode>relativeToGround"
+		"</altitudeMode><coordinates>\n 1,2,3\n 1.5,2.5,4 </coordinates></LineString></kml>", "b.kml", NULL);
+	assert_true(track.count == 2 && track.fixes[1].at[0] == 1.5 && track.fixes[1].above_m == 4 && isnan(track.fixes[1].at[2]) && !track.timed);
+	eco_track_free(&track);
+	track = track_of("<kml><gx:Tour><gx:Playlist><gx:FlyTo><gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude>"
+		"<altitude>100</altitude><heading>90</heading><tilt>80</tilt></Camera></gx:FlyTo><gx:FlyTo><gx:duration>3</gx:duration><LookAt>"
+		"<longitude>10</longitude><latitude>50</latitude><altitude>0</altitude><heading>0</heading><tilt>60</tilt><range>1000</range>"
+		"<altitudeMode>absolute</altitudeMode></LookAt></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "c.kml", NULL);
+	assert_int_equal(track.count, 2);
+	assert_true(track.fixes[0].time_s == 2 && track.fixes[0].pitch_deg == -10 && track.fixes[0].yaw_deg == 90);
+	assert_true(track.fixes[1].time_s == 5 && near(track.fixes[1].at[2], 500, 1e-9) && near(track.fixes[1].pitch_deg, -30, 1e-9));
+	assert_true(near((50 - track.fixes[1].at[1]) * METRES_PER_DEGREE, 866.03, 0.1));
+	eco_track_free(&track);
+	track = track_of("<TrainingCenterDatabase><Track><Trackpoint><Time>2010-05-28T02:02:09Z</Time><Position><LatitudeDegrees>37</LatitudeDegrees>"
+		"<LongitudeDegrees>-122</LongitudeDegrees></Position><AltitudeMeters>12</AltitudeMeters></Trackpoint></Track></TrainingCenterDatabase>",
+		"d.tcx", NULL);
+	assert_true(track.format == ECO_TRACK_TCX && track.count == 1 && track.fixes[0].at[2] == 12 && track.fixes[0].at[0] == -122);
+	eco_track_free(&track);
+}
+
+/* ---- JSON ---- */
+
+static void geojson_lines_with_and_without_times(void **state)
+{
+	struct eco_track track = track_of("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"coordTimes\":"
+		"[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:02Z\"]},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50]]}}]}",
+		"a.json", NULL);
+	(void)state;
+	assert_int_equal(track.format, ECO_TRACK_GEOJSON);
+	assert_true(track.count == 2 && track.fixes[1].time_s - track.fixes[0].time_s == 2 && track.fixes[0].at[2] == 3 && isnan(track.fixes[1].at[2]));
+	eco_track_free(&track);
+	track = track_of("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":1577836800000,"
+		"\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,50]}}]}", "b.geojson", NULL);
+	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800 && track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
+	eco_track_free(&track);
+	track = track_of("{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,5500000]]}", "c.json", NULL);
+	assert_true(!track.degrees && track.count == 2 && says(&track, "--track-crs"));
+	eco_track_free(&track);
+	fails("{\"a\": 1}", "d.json", NULL, "no track that is known");
+	fails("{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json", NULL, "e.json:1:");
+	fails("{\"type\": \"Polygon\", \"coordinates\": []}", "f.json", NULL, "no fix found");
+}
+
+static void transforms_are_opengl_and_in_the_order_of_their_names(void **state)
+{
+	/* looks along -z of the camera: the identity looks down, a quarter turn about x looks north */
+	struct eco_track track = track_of("{\"fl_y\": 500, \"h\": 1000, \"frames\": ["
+		"{\"file_path\": \"images/frame_10.png\", \"transform_matrix\": [[1,0,0,5],[0,1,0,6],[0,0,1,7],[0,0,0,1]]},"
+		"{\"file_path\": \"images/frame_9.png\", \"transform_matrix\": [[1,0,0,1],[0,0,-1,2],[0,1,0,3],[0,0,0,1]]},"
+		"{\"file_path\": \"images/frame_11.png\", \"transform_matrix\": [[1,0],[0,1]]}]}", "transforms.json", NULL);
+	(void)state;
+	assert_int_equal(track.format, ECO_TRACK_TRANSFORMS);
+	assert_true(track.count == 2 && track.posed && track.skipped[ECO_TRACK_BAD_NUMBER] == 1);
+	assert_true(track.fixes[0].at[0] == 1 && track.fixes[0].at[2] == 3 && near(track.fixes[0].yaw_deg, 0, 1e-9)
+		&& near(track.fixes[0].pitch_deg, 0, 1e-9));
+	assert_true(near(track.fixes[1].pitch_deg, -90, 1e-9) && near(track.fixes[1].yaw_deg, 0, 1e-9));
+	assert_true(near(track.fixes[0].fov_y_deg, 90, 1e-9) && track.fixes[1].time_s == 0.5);
+	assert_true(says(&track, "order of their pictures' names") && says(&track, "--rate"));
+	eco_track_free(&track);
+	track = track_of("{\"fps\": 24, \"camera_path\": [{\"camera_to_world\": [1,0,0,1, 0,0,-1,2, 0,1,0,3, 0,0,0,1], \"fov\": 50},"
+		"{\"camera_to_world\": [1,0,0,2, 0,0,-1,2, 0,1,0,3, 0,0,0,1], \"fov\": 51}]}", "camera_path.json", NULL);
+	assert_true(track.format == ECO_TRACK_CAMERA_PATH && track.count == 2 && track.fixes[1].fov_y_deg == 51
+		&& near(track.fixes[1].time_s, 1 / 24.0, 1e-9));
+	eco_track_free(&track);
+}
+
+/* ---- Poses ---- */
+
+static void poses_have_the_axes_of_their_formats(void **state)
+{
+	static const struct { const char *name, *text; struct eco_track_options options; enum eco_track_format format; double at[3], yaw,
+		pitch; } rows[] = {
+		/* z ahead, y down, world Z up: a quarter turn about x brings z to the north */
+		{ "tum", "# t x y z qx qy qz qw\n1305031449.5 1 2 3 -0.70710678 0 0 0.70710678\n", { 0 }, ECO_TRACK_TUM, { 1, 2, 3 }, 0, 0 },
+		{ "tum, ros", "1305031449.5 1 2 3 0 0 0 1\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_TUM, { 1, 2, 3 }, 90, 0 },
+		{ "kitti", "1 0 0 4 0 1 0 5 0 0 1 6\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
+		{ "kitti, sixteen", "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
+		{ "kitti, numbered", "7 1 0 0 4 0 1 0 5 0 0 1 6\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
+		{ "kitti, z up", "1 0 0 4 0 1 0 5 0 0 1 6\n", { .world = ECO_WORLD_Z }, ECO_TRACK_KITTI, { 4, 5, 6 }, 180, 90 },
+		{ "colmap", "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n1 1 0 0 0 -4 -5 -6 "
+			"1 a b.jpg\n\n", { 0 }, ECO_TRACK_COLMAP, { 4, 6, -5 }, 0, 0 },
+		{ "euroc", "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n"
+			"1403636580838555648,4,5,6,1,0,0,0\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_CSV, { 4, 5, 6 }, 90, 0 },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_track track = track_of(rows[i].text, "poses.txt", &rows[i].options);
+		const struct eco_fix *f = track.fixes;
+		assert_int_equal(track.format, rows[i].format);
+		if (track.count != 1 || !track.posed || !near(f->at[0], rows[i].at[0], 1e-6) || !near(f->at[1], rows[i].at[1], 1e-6) ||
+			!near(f->at[2], rows[i].at[2], 1e-6) || (fabs(rows[i].pitch) < 80 && !near(f->yaw_deg, rows[i].yaw, 1e-5)) ||
+			!near(f->pitch_deg, rows[i].pitch, 1e-5))
+			fail_msg("%s: %u at %g %g %g yaw %g pitch %g", rows[i].name, track.count, f->at[0], f->at[1], f->at[2], f->yaw_deg, f->pitch_deg);
+		eco_track_free(&track);
+	}
+	struct eco_track track = track_of("1403636580838555648,4,5,6,1,0,0,0\n1403636581838555648 5,5,6,1,0,0,0\n", "p.txt", NULL);
+	assert_true(track.format == ECO_TRACK_TUM && near(track.fixes[0].time_s, 1403636580.838555648, 1e-3));
+	eco_track_free(&track);
+}
+
+static void gltf_cameras_move_with_their_parents(void **state)
+{
+	/* times 0, 1, 2; the parent goes along x to 10 and turns a quarter to the left; the camera stands 1 behind it */
+	static const float numbers[] = { 0, 1, 2, 0, 0, 0, 5, 0, 0, 10, 0, 0, 0, 0, 0, 1, 0, 0.38268343f, 0, 0.92387953f, 0, 0.70710678f, 0,
+		0.70710678f };
+	char json[2000], base64[200];
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	const uint8_t *bytes = (const uint8_t *)numbers;
+	(void)state;
+	for (size_t i = 0, k = 0; i < sizeof numbers; i += 3, base64[k] = 0) {
+		uint32_t word = (uint32_t)bytes[i] << 16 | (uint32_t)bytes[i + 1] << 8 | bytes[i + 2];
+		for (int n = 0; n < 4; n++)
+			base64[k++] = digits[word >> (18 - 6 * n) & 63];
+	}
+	snprintf(json, sizeof json, "{\"asset\":{\"version\":\"2.0\"},\"cameras\":[{\"type\":\"perspective\","
+		"\"perspective\":{\"yfov\":0.7853981633974483,"
+		"\"znear\":0.1}}],\"nodes\":[{\"children\":[1]},{\"camera\":0,\"name\":\"eye\",\"translation\":[0,0,1]}],\"scenes\":[{\"nodes\":[0]}],"
+		"\"buffers\":[{\"byteLength\":96,\"uri\":\"data:application/octet-stream;base64,%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":96}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"SCALAR\"},{\"bufferView\":0,\"byteOffset\":12,"
+			"\"componentType\":5126,"
+		"\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":0,\"byteOffset\":48,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}],"
+			"\"animations\":[{\"channels\":"
+		"[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},{\"sampler\":1,\"target\":{\"node\":0,\"path\":\"rotation\"}}],"
+			"\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}]}]}", base64);
+	struct eco_track track = track_of(json, "a.gltf", NULL);
+	const struct eco_fix *last = &track.fixes[track.count - 1];
+	assert_true(track.format == ECO_TRACK_GLTF && track.posed && track.count == 17);
+	assert_true(near(track.fixes[0].at[0], 0, 1e-5) && near(track.fixes[0].at[1], -1, 1e-5) && near(track.fixes[0].yaw_deg, 0, 1e-4));
+	assert_true(near(last->at[0], 11, 1e-5) && near(last->at[1], 0, 1e-5) && near(last->yaw_deg, -90, 1e-4) && last->time_s == 2);
+	assert_true(near(last->fov_y_deg, 45, 1e-9));
+	eco_track_free(&track);
+	fails(json, "a.gltf", &(struct eco_track_options){ .node = "other" }, "is called other");
+	fails("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}", "b.gltf", NULL, "no node of it has a camera");
+}
+
+/* ---- Tables ---- */
+
+static void tables_are_read_by_the_names_of_their_columns(void **state)
+{
+	static const struct { const char *name, *text; struct eco_track_options options; bool degrees; struct eco_fix first; } rows[] = {
+		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", { 0 }, true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
+		{ "airdata", "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),altitude_above_seaLevel(feet), "
+			"compass_heading(degrees), pitch(degrees), gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 "
+			"00:00:00,50,10,100,1000,1,2,-170.5,-30\n", { 0 }, true, FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
+		{ "flight log", "sep=,\nOSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height [m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
+			{ 0 }, true, FIX(2, 10, 50, NAN, 30, 350, -12) },
+		{ "German, semicolons", "Zeit;Laenge;Breite;Hoehe\n12:00:01,5;10,5;50,25;7\n", { 0 }, true, FIX(43201.5, 10.5, 50.25, 7, NAN, NAN, NAN) },
+		{ "German, umlauts", "Zeit;Längengrad;Breitengrad;Höhe\n12:00:01,5;10,5;50,25;7\n", { 0 }, true, FIX(43201.5, 10.5, 50.25, 7, NAN, NAN, NAN) },
+		{ "German, short", "Zeit;Länge;Breite;Höhe\n1;10,5;50,25;7\n", { 0 }, true, FIX(1, 10.5, 50.25, 7, NAN, NAN, NAN) },
+		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n", { 0 }, false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
+		{ "yaw from x", "t,x,y,z,yaw\n0,1,2,3,30\n", { .yaw_from_x = true }, false, FIX(0, 1, 2, 3, NAN, 60, NAN) },
+		{ "quoted, tabs, CRLF", "\"Latitude\"\t\"Longitude\"\t\"Time\"\r\n\"50\"\t\"10\"\t\"2020-01-01T00:00:00Z\"\r\n", { 0 }, true,
+			FIX(1577836800, 10, 50, NAN, NAN, NAN, NAN) },
+		{ "date and time", "Date,Time,Lat,Lon\n2020/01/01,00:00:05.5,50,10\n", { 0 }, true, FIX(1577836805.5, 10, 50, NAN, NAN, NAN, NAN) },
+		{ "thousandths since 1970", "timestamp,lat,lng\n1577836800500,50,10\n", { 0 }, true, FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
+		{ "whole ten-millionths", "t,lat,lon\n0,500000000,100000000\n", { 0 }, true, FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
+		{ "as stated", "A,B,C,D\n5,50,10,100\n", { .columns = "t=A,lat=B,lon=C,alt=D:ft" }, true, FIX(5, 10, 50, 30.48, NAN, NAN, NAN) },
+		{ "by number, without a header", "5 50 10\n6 51 11\n", { .columns = "t=1,lat=2,lon=3" }, true, FIX(5, 10, 50, NAN, NAN, NAN, NAN) },
+		{ "spaces, comment as header", "# t east north up\n 1.0   2.0  3.0   4.0\n", { 0 }, false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
+		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", { 0 }, true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_track track = track_of(rows[i].text, "log.csv", &rows[i].options);
+		assert_int_equal(track.format, ECO_TRACK_CSV);
+		assert_true(track.degrees == rows[i].degrees);
+		assert_fix(&track.fixes[0], &rows[i].first, rows[i].name);
+		eco_track_free(&track);
+	}
+}
+
+static void what_is_no_track_is_said_to_be_none(void **state)
+{
+	static const struct { const char *text, *path, *says; struct eco_track_options options; } rows[] = {
+		{ "", "a.srt", "empty", { 0 } }, { " \n\n", "a.gpx", "empty", { 0 } },
+		{ "PK\3\4xxxx", "a.kmz", "unzip", { 0 } }, { "hello\nworld\n", "a.txt", "begins \"hello\"", { 0 } },
+		{ "a,b,c\n1,2,3\n", "a.csv", "--columns", { 0 } }, { "a,b,c\n1,2,3\n", "a.csv", "no column \"q\"", { .columns = "lon=a,lat=q" } },
+		{ "a,b,c\n1,2,3\n", "a.csv", "must be ROLE=COLUMN", { .columns = "nonsense" } },
+		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "no usable fix", { 0 } }, { "t,lon,lat\n", "a.csv", "no fix found", { 0 } },
+		{ "1\n", "a.srt", "no fix found", { 0 } }, { "x", "a", "no format is called fit", { .format = "fit" } },
+		{ "<html></html>", "a.kml", "no fix found", { 0 } },
+		{ "{\"fps\": 1, \"keyframes\": []}", "a.json", "no keyframes", { 0 } },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		fails(rows[i].text, rows[i].path, &rows[i].options, rows[i].says);
+	struct eco_track track;
+	struct eco_error error = { 0 };
+	assert_int_equal(eco_track_read(&track, "tests", NULL, &error), ECO_BAD_INPUT);
+	error = (struct eco_error){ 0 };
+	assert_int_equal(eco_track_read(&track, "no/such/file.srt", NULL, &error), ECO_IO);
+}
+
+static void files_are_read_in_a_child_to_the_same_track(void **state)
+{
+	static const char text[] = "1\n00:00:00,000 --> 00:00:01,000\nHOME(8.2,47.4) GPS(8.2,47.4,12.5m) BAROMETER:3\n\n2\n00:00:01,000 --> "
+		"00:00:02,000\nGPS(n/a,n/a,n/a)\n";
+	struct eco_track track, same = track_of(text, "a.srt", NULL);
+	struct eco_error error = { 0 };
+	(void)state;
+	if (eco_track_read(&track, input_text("track", "a.srt", text), NULL, &error))
+		fail_msg("%s", error.text);
+	assert_true(track.count == same.count && track.records == 2 && track.skipped[ECO_TRACK_NO_POSITION] == 1 && track.has_home);
+	assert_memory_equal(track.fixes, same.fixes, sizeof *same.fixes);
+	assert_memory_equal(track.home, same.home, 2 * sizeof *same.home);
+	eco_track_free(&track);
+	eco_track_free(&same);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(subtitles_of_every_drone_are_read), cmocka_unit_test(focal_lengths_are_fields_of_view),
+		cmocka_unit_test(igc_passes_midnight_and_takes_heights_by_satellite), cmocka_unit_test(nmea_checks_sums_and_dates),
+		cmocka_unit_test(gpx_tracks_win_over_way_points), cmocka_unit_test(kml_tracks_lines_and_tours),
+		cmocka_unit_test(geojson_lines_with_and_without_times),
+		cmocka_unit_test(transforms_are_opengl_and_in_the_order_of_their_names),
+		cmocka_unit_test(poses_have_the_axes_of_their_formats), cmocka_unit_test(gltf_cameras_move_with_their_parents),
+		cmocka_unit_test(tables_are_read_by_the_names_of_their_columns), cmocka_unit_test(what_is_no_track_is_said_to_be_none),
+		cmocka_unit_test(files_are_read_in_a_child_to_the_same_track),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

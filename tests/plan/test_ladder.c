@@ -1,0 +1,394 @@
+/* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on the way. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+
+#include "lod/ladder.h"
+#include "lod/eye.h"
+#include "tests/support/scene_random.h"
+
+static struct random_scene scene;
+
+static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
+{
+	uint64_t total = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		uint8_t kind = scene.lists[cuts[i].list].kind;
+		total += (uint64_t)(cuts[i].end - cuts[i].first) * (kind == ECO_LIST_TRIANGLES ? 3 : kind == ECO_LIST_LINES ? 2 : 1);
+	}
+	return total;
+}
+
+static void every_step_draws_what_it_says(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed < 40; seed++) {
+		random_scene_make(&scene, seed, 0);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			uint64_t v = 0, full = lod_ladder_full(&scene.scene, ladder), steps = 0;
+			assert_int_equal(lod_ladder_floor(&scene.scene, ladder, 0), 0);
+			while (v != full) {
+				uint64_t next = lod_ladder_next(&scene.scene, ladder, v);
+				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+				assert_true(next > v && next <= full);
+				assert_int_equal(lod_ladder_floor(&scene.scene, ladder, next), next);
+				assert_int_equal(lod_ladder_floor(&scene.scene, ladder, next - 1), v);
+				uint32_t n = lod_ladder_cuts(&scene.scene, ladder, next, 0.5, cuts);
+				assert_int_equal(drawn(cuts, n), next);
+				v = next;
+				assert_true(++steps < 100000);
+			}
+			assert_true(lod_ladder_next(&scene.scene, ladder, full) == UINT64_MAX);
+			assert_int_equal(lod_ladder_floor(&scene.scene, ladder, UINT64_MAX), full);
+		}
+	}
+}
+
+/* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser one. */
+static void forms_give_way_from_the_front(void **state)
+{
+	(void)state;
+	static const struct { uint32_t corners, each, unit; } rows[] = { { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		random_scene_make(&scene, 3, 0);
+		const uint32_t k = 50;
+		uint32_t triangles = random_fans(&scene, k, 0), unit = rows[i].unit;
+		struct eco_list *fans = &scene.lists[triangles];
+		for (uint32_t c = 0; c < fans->chunk_count; c++)
+			scene.chunks[fans->chunk_first + c].primitive_count = rows[i].each * scene.chunks[fans->chunk_first + c].element_count;
+		fans->primitive_count = rows[i].each * k;
+		uint8_t kind = rows[i].corners == 1 ? ECO_LIST_POINTS : rows[i].corners == 2 ? ECO_LIST_LINES : ECO_LIST_TRIANGLES;
+		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners), per = rows[i].corners == 4 ? 2 : 1;
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
+			.triangles = triangles, .total = k };
+		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines : &ladder.simple) = coarse;
+		struct eco_curve samples[] = { { unit * k / (3.0f * rows[i].each * k), 1, 1, 0.5f, 0.5f }, { 1, 1, 1, 0, 0 } };
+		memcpy(scene.curves, samples, sizeof samples);
+		ladder.curve_count = 2;
+		for (uint32_t f = 1; f < k; f++) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint64_t v = unit * k + (3 * rows[i].each - unit) * f;
+			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, v + 1), v);
+			assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, v, 1, cuts), 2);
+			assert_int_equal(cuts[0].list, triangles);
+			assert_int_equal(cuts[0].first, 0);
+			assert_int_equal(cuts[0].end, rows[i].each * f);
+			assert_int_equal(cuts[1].list, coarse);
+			assert_int_equal(cuts[1].first, per * f);
+			assert_int_equal(cuts[1].end, per * k);
+		}
+	}
+}
+
+static double elements_of(const struct eco_list *list, double primitives)
+{
+	double elements = 0;
+	for (uint32_t c = 0; c < list->chunk_count; c++) {
+		const struct eco_chunk *chunk = &scene.chunks[list->chunk_first + c];
+		if (primitives < chunk->primitive_count)
+			return elements + primitives * chunk->element_count / chunk->primitive_count;
+		primitives -= chunk->primitive_count;
+		elements += chunk->element_count;
+	}
+	return elements;
+}
+
+/* Elements that an amount draws in a form or a finer one: `drawn` of all, then each finer form. */
+static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count, double drawn_in[4])
+{
+	const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+	drawn_in[0] = drawn_in[1] = drawn_in[2] = drawn_in[3] = 0;
+	for (uint32_t i = 0; i < count; i++)
+		for (int form = 0; form < 4; form++)
+			if (lists[form] != ECO_NONE && cuts[i].list == lists[form])
+				for (int coarser = 0; coarser <= form; coarser++) {
+					double end = elements_of(&scene.lists[cuts[i].list], cuts[i].end);
+					drawn_in[coarser] = end > drawn_in[coarser] ? end : drawn_in[coarser];
+				}
+}
+
+/* Whatever the curve says: a larger amount has all elements of a smaller one, none of them coarser. */
+static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_make(&scene, seed, 0);
+		for (uint32_t i = 0; i < scene.scene.curve_count; i++)       /* curves of any shape */
+			if (seed % 3 == 0)
+				scene.curves[i].reach = (float)random_real(&scene, 0, 1);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			if (ladder->organ == ECO_ORGAN_WOOD)
+				continue;
+			double last[4] = { 0, 0, 0, 0 }, share = 0, density = 0;
+			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX; v = lod_ladder_next(&scene.scene, ladder, v)) {
+				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+				double now[4], now_share = lod_ladder_share(&scene.scene, ladder, v), now_density = lod_ladder_density(&scene.scene, ladder, v);
+				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, now_density, cuts);
+				count_elements(ladder, cuts, count, now);
+				for (int form = 0; form < 4; form++) {
+					assert_true(now[form] >= last[form] - 1.01);     /* in mixed lists ends are means */
+					last[form] = now[form];
+				}
+				assert_true(now_share >= share && now_share <= 1 && now_density >= density && now_density <= 1);
+				assert_true(lod_ladder_vertices(&scene.scene, ladder, now_share) <= v);
+				share = now_share;
+				density = now_density;
+			}
+			assert_true(lod_ladder_share(&scene.scene, ladder, lod_ladder_full(&scene.scene, ladder)) == 1);
+		}
+	}
+}
+
+/* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every vertex asked is drawn
+ * but for less than one element's. */
+static void four_forms_follow_each_other(void **state)
+{
+	(void)state;
+	const uint32_t k = 200;
+	for (uint64_t seed = 1; seed < 20; seed++) {
+		random_scene_make(&scene, seed, 0);
+		uint32_t triangles = random_fans(&scene, k, 0);
+		scene.lists[triangles].primitive_count = 4 * k;
+		for (uint32_t c = 0; c < scene.lists[triangles].chunk_count; c++) {
+			struct eco_chunk *chunk = &scene.chunks[scene.lists[triangles].chunk_first + c];
+			chunk->primitive_count = 4 * chunk->element_count;
+		}
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k, .curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
+			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 4) };
+		for (uint32_t i = 0; i < 5; i++)
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+		double last[4] = { 0, 0, 0, 0 };
+		uint64_t before = 0, full = lod_ladder_full(&scene.scene, &ladder);
+		for (uint64_t v = lod_ladder_next(&scene.scene, &ladder, 0); v != UINT64_MAX; before = v, v = lod_ladder_next(&scene.scene, &ladder, v)) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts);
+			uint64_t drawn = 0;
+			double now[4];
+			for (uint32_t i = 0; i < count; i++)
+				drawn += (uint64_t)(cuts[i].end - cuts[i].first) * eco_list_vertices(&scene.lists[cuts[i].list]);
+			assert_int_equal(drawn, v);
+			assert_true(v <= before + 12);
+			count_elements(&ladder, cuts, count, now);
+			for (int form = 0; form < 4; form++) {
+				assert_true(now[form] >= last[form]);
+				last[form] = now[form];
+			}
+		}
+		assert_int_equal(before, full);
+		assert_true(last[3] == k);
+	}
+}
+
+/* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every amount that is named can be
+ * drawn, all the same. */
+static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void **state)
+{
+	(void)state;
+	const uint32_t k = 300;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_make(&scene, seed, 0);
+		uint32_t triangles = random_fans(&scene, k, 0);
+		struct eco_list *fans = &scene.lists[triangles];
+		fans->primitive_count = 0;
+		for (uint32_t c = 0; c < fans->chunk_count; c++) {
+			struct eco_chunk *chunk = &scene.chunks[fans->chunk_first + c];
+			chunk->primitive_count = chunk->element_count + (uint32_t)(random_real(&scene, 0, 3) * chunk->element_count);
+			fans->primitive_count += chunk->primitive_count;
+		}
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .lines = ECO_NONE, .total = k, .curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
+		for (uint32_t i = 0; i < 5; i++)
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+		uint64_t full = lod_ladder_full(&scene.scene, &ladder), next = 0, steps = 0;
+		for (uint64_t asked = 1; asked <= full + 3; asked++) {
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			uint64_t v = lod_ladder_floor(&scene.scene, &ladder, asked);
+			assert_true(v <= asked && lod_ladder_floor(&scene.scene, &ladder, v) == v);
+			if (v > 0)
+				assert_int_equal(drawn(cuts, lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts)), v);
+		}
+		while ((next = lod_ladder_next(&scene.scene, &ladder, next)) != UINT64_MAX && steps++ <= full)
+			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, next), next);
+		assert_true(steps <= full);
+	}
+}
+
+/* `k` elements of `each` triangles, and points of them. */
+static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
+{
+	random_scene_make(&scene, 3, 0);
+	uint32_t triangles = random_fans(&scene, k, 0);
+	struct eco_list *fans = &scene.lists[triangles];
+	for (uint32_t c = 0; c < fans->chunk_count; c++)
+		scene.chunks[fans->chunk_first + c].primitive_count = each * scene.chunks[fans->chunk_first + c].element_count;
+	fans->primitive_count = each * k;
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .total = k,
+		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
+}
+
+/* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where the reach goes on. */
+static void scales_follow_the_curve_where_the_reach_stays(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(300, 4);
+	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f }, { 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 3;
+	for (double share = 0.06; share < 0.2; share += 0.02) {
+		uint64_t v = lod_ladder_vertices(&scene.scene, &ladder, share);
+		double density = lod_ladder_density(&scene.scene, &ladder, v), scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+		assert_float_equal(density, 123.0 / 300, 1e-6);
+		uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, density, cuts);
+		for (uint32_t i = 0; i < count; i++)
+			assert_true(fabs(cuts[i].scale * density - scale) < 0.05);
+	}
+}
+
+/* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with points, as its plant does. */
+static void cells_begin_in_the_form_of_their_plant(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(157, 4);
+	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
+	ladder.before = 30;
+	ladder.total = 187;
+	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f }, { 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
+		{ 0.025f, 1, 0.3f, 0.3f, 0.3f }, { 0.4f, 1, 1, 0.1f, 0.1f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 6;
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	assert_true(lod_ladder_share(&scene.scene, &ladder, 0) < 0.02);
+	assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, lod_ladder_next(&scene.scene, &ladder, 0), 0.2, cuts), 1);
+	assert_int_equal(cuts[0].list, ladder.points);
+	assert_int_equal(cuts[0].end, 1);
+}
+
+/* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches beyond them. */
+static void cells_draw_what_the_whole_plant_list_does_not(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 3, 0);
+	const uint32_t k = 300, before = 100;
+	uint32_t triangles = random_fans(&scene, k, 0);
+	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .before = before,
+		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .curve_count = 4 };
+	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f }, { 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	assert_int_equal(lod_ladder_vertices(&scene.scene, &ladder, 0.05f), 0);
+	assert_float_equal(lod_ladder_share(&scene.scene, &ladder, 0), 0.05, 1e-6);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, 0), 0.25, 1e-6);
+	uint64_t all = lod_ladder_vertices(&scene.scene, &ladder, 0.2f);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, all), 1, 1e-6);
+	assert_true(all >= k);
+	ladder.before = 0;           /* the whole-plant list of a plant with cells: alone it reaches as far as it has elements */
+	ladder.total = 4 * k;
+	uint64_t end = lod_ladder_stage_end(&scene.scene, &ladder);
+	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, end), 0.25, 1e-6);
+	assert_true(end >= k && end < lod_ladder_full(&scene.scene, &ladder));
+	assert_true(lod_ladder_density(&scene.scene, &ladder, lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
+}
+
+/* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the picture shows by then. */
+static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
+{
+	(void)state;
+	struct eco_ladder ladder = points_and_fans(100, 4);
+	ladder.total = 800;
+	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f }, { 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
+		{ 800 / 9600.f, 0.5f, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 }, { 0.75, 0.75 }, { 1, 0.5 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	ladder.curve_count = 4;
+	uint64_t all = lod_ladder_stage_end(&scene.scene, &ladder);
+	struct lod_forms_leg legs[16];
+	struct lod_way kept;
+	lod_way_begin(&kept, &scene.scene, &ladder);
+	assert_true(all == 100 && lod_way_legs_bound(&kept) <= 16);
+	lod_way_keep(&kept, legs);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX], again[LOD_LADDER_CUTS_MAX];
+		assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, all, rows[i].density, cuts), 1);
+		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
+		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, 0, again), 1);
+		assert_true(cuts[0].scale == again[0].scale);
+	}
+}
+
+static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 3, 0);
+	for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+		const struct eco_ladder *ladder = &scene.ladders[l];
+		uint64_t v = lod_ladder_next(&scene.scene, ladder, 0);
+		if (!lod_ladder_cuts(&scene.scene, ladder, v, 0.01, cuts))
+			continue;
+		if (ladder->organ == ECO_ORGAN_WOOD)
+			assert_true(cuts[0].scale == 1);
+		else if (v < lod_ladder_full(&scene.scene, ladder) && cuts[0].list != ladder->triangles)
+			assert_true(cuts[0].scale > 1);
+	}
+}
+
+static void a_curve_is_interpolated_and_clamped(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 5, 0);
+	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 3 };
+	struct { double share, scale, fn; } rows[] = { { 0, 2, 1 }, { 0.05, 2, 0.7 }, { 0.1, 2, 0.4 }, { 0.3, 1.5, 0.3 }, { 0.5, 1, 0.2 },
+		{ 1, 1, 0 }, { 7, 1, 0 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_curve c = lod_ladder_curve(&scene.scene, &ladder, rows[i].share);
+		assert_float_equal(c.scale, rows[i].scale, 1e-5);
+		assert_float_equal(c.fn, rows[i].fn, 1e-5);
+	}
+}
+
+static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 5, 0);
+	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 }, { 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	memcpy(scene.curves, samples, sizeof samples);
+	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 2, .flags = ECO_LADDER_ABOVE };
+	struct { double below, distance, scale, fp, fn; } rows[] = { { -5, 10, 2, 0.2, 0.4 }, { 2, 10, 2, 0.2, 0.4 }, { 4.5, 10, 2.5, 0.15, 0.3 },
+		{ 7, 10, 3, 0.1, 0.2 }, { 10, 10, 3, 0.1, 0.2 }, { 1, 0, 2, 0.2, 0.4 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_curve c = lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, lod_seen_above(rows[i].below, rows[i].distance));
+		assert_float_equal(c.scale, rows[i].scale, 1e-5);
+		assert_float_equal(c.reach, 0.5, 1e-5);
+		assert_float_equal(c.fp, rows[i].fp, 1e-5);
+		assert_float_equal(c.fn, rows[i].fn, 1e-5);
+	}
+	ladder.flags = 0;
+	assert_float_equal(lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, 1).scale, 2, 1e-5);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_step_draws_what_it_says),
+		cmocka_unit_test(from_above_scales_and_errors_turn_into_those_of_the_other_curve),
+		cmocka_unit_test(forms_give_way_from_the_front),
+		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
+		cmocka_unit_test(four_forms_follow_each_other),
+		cmocka_unit_test(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms),
+		cmocka_unit_test(scales_follow_the_curve_where_the_reach_stays),
+		cmocka_unit_test(cells_begin_in_the_form_of_their_plant),
+		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
+		cmocka_unit_test(a_list_that_is_all_drawn_is_scaled_as_its_plant),
+		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
+		cmocka_unit_test(a_curve_is_interpolated_and_clamped),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,133 @@
+/* What the planner keeps of a scene: the same answers as without, whoever asks first. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <pthread.h>
+
+#include "lod/plan/planner.h"
+#include "lod/plan/plan_tables.h"
+#include "tests/support/scene_random.h"
+
+static struct random_scene scene;
+
+/* Its simple twin walks along the curve for each question. */
+static void kept_ways_answer_as_walks_do(void **state)
+{
+	uint64_t asked = 0;
+	(void)state;
+	for (uint64_t seed = 1; seed <= 40; seed++) {
+		struct lod_tables *tables;
+		random_scene_make(&scene, seed, 0);
+		assert_false(lod_tables_make(&tables, &scene.scene, NULL));
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct lod_way *way = &lod_tables_ladder(tables, l)->way;
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			assert_true(way->full == lod_ladder_full(&scene.scene, ladder));
+			assert_true(lod_way_stage_end(way) == lod_ladder_stage_end(&scene.scene, ladder));
+			for (uint64_t v = 0; v <= way->full + 2; v += 1 + v / 40, asked++) {
+				uint64_t floor = lod_way_floor(way, v);
+				double share = random_real(&scene, -0.1, 1.1);
+				assert_true(floor == lod_ladder_floor(&scene.scene, ladder, v));
+				assert_true(lod_way_next(way, v) == lod_ladder_next(&scene.scene, ladder, v));
+				assert_true(lod_way_share(way, floor) == lod_ladder_share(&scene.scene, ladder, floor));
+				assert_true(lod_way_density(way, floor) == lod_ladder_density(&scene.scene, ladder, floor));
+				assert_true(lod_way_vertices(way, share) == lod_ladder_vertices(&scene.scene, ladder, share));
+			}
+		}
+		lod_tables_free(tables);
+	}
+	assert_true(asked > 10000);
+}
+
+static void random_request(struct eco_request *request)
+{
+	const struct eco_tile *root = &scene.tiles[scene.scene.root];
+	*request = (struct eco_request){ .bytes = ECO_BYTES_UNBOUNDED, .vertices = 1u << random_below(&scene, 14),
+		.view = { .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 400, .height = 300 } };
+	for (int i = 0; i < 3; i++) {
+		request->view.target[i] = (root->low[i] + root->high[i]) / 2;
+		request->view.eye[i] = request->view.target[i] + random_real(&scene, 0.1, 1) * (1 + root->high[i] - root->low[i]);
+	}
+}
+
+static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
+{
+	assert_true(a->vertices == b->vertices && a->cut_count == b->cut_count && a->gate_count == b->gate_count && a->run_count == b->run_count);
+	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
+	for (uint32_t i = 0; i < a->cut_count; i++) {
+		const struct eco_cut *x = &a->cuts[i], *y = &b->cuts[i];
+		assert_true(x->list == y->list && x->first == y->first && x->end == y->end && x->scale == y->scale && x->anchor == y->anchor
+			&& x->band_first == y->band_first && x->band_end == y->band_end && x->share_first == y->share_first && x->share_end == y->share_end);
+	}
+	for (uint32_t i = 0; i < a->gate_count; i++)
+		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
+}
+
+static void plans_are_the_same_with_tables_as_without(void **state)
+{
+	static const enum lod_planner_rule rules[] = { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
+	(void)state;
+	for (uint64_t seed = 1; seed <= 30; seed++) {
+		struct lod_tables *tables;
+		random_scene_make(&scene, seed, seed % 2);
+		assert_false(lod_tables_make(&tables, &scene.scene, NULL));
+		for (int i = 0; i < 6; i++) {
+			struct eco_request request;
+			struct eco_plan with, without;
+			random_request(&request);
+			struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .rule = rules[i % 2] };
+			assert_false(lod_plan(&without, &input, NULL));
+			input.tables = tables;
+			assert_false(lod_plan(&with, &input, NULL));
+			assert_same_plan(&with, &without);
+			eco_plan_free(&with);
+			eco_plan_free(&without);
+		}
+		lod_tables_free(tables);
+	}
+}
+
+#define THREADS 4u
+
+struct asker { struct lod_tables *tables; const struct lod_tables_ladder *found[RANDOM_MOST]; };
+
+static void *ask_all(void *ctx)
+{
+	struct asker *asker = ctx;
+	for (uint32_t l = 0; l < scene.scene.ladder_count; l++)
+		asker->found[l] = lod_tables_ladder(asker->tables, l);
+	return NULL;
+}
+
+static void threads_that_ask_at_a_time_are_given_the_same(void **state)
+{
+	static struct asker askers[THREADS];
+	pthread_t threads[THREADS];
+	struct lod_tables *tables;
+	(void)state;
+	random_scene_make(&scene, 3, 0);
+	assert_false(lod_tables_make(&tables, &scene.scene, NULL));
+	size_t empty = lod_tables_bytes(tables);
+	for (uint32_t i = 0; i < THREADS; i++) {
+		askers[i].tables = tables;
+		assert_false(pthread_create(&threads[i], NULL, ask_all, &askers[i]));
+	}
+	for (uint32_t i = 0; i < THREADS; i++)
+		pthread_join(threads[i], NULL);
+	for (uint32_t l = 0; l < scene.scene.ladder_count; l++)
+		for (uint32_t i = 0; i < THREADS; i++)
+			assert_ptr_equal(askers[i].found[l], lod_tables_ladder(tables, l));
+	size_t bytes = lod_tables_bytes(tables) - empty;
+	assert_true(bytes > 0 && bytes <= scene.scene.ladder_count * (size_t)LOD_TABLES_LADDER_BYTES_MAX);
+	lod_tables_free(tables);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = { cmocka_unit_test(kept_ways_answer_as_walks_do),
+		cmocka_unit_test(plans_are_the_same_with_tables_as_without), cmocka_unit_test(threads_that_ask_at_a_time_are_given_the_same) };
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

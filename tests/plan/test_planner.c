@@ -1,0 +1,282 @@
+/* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that evaluates the rules plant by
+ * plant, as a client would. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "ecofiles/format/wire.h"
+#include "lod/ladder.h"
+#include "lod/plan/planner.h"
+#include "lod/eye.h"
+#include "tests/support/scene_random.h"
+
+static struct random_scene scene;
+
+static struct eco_request random_request(struct random_scene *r)
+{
+	static const uint32_t sizes[] = { 1, 64, 800, 16384 };
+	struct eco_request q = { .bytes = ECO_BYTES_UNBOUNDED };
+	double reach = random_below(r, 2) ? 100 : 3000;
+	for (int i = 0; i < 3; i++) {
+		q.view.eye[i] = random_real(r, -reach, reach) / (i == 2 ? 4 : 1);
+		q.view.target[i] = random_real(r, -60, 60);
+		q.view.up[i] = i == 2;
+	}
+	q.view.fov_y_deg = random_real(r, 1, 120);
+	q.view.width = sizes[random_below(r, 4)];
+	q.view.height = sizes[random_below(r, 4)];
+	/* from 0 over a few to far more than there is */
+	uint64_t limit = (uint64_t)1 << random_below(r, 27);
+	q.vertices = random_bits(r) % limit;
+	return q;
+}
+
+/* Vertices drawn, counted cut by cut and plant by plant. */
+static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *plan, const struct eco_view *view)
+{
+	static const uint32_t per[] = { 0, 3, 2, 1 };
+	struct lod_eye eye;
+	uint64_t total = 0;
+	lod_eye_make(&eye, view);
+	for (uint32_t c = 0; c < plan->cut_count; c++)
+		if (plan->cuts[c].anchor == ECO_NONE)
+			total += plan->cuts[c].end - plan->cuts[c].first;
+	for (uint32_t r = 0; r < plan->run_count; r++)
+		for (uint32_t list = plan->runs[r].list_first; list < plan->runs[r].list_end; list++) {
+			const struct eco_placement *placement = &plan->placements[plan->runs[r].placement];
+			uint32_t g = 0;
+			while (s->groups[g].list != list)
+				g++;
+			const struct eco_plant *plant = &s->plants[s->groups[g].plant];
+			uint32_t gate = 0;
+			for (uint32_t i = 0; i < plan->gate_count; i++)
+				if (plan->gates[i].plant == s->groups[g].plant)
+					gate = plan->gates[i].end;
+			for (uint32_t i = 0; i < s->lists[list].primitive_count; i++) {
+				struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
+				struct lod_place place;
+				struct lod_anchor_band at[64];
+				lod_place_instance(&place, placement, &s->lists[list], &stored);
+				uint32_t hash = lod_share_hash(placement->path, list, i);
+				if (lod_open_hash(hash) < plan->runs[r].left)
+					continue;
+				uint32_t n = lod_instance_anchors(&eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
+					plant->anchor_count, gate, hash, at);
+				for (uint32_t a = 0; a < n; a++)
+					for (uint32_t c = 0; c < plan->cut_count; c++) {
+						const struct eco_cut *cut = &plan->cuts[c];
+						if (cut->anchor == at[a].anchor && at[a].band >= cut->band_first && at[a].band < cut->band_end
+								&& hash >= cut->share_first && hash < cut->share_end)
+							total += (uint64_t)(cut->end - cut->first) * per[s->lists[cut->list].kind];
+					}
+			}
+		}
+	return total;
+}
+
+static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_request *request)
+{
+	struct lod_planner_stats stats;
+	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .stats = &stats };
+	struct eco_error error = { 0 };
+	if (lod_plan(plan, &input, &error))
+		fail_msg("%s", error.text);
+	return stats;
+}
+
+static void check_cuts(const struct eco_plan *plan)
+{
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
+		const struct eco_cut *cut = &plan->cuts[i];
+		assert_true(cut->first < cut->end);
+		assert_true(cut->end <= scene.scene.lists[cut->list].primitive_count);
+		assert_true(cut->scale > 0 && isfinite(cut->scale));
+		assert_true(cut->share_first < cut->share_end && cut->share_end <= ECO_SHARE_ONE);
+		if (cut->anchor != ECO_NONE)
+			assert_true(cut->band_first < cut->band_end && cut->band_end <= ECO_BANDS);
+		else
+			assert_true(cut->placement < plan->placement_count);
+	}
+}
+
+static void never_above_the_budget_and_counted_as_drawn(void **state)
+{
+	(void)state;
+	uint64_t unused = 0, asked = 0, ended = 0;
+	for (uint64_t seed = 1; seed <= 60; seed++) {
+		random_scene_make(&scene, seed, seed % 3 ? 0 : 5);
+		for (int i = 0; i < 20; i++) {
+			struct eco_request request = random_request(&scene);
+			struct eco_plan plan, all;
+			struct lod_planner_stats stats = plan_it(&plan, &request);
+			check_cuts(&plan);
+			assert_true(plan.vertices <= request.vertices);
+			assert_int_equal(plan.vertices, twin_vertices(&scene.scene, &plan, &request.view));
+			struct eco_request everything = request;
+			everything.vertices = ECO_VERTICES_MAX;
+			plan_it(&all, &everything);
+			assert_int_equal(all.vertices, twin_vertices(&scene.scene, &all, &request.view));
+			/* left over is less than any step takes; or everything that can be seen is as it should be */
+			assert_true(request.vertices - plan.vertices < stats.cheapest);
+			ended += stats.cheapest == UINT64_MAX;
+			if (stats.cheapest != UINT64_MAX) {
+				asked += request.vertices;
+				unused += request.vertices - plan.vertices;
+			}
+			eco_plan_free(&plan);
+			eco_plan_free(&all);
+		}
+	}
+	print_message("          unused of what could be used: %.4f %%; in %llu plans every curve has ended\n", 100.0 * (double)unused / (double)asked,
+		(unsigned long long)ended);
+	assert_true(unused * 200 <= asked);
+}
+
+static void same_request_same_bytes(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 100; seed < 110; seed++) {
+		random_scene_make(&scene, seed, 3);
+		struct eco_request request = random_request(&scene);
+		struct eco_writer bytes[2] = { { 0 }, { 0 } };
+		for (int i = 0; i < 2; i++) {
+			struct eco_plan plan;
+			plan_it(&plan, &request);
+			eco_wire_write_plan(&bytes[i], &plan);
+			eco_plan_free(&plan);
+		}
+		assert_int_equal(bytes[0].size, bytes[1].size);
+		assert_memory_equal(bytes[0].bytes, bytes[1].bytes, bytes[0].size);
+		eco_writer_free(&bytes[0]);
+		eco_writer_free(&bytes[1]);
+	}
+}
+
+static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 7, 0);
+	struct eco_request request = { .view = { .eye = { -300, -300, 200 }, .target = { 50, 50, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 90,
+		.width = 800, .height = 600 }, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_plan plan;
+	plan_it(&plan, &request);
+	uint64_t expected = 0, plants = 0;
+	for (uint32_t g = 0; g < scene.scene.group_count; g++) {
+		const struct eco_plant *p = &scene.plants[scene.groups[g].plant];
+		uint64_t each = 0;
+		for (uint32_t l = p->ladder_first; l < p->ladder_first + p->ladder_count; l++)
+			if (!(scene.ladders[l].flags & ECO_LADDER_FAR))
+				each += lod_ladder_full(&scene.scene, &scene.ladders[l]);
+		expected += each * scene.lists[scene.groups[g].list].primitive_count;
+		plants += scene.lists[scene.groups[g].list].primitive_count;
+	}
+	assert_int_equal(plan.visible_plants, plants);
+	assert_int_equal(plan.vertices, expected);
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		assert_true(plan.cuts[i].anchor != ECO_NONE && plan.cuts[i].scale == 1);
+	eco_plan_free(&plan);
+}
+
+static void shifting_turning_and_scaling_through_a_placement_changes_only_rounding(void **state)
+{
+	(void)state;
+	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 }, { 0, 0, 0 }, { 5, 0, 0 } };
+	static const float scales[] = { 1, 1, 1, 64, 0.3f };
+	random_scene_make(&scene, 21, 0);
+	struct eco_request request = random_request(&scene);
+	request.vertices = 20000;
+	struct eco_plan plan, moved;
+	plan_it(&plan, &request);
+	/* a new root that places the old one, scaled, shifted and turned by a quarter */
+	uint32_t root = scene.scene.tile_count;
+	for (size_t i = 0; i < sizeof shifts / sizeof *shifts; i++) {
+		memmove(scene.tiles + 1, scene.tiles, root * sizeof *scene.tiles);
+		for (uint32_t c = 0; c < scene.scene.child_count; c++)
+			scene.children[c].tile++;
+		uint32_t child = scene.scene.child_count++;
+		scene.children[child] = (struct eco_child){ .tile = 1, .placed = true, .at = { shifts[i][0], shifts[i][1], shifts[i][2] },
+			.turn = 16384, .scale = scales[i] };
+		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 }, .summary = ECO_NONE,
+			.child_first = child, .child_count = 1 };
+		scene.scene.tile_count++;
+		struct eco_request there = request;
+		for (int v = 0; v < 2; v++) {
+			double *p = v ? there.view.target : there.view.eye, *from = v ? request.view.target : request.view.eye;
+			p[0] = shifts[i][0] - scales[i] * from[1];
+			p[1] = shifts[i][1] + scales[i] * from[0];
+			p[2] = shifts[i][2] + scales[i] * from[2];
+		}
+		plan_it(&moved, &there);
+		assert_int_equal(moved.visible_plants, plan.visible_plants);
+		assert_in_range(moved.vertices, plan.vertices - plan.vertices / 100, request.vertices);
+		assert_true(moved.sample_distance == plan.sample_distance);
+		assert_int_equal(moved.cut_count, plan.cut_count);
+		eco_plan_free(&moved);
+		/* back to the scene as it was */
+		scene.scene.tile_count--;
+		scene.scene.child_count--;
+		memmove(scene.tiles, scene.tiles + 1, root * sizeof *scene.tiles);
+		for (uint32_t c = 0; c < scene.scene.child_count; c++)
+			scene.children[c].tile--;
+	}
+	eco_plan_free(&plan);
+}
+
+static void a_bounded_walk_still_answers(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 33, 6);
+	struct eco_request request = random_request(&scene);
+	request.vertices = 1 << 24;
+	struct eco_plan plan;
+	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .tiles_max = 3, .placements_max = 2 };
+	struct eco_error error = { 0 };
+	enum eco_code code = lod_plan(&plan, &input, &error);
+	assert_true(code == ECO_OK || code == ECO_TOO_LARGE);
+	if (code == ECO_OK) {
+		assert_true(plan.vertices <= request.vertices);
+		eco_plan_free(&plan);
+	}
+}
+
+static void needs_cover_every_cut(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 200; seed < 220; seed++) {
+		random_scene_make(&scene, seed, 2);
+		struct eco_request request = random_request(&scene);
+		struct eco_plan plan;
+		struct eco_holdings needs;
+		plan_it(&plan, &request);
+		assert_int_equal(lod_plan_needs(&scene.scene, &plan, &needs, NULL), ECO_OK);
+		for (uint32_t i = 1; i < needs.count; i++)
+			assert_true(needs.items[i - 1].list < needs.items[i].list);
+		for (uint32_t i = 0; i < plan.cut_count; i++) {
+			const struct eco_list *list = &scene.lists[plan.cuts[i].list];
+			uint64_t have = 0;
+			for (uint32_t c = 0; c < eco_holdings_chunks(&needs, plan.cuts[i].list); c++)
+				have += scene.chunks[list->chunk_first + c].primitive_count;
+			assert_true(have >= plan.cuts[i].end);
+		}
+		free(needs.items);
+		eco_plan_free(&plan);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(never_above_the_budget_and_counted_as_drawn),
+		cmocka_unit_test(same_request_same_bytes),
+		cmocka_unit_test(an_unlimited_budget_draws_every_visible_triangle_once),
+		cmocka_unit_test(shifting_turning_and_scaling_through_a_placement_changes_only_rounding),
+		cmocka_unit_test(a_bounded_walk_still_answers),
+		cmocka_unit_test(needs_cover_every_cut),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,136 @@
+/* What shows of plants: what ground hides, from the side and from above, and what is around the eye. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "lod/plan/visibility.h"
+
+static const struct lod_body tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2, .crown_up = 4 };
+
+static void look_at_trees(struct lod_screen *screen, const struct eco_view *view, const double (*feet)[3], uint32_t count)
+{
+	static struct lod_eye eye;
+	struct eco_error error = { .code = ECO_OK };
+
+	lod_eye_make(&eye, view);
+	lod_screen_init(screen, &eye, view, true);
+	for (uint32_t i = 0; i < count; i++) {
+		const double center[3] = { feet[i][0], feet[i][1], feet[i][2] + tree.up };
+
+		assert_non_null(lod_screen_add(screen, center, &tree));
+	}
+	assert_int_equal(lod_screen_shares(screen, true, &error), ECO_OK);
+}
+
+static void what_lies_behind_a_ridge_is_hidden(void **state)
+{
+	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };        /* behind a ridge: below it and above */
+	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
+	struct lod_screen screen;
+
+	(void)state;
+	for (int i = 2; i < 15; i++)
+		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
+	look_at_trees(&screen, &view, (const double (*)[3])feet, 15);
+	assert_true(screen.sights[0].share < 0.01f);
+	assert_true(screen.sights[1].share > 0.9f);
+	lod_screen_free(&screen);
+}
+
+/* Trees lower down are farther from the eye and, where the slope rises upwards in the picture, lower on the screen. */
+static void a_slope_seen_from_above_hides_nothing(void **state)
+{
+	static const double tilts[] = { 0.01, 20, 300 };         /* the eye's distance from what it looks at, along the ground */
+	double feet[41][3];
+	struct lod_screen screen;
+
+	(void)state;
+	for (int i = 0; i < 41; i++) {
+		const double y = 20.0 * (i - 20);
+		memcpy(feet[i], (const double[3]){ 0, y, 0.8 * y }, sizeof feet[i]);
+	}
+	for (size_t k = 0; k < sizeof tilts / sizeof *tilts; k++) {
+		const struct eco_view view = { .eye = { 0, -tilts[k], 1200 }, .target = { 0, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 52,
+			.width = 800, .height = 600 };
+
+		look_at_trees(&screen, &view, (const double (*)[3])feet, 41);
+		for (uint32_t i = 0; i < 41; i++)
+			if (!(screen.sights[i].share > 0.9f))
+				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i, (double)screen.sights[i].y, (double)screen.sights[i].share);
+		lod_screen_free(&screen);
+	}
+}
+
+static struct lod_wrong some_wrong(void *ctx, const struct lod_sight *sight)
+{
+	(void)ctx;
+	(void)sight;
+	return (struct lod_wrong){ .fp = 0.2, .fn = 0.1 };
+}
+
+/* However dense its crown is: what is drawn too much of one without gaps lies around it. */
+static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
+{
+	static const double areas[] = { 5, 60, 250, 5000 };
+	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
+	const double center[3] = { 0, 0, 5 };
+	struct lod_eye eye;
+
+	(void)state;
+	lod_eye_make(&eye, &view);
+	for (size_t k = 0; k < sizeof areas / sizeof *areas; k++) {
+		struct lod_body body = tree;
+		struct lod_screen screen;
+		struct eco_prediction p;
+
+		body.area = areas[k];
+		lod_screen_init(&screen, &eye, &view, false);
+		assert_non_null(lod_screen_add(&screen, center, &body));
+		assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
+		assert_int_equal(lod_screen_expect(&screen, some_wrong, NULL, &p, NULL), ECO_OK);
+		assert_float_equal(p.fp / (p.tp + p.fn), 0.2, 0.01);
+		assert_float_equal(p.fn / (p.tp + p.fn), 0.1, 0.01);
+		lod_screen_free(&screen);
+	}
+}
+
+/* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the picture, but what the eye is within. */
+static void what_passes_the_eye_goes_little_by_little(void **state)
+{
+	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+	struct lod_screen screen;
+	float before[3] = { 0 };
+
+	(void)state;
+	for (int step = 0; step <= 400; step++) {
+		const double y = 5 - 0.025 * step, feet[3][3] = { { 0, y, 0 }, { 2, y, 0 }, { 4, y, 0 } };
+		float within[3];
+
+		look_at_trees(&screen, &view, feet, 3);
+		for (int i = 0; i < 3; i++) {
+			within[i] = screen.sights[i].within;
+			assert_true(within[i] >= 0 && within[i] <= 1);
+			assert_true(step == 0 || fabsf(before[i] - within[i]) < 0.03f);
+			before[i] = within[i];
+		}
+		assert_true(within[0] >= within[1] && within[1] >= within[2]);
+		assert_true(!screen.sights[2].beside || within[2] < 0.05f);
+		lod_screen_free(&screen);
+	}
+	assert_true(before[0] <= 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_lies_behind_a_ridge_is_hidden),
+		cmocka_unit_test(a_slope_seen_from_above_hides_nothing),
+		cmocka_unit_test(of_a_tree_alone_as_much_is_wrong_as_its_curve_says),
+		cmocka_unit_test(what_passes_the_eye_goes_little_by_little),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,260 @@
+/* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <libgen.h>
+#include <limits.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include "tests/support/http_client.h"
+#include "tests/support/sample_pack.h"
+
+#define PACK_PATH "build/tmp/test_ecoserve.eco"
+#define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
+#define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
+
+static char program[PATH_MAX];
+
+static int prepare(void **state)
+{
+	char self[PATH_MAX - 16];
+	struct eco_error error = { 0 };
+	ssize_t size = readlink("/proc/self/exe", self, sizeof self - 1);
+	(void)state;
+	assert_true(size > 0);
+	self[size] = 0;
+	snprintf(program, sizeof program, "%s/../ecoserve", dirname(self));
+	if (access(program, X_OK))
+		program[0] = 0;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	if (sample_pack_write(PACK_PATH, &error)) {
+		fprintf(stderr, "%s\n", error.text);
+		return 1;
+	}
+	FILE *from = fopen(PACK_PATH, "rb"), *to = fopen(DAMAGED_PATH, "wb");
+	for (int c, at = 0; from && to && (c = getc(from)) != EOF; at++)
+		putc(at == 100 ? c ^ 1 : c, to);
+	return !from || !to || fclose(from) || fclose(to);
+}
+
+struct process { pid_t pid; int out, err; };
+
+/* However this test ends, by a failed assertion or by a signal: the server does not outlive it. */
+static void die_with(pid_t parent)
+{
+	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	if (getppid() != parent)
+		_exit(127);
+}
+
+static struct process spawn(const char *const *arguments)
+{
+	pid_t self = getpid();
+	int out[2], err[2];
+	assert_true(pipe(out) == 0 && pipe(err) == 0);
+	pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0) {
+		const char *argv[16] = { program };
+		die_with(self);
+		for (int i = 0; arguments[i]; i++)
+			argv[i + 1] = arguments[i];
+		dup2(out[1], 1);
+		dup2(err[1], 2);
+		execv(program, (char *const *)argv);
+		_exit(127);
+	}
+	close(out[1]);
+	close(err[1]);
+	return (struct process){ pid, out[0], err[0] };
+}
+
+static void read_end(int fd, char text[8192])
+{
+	size_t size = 0;
+	for (ssize_t got; size < 8191 && (got = read(fd, text + size, 8191 - size)) > 0;)
+		size += (size_t)got;
+	text[size] = 0;
+	close(fd);
+}
+
+static int finish(struct process *process, char out[8192], char err[8192])
+{
+	int status;
+	read_end(process->out, out);
+	read_end(process->err, err);
+	assert_true(waitpid(process->pid, &status, 0) == process->pid);
+	return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void arguments_are_checked_and_errors_help(void **state)
+{
+	static const struct { const char *arguments[6]; int status; const char *out, *err; } rows[] = {
+		{ { "--version" }, 0, "ecostream 0.1\n", "" }, { { "--help" }, 0, "usage: ecoserve", "" },
+		{ { NULL }, 2, "", "no scene to serve" }, { { "--nonsense" }, 2, "", "--help" }, { { "--listen" }, 2, "", "--help" },
+		{ { "--listen", "nowhere", PACK_PATH }, 2, "", "HOST:PORT" }, { { "Bad=" PACK_PATH }, 2, "", "cannot name a scene" },
+		{ { "a=" PACK_PATH, "a=" PACK_PATH }, 2, "", "two scenes are named 'a'" },
+		{ { PACK_PATH, PACK_PATH }, 2, "", "two scenes are named 'sample'" },
+		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" }, { { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
+	};
+	char out[8192], err[8192];
+	(void)state;
+	if (!program[0])
+		skip();
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct process process = spawn(rows[i].arguments);
+		assert_int_equal(finish(&process, out, err), rows[i].status);
+		if (strncmp(out, rows[i].out, strlen(rows[i].out)) != 0 || !strstr(err, rows[i].err) || (rows[i].status && out[0]))
+			fail_msg("row %zu:\n%s\n%s", i, out, err);
+	}
+}
+
+/* Reads the ready line, byte by byte, and returns the port. */
+static uint16_t wait_ready(struct process *process, char line[256])
+{
+	size_t size = 0;
+	while (size < 255 && read(process->out, line + size, 1) == 1 && line[size++] != '\n')
+		continue;
+	line[size] = 0;
+	const char *colon = strrchr(line, ':');
+	return (uint16_t)(colon ? atoi(colon + 1) : 0);
+}
+
+static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH, "b=" PACK_PATH, NULL };
+	char line[256], expected[256], out[8192], err[8192];
+	(void)state;
+	if (!program[0])
+		skip();
+	for (int which = 0; which < 2; which++) {
+		struct process process = spawn(arguments);
+		uint16_t port = wait_ready(&process, line);
+		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes named a, b)\n", port);
+		assert_string_equal(line, expected);
+		struct http_answer answer = http_get(port, "/v1/scenes/b");
+		assert_int_equal(answer.status, 200);
+		http_free(&answer);
+		kill(process.pid, which ? SIGINT : SIGTERM);
+		assert_int_equal(finish(&process, out, err), 0);
+		assert_string_equal(out, "");
+		assert_non_null(strstr(err, "GET /v1/scenes/b 200"));
+	}
+}
+
+static void ipv6_is_served_where_there_is_some(void **state)
+{
+	static const char *const arguments[] = { "--listen", "[::1]:0", PACK_PATH, NULL };
+	char line[256], out[8192], err[8192];
+	(void)state;
+	if (!program[0])
+		skip();
+	struct process process = spawn(arguments);
+	bool ready = wait_ready(&process, line) != 0;
+	kill(process.pid, SIGTERM);
+	int status = finish(&process, out, err);
+	if (!ready && status == 1)
+		skip();                  /* a machine without IPv6 */
+	assert_int_equal(status, 0);
+	assert_true(strncmp(line, "ecoserve: ready on http://[::1]:", 32) == 0);
+	assert_non_null(strstr(line, "(1 scene named "));
+}
+
+static void a_client_that_leaves_does_no_harm(void **state)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", PACK_PATH, NULL };
+	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
+		"Host: t\r\n\r\n";
+	char line[256], out[8192], err[8192];
+	(void)state;
+	if (!program[0])
+		skip();
+	struct process process = spawn(arguments);
+	uint16_t port = wait_ready(&process, line);
+	for (int i = 0; i < 40; i++) {
+		int fd = http_connect(port);
+		assert_true(http_send(fd, request, i % 2 ? sizeof request - 1 : 50));
+		char some[10];
+		if (i % 4 == 1)
+			assert_true(recv(fd, some, sizeof some, 0) > 0);
+		close(fd);
+	}
+	struct http_answer answer = http_get(port, "/healthz");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(finish(&process, out, err), 0);
+	assert_string_equal(err, "");
+}
+
+static void a_pack_cut_short_ends_it_with_advice(void **state)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", CUT_PATH, NULL };
+	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
+		"Host: t\r\n\r\n";
+	char line[256], out[8192], err[8192];
+	struct eco_error error = { 0 };
+	(void)state;
+	if (!program[0])
+		skip();
+	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
+	struct process process = spawn(arguments);
+	uint16_t port = wait_ready(&process, line);
+	assert_int_equal(truncate(CUT_PATH, 0), 0);
+	int fd = http_connect(port);
+	assert_true(http_send(fd, request, sizeof request - 1));
+	assert_int_equal(finish(&process, out, err), 1);
+	assert_non_null(strstr(err, "a pack was cut short"));
+	close(fd);
+}
+
+/* Importers and decoders are hostile ground: none of them is in the daemon, neither as a library nor linked in. */
+static void it_links_no_importer_and_no_decoder(void **state)
+{
+	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer", "libEGL", "libcurl" };
+	char command[PATH_MAX + 64], line[1024];
+	(void)state;
+	if (!program[0])
+		skip();
+	snprintf(command, sizeof command, "ldd '%s'", program);
+	FILE *lines = popen(command, "r");
+	unsigned count = 0;
+	assert_non_null(lines);
+	while (fgets(line, sizeof line, lines)) {
+		count++;
+		for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
+			if (strstr(line, libraries[i]) && !strstr(line, "san.so"))
+				fail_msg("ecoserve links %s", line);
+	}
+	assert_int_equal(pclose(lines), 0);
+	assert_true(count > 2);
+	FILE *file = fopen(program, "rb");
+	assert_non_null(file);
+	static const char mangled[] = "_ZN5draco";
+	for (size_t matched = 0, c; (c = (size_t)getc(file)) != (size_t)EOF;) {
+		matched = c == (unsigned char)mangled[matched] ? matched + 1 : c == '_';
+		if (matched == sizeof mangled - 1)
+			fail_msg("ecoserve contains Draco");
+	}
+	fclose(file);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(arguments_are_checked_and_errors_help),
+		cmocka_unit_test(it_says_when_it_is_ready_and_ends_when_asked),
+		cmocka_unit_test(ipv6_is_served_where_there_is_some),
+		cmocka_unit_test(a_client_that_leaves_does_no_harm),
+		cmocka_unit_test(a_pack_cut_short_ends_it_with_advice),
+		cmocka_unit_test(it_links_no_importer_and_no_decoder),
+	};
+	return cmocka_run_group_tests(tests, prepare, NULL);
+}

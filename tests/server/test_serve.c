@@ -1,0 +1,301 @@
+/* The daemon over a loopback socket: every route, and what it answers. */
+#include "tests/support/serve_daemon.h"
+
+#include "server/route.h"
+#include "tests/support/openapi.h"
+#include "tests/support/stream_reader.h"
+
+static void health_and_scenes_are_described(void **state)
+{
+	struct http_answer answer = http_get(port, "/healthz");
+	(void)state;
+	assert_int_equal(answer.status, 200);
+	assert_header(&answer, "Content-Type", "application/json");
+	json_t *json = json_of(&answer);
+	assert_string_equal(json_string_value(json_object_get(json, "status")), "ok");
+	json_decref(json);
+	http_free(&answer);
+
+	answer = http_get(port, "/v1/scenes");
+	json = json_of(&answer);
+	json_t *first = json_array_get(json_object_get(json, "scenes"), 0);
+	assert_string_equal(json_string_value(json_object_get(first, "name")), "sample");
+	assert_string_equal(json_string_value(json_object_get(first, "href")), BASE);
+	json_decref(json);
+	http_free(&answer);
+
+	answer = http_get(port, BASE);
+	json = json_of(&answer);
+	assert_int_equal(json_integer_value(json_object_get(json, "instances")), 4 * SAMPLE_PLANTS);
+	assert_int_equal(json_integer_value(json_object_get(json, "chunks")), scene()->chunk_count);
+	assert_int_equal(json_integer_value(json_object_get(json, "plants")), 2);
+	assert_true(json_real_value(json_object_get(json, "near_m")) == scene()->near_m);
+	assert_int_equal(json_array_size(json_object_get(json, "needs")), 6);
+	char etag[80], headers[120];
+	assert_true(http_header(&answer, "ETag", etag, sizeof etag));
+	json_decref(json);
+	http_free(&answer);
+	snprintf(headers, sizeof headers, "If-None-Match: %s\r\n", etag);
+	answer = http_ask(port, "GET", BASE, headers, NULL, 0);
+	assert_int_equal(answer.status, 304);
+	assert_int_equal(answer.size, 0);
+	http_free(&answer);
+}
+
+static void a_plan_tells_what_the_stream_sends(void **state)
+{
+	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000")), stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
+	(void)state;
+	assert_int_equal(plan.status, 200);
+	assert_int_equal(stream.status, 200);
+	json_t *json = json_of(&plan);
+	assert_int_equal(json_integer_value(json_object_get(json, "bytes")), stream.size);
+	assert_true(json_integer_value(json_object_get(json, "vertices")) <= 50000);
+	assert_true(json_integer_value(json_object_get(json, "vertices")) >= 2000);      /* the summary, if nothing else */
+	assert_true(json_array_size(json_object_get(json, "cuts")) > 0);
+	assert_true(json_is_true(json_object_get(json, "fits")));
+	json_t *ground = json_object_get(json, "ground");
+	assert_true(json_integer_value(json_object_get(ground, "tiles")) == 1 && json_number_value(json_object_get(ground, "ground_px")) == 1);
+	assert_true(json_is_null(json_object_get(json, "budget_bytes")));
+	json_t *q = json_object_get(json_object_get(json, "prediction"), "q");
+	assert_true(json_is_number(q) && json_number_value(q) <= 1);
+	json_decref(json);
+	char timing[128];
+	assert_true(http_header(&plan, "Server-Timing", timing, sizeof timing) && strncmp(timing, "plan;dur=", 9) == 0);
+	http_free(&plan);
+	http_free(&stream);
+	plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&bytes=10");
+	json = json_of(&plan);
+	assert_true(json_is_false(json_object_get(json, "fits")));
+	assert_true(json_integer_value(json_object_get(json, "bytes")) > 10);
+	json_decref(json);
+	http_free(&plan);
+}
+
+static void read_stream(struct stream_reader *reader, const struct http_answer *answer, uint64_t vertices)
+{
+	struct eco_error error = { 0 };
+	assert_int_equal(answer->status, 200);
+	assert_header(answer, "Content-Type", "application/octet-stream");
+	if (stream_reader_read(reader, answer->body, answer->size, vertices, &error))
+		fail_msg("%s", error.text);
+}
+
+static void streams_are_complete_and_send_only_what_is_missing(void **state)
+{
+	struct stream_reader reader;
+	(void)state;
+	stream_reader_init(&reader, scene());
+	struct http_answer answer = http_get(port, BASE "/stream?" VIEW_BY("3000000"));
+	read_stream(&reader, &answer, 3000000);
+	assert_true(reader.chunks > 10 && reader.lists > 5 && reader.plants == 2 && reader.plans > 1);
+	size_t first_size = answer.size;
+	http_free(&answer);
+
+	struct eco_writer held = stream_reader_holdings(&reader);
+	answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("3000000"), OCTETS, held.bytes, held.size);
+	read_stream(&reader, &answer, 3000000);
+	assert_int_equal(reader.chunks, 0);
+	assert_int_equal(reader.lists, 0);
+	assert_int_equal(reader.plants, 0);
+	assert_true(answer.size < first_size / 20);
+	http_free(&answer);
+	eco_writer_free(&held);
+
+	held = stream_reader_holdings(&reader);
+	answer = http_ask(port, "POST", BASE "/stream?eye=20,20,2&target=30,20,2&width=400&height=300&vertices=9000000", OCTETS, held.bytes,
+		held.size);
+	read_stream(&reader, &answer, 9000000);
+	http_free(&answer);
+	eco_writer_free(&held);
+	stream_reader_free(&reader);
+
+	stream_reader_init(&reader, scene());
+	answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1000"), OCTETS, NOTHING_HELD);
+	read_stream(&reader, &answer, 1000);
+	http_free(&answer);
+	stream_reader_free(&reader);
+}
+
+static void same_request_same_bytes(void **state)
+{
+	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("100000") "&bytes=60000",
+		BASE "/plan?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("0") };
+	(void)state;
+	for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
+		struct http_answer one = http_get(port, targets[i]), two = http_get(port, targets[i]);
+		char etag[80], headers[120];
+		assert_true(one.status == 200 && one.size == two.size);
+		assert_memory_equal(one.body, two.body, one.size);
+		assert_true(http_header(&one, "ETag", etag, sizeof etag));
+		assert_header(&two, "ETag", etag);
+		snprintf(headers, sizeof headers, "If-None-Match: %s\r\n", etag);
+		struct http_answer known = http_ask(port, "GET", targets[i], headers, NULL, 0);
+		assert_true(known.status == 304 && known.size == 0);
+		struct http_answer head = http_ask(port, "HEAD", targets[i], "", NULL, 0);
+		char length[32], size[32];
+		snprintf(size, sizeof size, "%zu", one.size);
+		assert_header(&known, "Content-Length", size);
+		assert_true(head.status == 200 && head.size == 0 && http_header(&head, "Content-Length", length, sizeof length));
+		assert_string_equal(length, size);
+		http_free(&one);
+		http_free(&two);
+		http_free(&known);
+		http_free(&head);
+	}
+}
+
+static void byte_budgets_are_never_exceeded(void **state)
+{
+	struct sample random = { .state = 99 };
+	uint32_t fitting = 0, refused = 0;
+	(void)state;
+	for (int i = 0; i < 200; i++) {
+		char target[256];
+		uint32_t bytes = i % 4 ? sample_bits(&random) % 400000 : sample_bits(&random) % 4000;
+		uint32_t vertices = sample_bits(&random) % 2000000;
+		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u&bytes=%u", vertices, bytes);
+		struct http_answer answer = http_get(port, target);
+		if (answer.status == 200) {
+			struct stream_reader reader;
+			stream_reader_init(&reader, scene());
+			assert_true(answer.size <= bytes);
+			read_stream(&reader, &answer, vertices);
+			stream_reader_free(&reader);
+			fitting++;
+		} else {
+			assert_int_equal(answer.status, 204);
+			assert_int_equal(answer.size, 0);
+			refused++;
+		}
+		http_free(&answer);
+	}
+	assert_true(fitting > 100 && refused > 5);
+}
+
+static void below_the_smallest_stream_there_is_none(void **state)
+{
+	struct http_answer least = http_get(port, BASE "/stream?" VIEW_BY("0")), answer;
+	char target[200];
+	(void)state;
+	assert_int_equal(least.status, 200);
+	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=100000&bytes=%zu", least.size);
+	answer = http_get(port, target);
+	assert_true(answer.status == 200 && answer.size <= least.size);
+	http_free(&answer);
+	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=100000&bytes=%zu", least.size - 1);
+	answer = http_get(port, target);
+	assert_true(answer.status == 204 && answer.size == 0);
+	http_free(&answer);
+	http_free(&least);
+}
+
+static void chunks_are_immutable_and_partial(void **state)
+{
+	const struct eco_chunk *chunk = &scene()->chunks[3];
+	const uint8_t *payload = store.scenes[0].pack->map + chunk->offset;
+	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64];
+	uint32_t size = chunk->size_bytes;
+	(void)state;
+	chunk_target(target, 3);
+	snprintf(etag, sizeof etag, "\"%s\"", strrchr(target, '/') + 1);
+	snprintf(last, sizeof last, "Range: bytes=%u-%u\r\n", size - 1, size + 100);
+	snprintf(whole_range, sizeof whole_range, "If-None-Match: \"x\", %s\r\n", etag);
+	snprintf(half, sizeof half, "Range: bytes=0-3\r\nIf-Range: %s\r\n", "\"other\"");
+	const struct { const char *method, *headers; unsigned status; uint32_t first, end; } rows[] = {
+		{ "GET", "", 200, 0, size }, { "GET", "", 200, 0, size }, { "GET", "Range: bytes=0-3\r\n", 206, 0, 4 },
+		{ "GET", "Range: bytes=5-\r\n", 206, 5, size }, { "GET", "Range: bytes=-7\r\n", 206, size - 7, size },
+		{ "GET", last, 206, size - 1, size }, { "GET", "Range: bytes=0-1,3-4\r\n", 200, 0, size },
+		{ "GET", "Range: bytes=99999999-\r\n", 416, 0, 0 }, { "GET", "Range: nonsense\r\n", 200, 0, size },
+		{ "GET", whole_range, 304, 0, 0 }, { "GET", "If-None-Match: *\r\nRange: bytes=0-3\r\n", 304, 0, 0 },
+		{ "GET", "If-None-Match: \"x\"\r\n", 200, 0, size }, { "GET", half, 200, 0, size },
+		{ "HEAD", "", 200, 0, 0 }, { "HEAD", "Range: bytes=0-3\r\n", 200, 0, 0 },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct http_answer answer = http_ask(port, rows[i].method, target, rows[i].headers, NULL, 0);
+		assert_int_equal(answer.status, rows[i].status);
+		if (rows[i].status == 416) {
+			char range[64];
+			snprintf(range, sizeof range, "bytes */%u", size);
+			assert_header(&answer, "Content-Range", range);
+		} else {
+			assert_header(&answer, "ETag", etag);
+			assert_header(&answer, "Cache-Control", "public, max-age=31536000, immutable");
+			assert_int_equal(answer.size, rows[i].end - rows[i].first);
+			assert_memory_equal(answer.body, payload + rows[i].first, answer.size);
+		}
+		if (rows[i].status == 206) {
+			char range[64];
+			snprintf(range, sizeof range, "bytes %u-%u/%u", rows[i].first, rows[i].end - 1, size);
+			assert_header(&answer, "Content-Range", range);
+		}
+		http_free(&answer);
+	}
+}
+
+static void a_connection_serves_many_requests(void **state)
+{
+	int fd = http_connect(port);
+	char request[300], target[128];
+	(void)state;
+	assert_true(fd >= 0);
+	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
+		chunk_target(target, i);
+		snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: t\r\n\r\n", i % 5 ? target : i % 2 ? "/nothing" : BASE "/plan?" VIEW_BY("100"));
+		assert_true(http_send(fd, request, strlen(request)));
+		struct http_answer answer = http_receive(fd, false, false);
+		assert_int_equal(answer.status, i % 5 || !(i % 2) ? 200 : 404);
+		if (i % 5)
+			assert_int_equal(answer.size, scene()->chunks[i].size_bytes);
+		http_free(&answer);
+	}
+	close(fd);
+}
+
+static void every_route_is_described_and_every_description_is_served(void **state)
+{
+	static const struct { enum srv_method bit; const char *name; } methods[] = { { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
+	struct openapi api;
+	unsigned routed = 0;
+	(void)state;
+	openapi_read(&api, "server/openapi.yaml");
+	for (int i = 0; i < SRV_RESOURCE_COUNT; i++)
+		for (int m = 0; m < 2; m++)
+			if (srv_routes[i].methods & methods[m].bit) {
+				if (!openapi_find(&api, srv_routes[i].pattern, methods[m].name))
+					fail_msg("%s %s is not described", methods[m].name, srv_routes[i].pattern);
+				routed++;
+			}
+	assert_int_equal(routed, api.count);
+	for (unsigned i = 0; i < api.count; i++) {
+		const struct openapi_operation *operation = &api.operations[i];
+		bool post = strcmp(operation->method, "POST") == 0;
+		char target[256], id[SRV_ID_TEXT_BYTES];
+		srv_format_id(id, &scene()->chunks[0].id);
+		snprintf(target, sizeof target, "%s%s%s", strncmp(operation->path, "/v1/scenes/", 11) ? operation->path : BASE,
+			strncmp(operation->path, "/v1/scenes/", 11) ? "" : operation->path + strlen("/v1/scenes/{scene}"),
+			strstr(operation->path, "/plan") || strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
+		if (strstr(target, "{id}"))
+			strcpy(strstr(target, "{id}"), id);
+		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "", post ? "\0\0\0\0" : NULL, post ? 4 : 0);
+		if (answer.status != 200 || !openapi_documents(operation, 200))
+			fail_msg("%s %s: %u\n%s", operation->method, target, answer.status, answer.body);
+		http_free(&answer);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(health_and_scenes_are_described),
+		cmocka_unit_test(a_plan_tells_what_the_stream_sends),
+		cmocka_unit_test(streams_are_complete_and_send_only_what_is_missing),
+		cmocka_unit_test(same_request_same_bytes),
+		cmocka_unit_test(byte_budgets_are_never_exceeded),
+		cmocka_unit_test(below_the_smallest_stream_there_is_none),
+		cmocka_unit_test(chunks_are_immutable_and_partial),
+		cmocka_unit_test(a_connection_serves_many_requests),
+		cmocka_unit_test(every_route_is_described_and_every_description_is_served),
+	};
+	return cmocka_run_group_tests(tests, start, stop);
+}

@@ -1,0 +1,169 @@
+/* The daemon with many clients at once, with slow ones, and when it is told to stop. */
+#include "tests/support/serve_daemon.h"
+
+#include <errno.h>
+#include <pthread.h>
+
+static void *ask_many(void *argument)
+{
+	uintptr_t number = (uintptr_t)argument, wrong = 0;
+	for (uint32_t i = 0; i < 12; i++) {
+		char target[200];
+		uint32_t chunk = (uint32_t)(number * 7 + i) % scene()->chunk_count;
+		if (i % 3 == 0)
+			snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u", 1000 * (1 + i));
+		else
+			chunk_target(target, chunk);
+		struct http_answer answer = http_get(port, target);
+		wrong += answer.status != 200 || (i % 3 && answer.size != scene()->chunks[chunk].size_bytes);
+		http_free(&answer);
+	}
+	return (void *)wrong;
+}
+
+static void many_clients_are_served_at_once(void **state)
+{
+	pthread_t threads[16];
+	(void)state;
+	for (uintptr_t i = 0; i < 16; i++)
+		assert_int_equal(pthread_create(&threads[i], NULL, ask_many, (void *)i), 0);
+	for (int i = 0; i < 16; i++) {
+		void *wrong;
+		pthread_join(threads[i], &wrong);
+		assert_null(wrong);
+	}
+}
+
+static void overdue_connections_are_shut(void **state)
+{
+	static const char *const starts[] = { "", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: t\r\nX: ",
+		STREAM "Content-Length: 100\r\n\r\nab" };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .head_ms = 200, .body_ms = 200 };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+		int fd = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fd, starts[i], strlen(starts[i])));
+		struct http_answer answer = http_receive(fd, false, true);
+		assert_true(answer.closed || errno == ECONNRESET);
+		assert_int_equal(answer.status, 0);
+		http_free(&answer);
+		close(fd);
+	}
+	srv_daemon_stop(daemon);
+}
+
+static void bodies_are_bounded_together(void **state)
+{
+	static const char start[] = STREAM "Content-Length: 1000\r\n\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1500 };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	int first = http_connect(srv_daemon_port(daemon));
+	assert_true(http_send(first, start, sizeof start - 1));
+	while (!srv_daemon_busy(daemon))         /* its head is being read */
+		usleep(1000);
+	usleep(20000);
+	struct http_answer answer = http_raw(srv_daemon_port(daemon), start, sizeof start - 1);
+	assert_int_equal(answer.status, 503);
+	http_free(&answer);
+	close(first);
+	while (srv_daemon_busy(daemon))
+		usleep(1000);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, NOTHING_HELD);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	srv_daemon_stop(daemon);
+}
+
+static void stopping_refuses_new_requests_and_ends(void **state)
+{
+	static const char request[] = "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0" };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	int fd = http_connect(srv_daemon_port(daemon)), unfinished = http_connect(srv_daemon_port(daemon));
+	assert_true(http_send(fd, request, sizeof request - 1));
+	struct http_answer answer = http_receive(fd, false, false);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	assert_true(http_send(unfinished, "GET /", 5));
+	srv_daemon_quiesce(daemon);
+	assert_true(http_send(fd, request, sizeof request - 1));
+	answer = http_receive(fd, false, true);
+	assert_int_equal(answer.status, 503);
+	assert_header(&answer, "Retry-After", "1");
+	assert_true(answer.closed);
+	http_free(&answer);
+	srv_daemon_stop(daemon);
+	close(fd);
+	close(unfinished);
+}
+
+/* Connections that wait for a plan are suspended; the library aborts if one still is when it is stopped. */
+static void stopping_while_planning_is_clean(void **state)
+{
+	static const char request[] = "GET " BASE "/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 2, .queue_max = 8 };
+	(void)state;
+	for (int round = 0; round < 12; round++) {
+		struct srv_daemon *daemon;
+		struct eco_error error = { 0 };
+		int fds[24];
+		assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+		for (int i = 0; i < 24; i++) {
+			fds[i] = http_connect(srv_daemon_port(daemon));
+			assert_true(http_send(fds[i], request, sizeof request - 1));
+		}
+		if (round % 3) {         /* an answer, or a refusal because the queue is full; never nothing */
+			struct http_answer answer = http_receive(fds[round], false, false);
+			assert_true(answer.status == 200 || answer.status == 503);
+			http_free(&answer);
+		}
+		if (round % 2)
+			srv_daemon_quiesce(daemon);
+		srv_daemon_stop(daemon);
+		for (int i = 0; i < 24; i++)
+			close(fds[i]);
+	}
+}
+
+static void a_taken_port_is_named(void **state)
+{
+	char listen_at[32];
+	struct srv_config config = { .listen = listen_at };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	(void)state;
+	snprintf(listen_at, sizeof listen_at, "127.0.0.1:%u", port);
+	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_IO);
+	assert_null(daemon);
+	assert_non_null(strstr(error.text, listen_at));
+	assert_non_null(strstr(error.text, "--listen"));
+	static const char *const bad[] = { "", "8080", ":8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "::1:80", "[::1]",
+		"127.0.0.1:80x" };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		config.listen = bad[i];
+		error = (struct eco_error){ 0 };
+		assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_BAD_USAGE);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(many_clients_are_served_at_once),
+		cmocka_unit_test(overdue_connections_are_shut),
+		cmocka_unit_test(bodies_are_bounded_together),
+		cmocka_unit_test(stopping_refuses_new_requests_and_ends),
+		cmocka_unit_test(stopping_while_planning_is_clean),
+		cmocka_unit_test(a_taken_port_is_named),
+	};
+	return cmocka_run_group_tests(tests, start, stop);
+}

@@ -1,0 +1,312 @@
+/* The body of a stream, on random scenes: what is sent is what is needed, its size is known exactly, and no budget is exceeded. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "server/describe.h"
+#include "server/emit.h"
+#include "server/stream.h"
+#include "tests/support/pack_random.h"
+#include "tests/support/stream_reader.h"
+
+#define ROUNDS 24u
+
+/* A scene as the store would hold it, without a store. */
+struct bench {
+	struct random_pack *pack;
+	struct srv_scene scene;
+};
+
+static struct bench bench_make(uint64_t seed, uint32_t factor)
+{
+	struct bench b = { .pack = random_pack_make(seed, seed % 3 ? 0 : 2, factor) };
+	b.scene = (struct srv_scene){ .name = "random", .pack = &b.pack->pack };
+	b.scene.checked = calloc(b.pack->pack.scene.chunk_count + 1, 1);
+	return b;
+}
+
+static void bench_free(struct bench *b)
+{
+	free(b->scene.checked);
+	random_pack_free(b->pack);
+}
+
+struct body { uint8_t *bytes; size_t size; bool fits; uint32_t steps; uint64_t smallest; };
+
+static struct body build(const struct bench *b, const struct eco_request *request, const struct eco_holdings *holdings)
+{
+	struct srv_stream_input input = { .scene = &b->scene, .request = request, .holdings = holdings };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	struct body out = { 0 };
+	if (srv_stream_plan(&stream, &input, &error))
+		fail_msg("%s", error.text);
+	out.fits = stream.fits;
+	out.steps = stream.step_count;
+	out.smallest = stream.body_bytes;
+	if (stream.fits) {
+		struct srv_body body;
+		if (srv_stream_write(&stream, &body, &error))
+			fail_msg("%s", error.text);
+		assert_true(body.size_bytes == stream.body_bytes);
+		out.bytes = malloc(body.size_bytes);
+		for (uint32_t i = 0; i < body.piece_count; i++) {
+			if (body.pieces[i].size)
+				memcpy(out.bytes + out.size, body.pieces[i].bytes, body.pieces[i].size);
+			out.size += body.pieces[i].size;
+		}
+		assert_true(out.size == body.size_bytes);
+		srv_body_free(&body);
+	}
+	srv_stream_free(&stream);
+	return out;
+}
+
+static void read_all(struct stream_reader *reader, const struct body *body, uint64_t vertices)
+{
+	struct eco_error error = { 0 };
+	if (stream_reader_read(reader, body->bytes, body->size, vertices, &error))
+		fail_msg("%s", error.text);
+	assert_true(reader->ended);
+	assert_int_equal(reader->plans, body->steps);
+}
+
+static struct eco_request random_request(struct random_scene *r)
+{
+	static const uint64_t budgets[] = { 0, 1, 100, 1000, 10000, 100000, 100000000 };
+	return (struct eco_request){ .view = random_view(r), .vertices = budgets[random_below(r, 7)] + random_below(r, 50),
+		.bytes = ECO_BYTES_UNBOUNDED };
+}
+
+static void a_stream_brings_all_that_its_plans_draw(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		struct bench b = bench_make(seed, 1 + seed % 5);
+		struct stream_reader reader;
+		stream_reader_init(&reader, &b.pack->pack.scene);
+		struct eco_request request = random_request(&b.pack->r);
+		struct body body = build(&b, &request, NULL);
+		assert_true(body.fits);
+		read_all(&reader, &body, request.vertices);
+		free(body.bytes);
+		stream_reader_free(&reader);
+		bench_free(&b);
+	}
+}
+
+/* The holdings as the server reads them from a request. */
+static struct eco_holdings held_by(const struct stream_reader *reader)
+{
+	struct eco_writer w = stream_reader_holdings(reader);
+	struct eco_holdings holdings;
+	struct eco_error error = { 0 };
+	assert_int_equal(eco_wire_read_holdings(w.bytes, w.size, &holdings, &error), ECO_OK);
+	assert_int_equal(srv_holdings_check(reader->truth, &holdings, &error), ECO_OK);
+	eco_writer_free(&w);
+	return holdings;
+}
+
+static void what_is_held_is_not_sent_again(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		struct bench b = bench_make(100 + seed, 2);
+		struct stream_reader reader;
+		stream_reader_init(&reader, &b.pack->pack.scene);
+		struct eco_request request = random_request(&b.pack->r);
+		struct body first = build(&b, &request, NULL);
+		read_all(&reader, &first, request.vertices);
+		struct eco_holdings held = held_by(&reader);
+		struct body again = build(&b, &request, &held);
+		read_all(&reader, &again, request.vertices);
+		assert_int_equal(reader.chunks, 0);
+		assert_int_equal(reader.lists, 0);
+		assert_true(again.size <= first.size);
+		/* a walk through the scene: every stream on top of what is held by then */
+		for (int i = 0; i < 6; i++) {
+			struct eco_holdings now = held_by(&reader);
+			request = random_request(&b.pack->r);
+			struct body next = build(&b, &request, &now);
+			read_all(&reader, &next, request.vertices);
+			free(next.bytes);
+			free(now.items);
+		}
+		free(held.items);
+		free(first.bytes);
+		free(again.bytes);
+		stream_reader_free(&reader);
+		bench_free(&b);
+	}
+}
+
+static void same_request_same_bytes(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		struct bench b = bench_make(200 + seed, 40);
+		struct eco_request request = random_request(&b.pack->r);
+		if (seed % 2)
+			request.bytes = 20000 + random_below(&b.pack->r, 100000);
+		struct body one = build(&b, &request, NULL), two = build(&b, &request, NULL);
+		assert_true(one.fits == two.fits && one.size == two.size);
+		if (one.fits)
+			assert_memory_equal(one.bytes, two.bytes, one.size);
+		free(one.bytes);
+		free(two.bytes);
+		bench_free(&b);
+	}
+}
+
+static void byte_budgets_are_never_exceeded_and_well_used(void **state)
+{
+	uint32_t fitting = 0, refused = 0, bounded = 0;
+	double used = 0;
+	(void)state;
+	for (uint64_t seed = 1; seed <= 10; seed++) {
+		struct bench b = bench_make(300 + seed, 3);
+		struct eco_request request = random_request(&b.pack->r);
+		request.vertices = 200000;
+		struct body whole = build(&b, &request, NULL);
+		request.bytes = 0;
+		struct body none = build(&b, &request, NULL);
+		assert_true(whole.fits && !none.fits && none.smallest > 0 && none.smallest <= whole.size);
+		for (int i = 0; i < 20; i++) {
+			request.bytes = random_below(&b.pack->r, (uint32_t)whole.size + 1000);
+			struct stream_reader reader;
+			stream_reader_init(&reader, &b.pack->pack.scene);
+			struct body body = build(&b, &request, NULL);
+			assert_int_equal(body.fits, request.bytes >= none.smallest);
+			if (body.fits) {
+				assert_true(body.size <= request.bytes);
+				read_all(&reader, &body, request.vertices);
+				fitting++;
+				if (request.bytes < whole.size && request.bytes > 4 * none.smallest) {
+					used += (double)body.size / (double)request.bytes;
+					bounded++;
+				}
+			}
+			refused += !body.fits;
+			free(body.bytes);
+			stream_reader_free(&reader);
+		}
+		/* exactly the smallest fits, and a byte less does not */
+		request.bytes = none.smallest;
+		struct body least = build(&b, &request, NULL);
+		assert_true(least.fits && least.size <= none.smallest);
+		request.bytes = none.smallest - 1;
+		struct body less = build(&b, &request, NULL);
+		assert_false(less.fits);
+		free(least.bytes);
+		free(whole.bytes);
+		bench_free(&b);
+	}
+	assert_true(fitting > 100 && refused > 0 && bounded > 50);
+	assert_true(used / bounded > 0.75);      /* chunks here are coarse: a third of a list each, or a tile of ground */
+}
+
+static void large_answers_come_coarse_first(void **state)
+{
+	uint32_t stepped = 0;
+	(void)state;
+	for (uint64_t seed = 1; seed <= 6; seed++) {
+		struct bench b = bench_make(400 + seed, 200);
+		struct stream_reader reader;
+		stream_reader_init(&reader, &b.pack->pack.scene);
+		struct eco_request request = random_request(&b.pack->r);
+		request.vertices = 50000;
+		struct body body = build(&b, &request, NULL);
+		read_all(&reader, &body, request.vertices);
+		stepped += body.steps > 1;
+		/* with everything held, one plan says it all */
+		struct eco_holdings held = held_by(&reader);
+		struct body again = build(&b, &request, &held);
+		assert_int_equal(again.steps, 1);
+		/* a byte budget of just this size keeps no step that would break it */
+		request.bytes = body.size - 1;
+		struct body tight = build(&b, &request, NULL);
+		assert_true(tight.fits && tight.size <= request.bytes);
+		free(held.items);
+		free(body.bytes);
+		free(again.bytes);
+		free(tight.bytes);
+		stream_reader_free(&reader);
+		bench_free(&b);
+	}
+	assert_true(stepped >= 3);
+}
+
+static void limits_are_answers_not_crashes(void **state)
+{
+	struct bench b = bench_make(500, 100);
+	struct eco_request request = random_request(&b.pack->r);
+	struct srv_stream_input input = { .scene = &b.scene, .request = &request, .body_max = 1000 };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	atomic_bool cancelled = true;
+	(void)state;
+	request.vertices = 100000;
+	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_TOO_LARGE);
+	assert_non_null(strstr(error.text, "at most 1000"));
+	error = (struct eco_error){ 0 };
+	input.cancelled = &cancelled;
+	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_INTERRUPTED);
+	bench_free(&b);
+}
+
+static void a_damaged_payload_is_named_and_the_rest_still_served(void **state)
+{
+	struct bench b = bench_make(501, 2);
+	const struct eco_scene *scene = &b.pack->pack.scene;
+	struct eco_request request = random_request(&b.pack->r);
+	request.vertices = 1000000;
+	struct srv_stream_input input = { .scene = &b.scene, .request = &request };
+	struct srv_stream stream;
+	struct srv_body body;
+	struct eco_error error = { 0 };
+	(void)state;
+	for (uint32_t i = 0; i < scene->ground_count; i++)
+		b.pack->map[scene->chunks[scene->lists[scene->ground[i].list].chunk_first].offset] ^= 1;
+	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_OK);
+	assert_int_equal(srv_stream_write(&stream, &body, &error), ECO_DAMAGED);
+	assert_true(error.text[0] != 0);
+	srv_stream_free(&stream);
+	const uint8_t *bytes;
+	size_t size;
+	error = (struct eco_error){ 0 };
+	assert_int_equal(srv_scene_payload(&b.scene, 0, &bytes, &size, &error), ECO_OK);
+	bench_free(&b);
+}
+
+static void impossible_holdings_are_refused(void **state)
+{
+	struct bench b = bench_make(502, 1);
+	const struct eco_scene *scene = &b.pack->pack.scene;
+	struct eco_holding item = { scene->list_count, 1 };
+	struct eco_holdings holdings = { &item, 1 };
+	struct eco_error error = { 0 };
+	(void)state;
+	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_BAD_INPUT);
+	item = (struct eco_holding){ 0, scene->lists[0].chunk_count + 1 };
+	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_BAD_INPUT);
+	item.chunks--;
+	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_OK);
+	bench_free(&b);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_stream_brings_all_that_its_plans_draw),
+		cmocka_unit_test(what_is_held_is_not_sent_again),
+		cmocka_unit_test(same_request_same_bytes),
+		cmocka_unit_test(byte_budgets_are_never_exceeded_and_well_used),
+		cmocka_unit_test(large_answers_come_coarse_first),
+		cmocka_unit_test(limits_are_answers_not_crashes),
+		cmocka_unit_test(a_damaged_payload_is_named_and_the_rest_still_served),
+		cmocka_unit_test(impossible_holdings_are_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
