@@ -5,29 +5,29 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct lod_candidate { double key; uint32_t id; };       /* no NaN */
+struct lod_heap_item { double key; uint32_t id; };       /* no NaN */
 
-static inline bool lod_candidate_before(struct lod_candidate a, struct lod_candidate b)
+static inline bool lod_heap_before(struct lod_heap_item a, struct lod_heap_item b)
 {
 	return a.key != b.key ? a.key > b.key : a.id < b.id;
 }
 
 /* Puts right a heap of `count` whose item `at` may have become worse. Logarithmic in count; nothing where at >= count. */
-static inline void lod_heap_sift(struct lod_candidate *heap, uint32_t count, uint32_t at)
+static inline void lod_heap_sift(struct lod_heap_item *heap, uint32_t count, uint32_t at)
 {
 	for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-		if (child + 1 < count && lod_candidate_before(heap[child + 1], heap[child]))
+		if (child + 1 < count && lod_heap_before(heap[child + 1], heap[child]))
 			child++;
-		if (!lod_candidate_before(heap[child], heap[at]))
+		if (!lod_heap_before(heap[child], heap[at]))
 			return;
-		struct lod_candidate better = heap[child];
+		struct lod_heap_item better = heap[child];
 		heap[child] = heap[at];
 		heap[at] = better;
 	}
 }
 
 /* Makes a heap of any `count` candidates: the best is heap[0]. Linear. */
-static inline void lod_heap_make(struct lod_candidate *heap, uint32_t count)
+static inline void lod_heap_make(struct lod_heap_item *heap, uint32_t count)
 {
 	for (uint32_t i = count / 2; i-- > 0;)
 		lod_heap_sift(heap, count, i);

@@ -12,7 +12,7 @@ void srv_store_init(struct srv_store *store)
 
 static void scene_free(struct srv_scene *scene)
 {
-	lod_tables_free(scene->tables);
+	lod_plan_tables_free(scene->tables);
 	eco_pack_close(scene->pack);
 	free(scene->by_id);
 	free(scene->checked);
@@ -75,7 +75,7 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 	if (!code) {
 		snprintf(scene.name, sizeof scene.name, "%s", name);
 		code = scene_index(&scene, error);
-		code = code ? code : lod_tables_make(&scene.tables, &pack->scene, error);
+		code = code ? code : lod_plan_tables_make(&scene.tables, &pack->scene, error);
 	}
 	struct srv_scene *grown = code ? NULL : realloc(store->scenes, (store->count + 1) * sizeof *grown);
 	if (!code && !grown)

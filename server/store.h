@@ -25,7 +25,7 @@ struct MHD_Response;
 struct srv_scene {
 	char name[SRV_NAME_BYTES];
 	struct eco_pack *pack;
-	struct lod_tables *tables;
+	struct lod_plan_tables *tables;
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
 	_Atomic(struct MHD_Response *) *responses;   /* per chunk: the shared response, made when first asked for */

@@ -9,18 +9,18 @@
 #define PI 3.14159265358979323846
 #define THINNEST 0.01            /* area of a plant over its radius squared: whatever has no area is still to be seen */
 
-struct lod_tables {
+struct lod_plan_tables {
 	const struct eco_scene *scene;
 	uint32_t *ladder_first, *ladder_order;               /* per anchor, into the order; anchor_count + 1 */
-	struct lod_body *bodies;
+	struct lod_proxy_shape *proxy_shapes;
 	double ellipse;
-	_Atomic(struct lod_tables_ladder *) *ladders;
+	_Atomic(struct lod_plan_tables_ladder *) *ladders;
 	_Atomic size_t bytes;
 };
 
 /* ---- Ladders of anchors ---- */
 
-static void sort_ladders(struct lod_tables *tables)
+static void sort_ladders(struct lod_plan_tables *tables)
 {
 	const struct eco_scene *scene = tables->scene;
 	uint32_t *first = tables->ladder_first;
@@ -32,16 +32,16 @@ static void sort_ladders(struct lod_tables *tables)
 		tables->ladder_order[first[scene->ladders[i].anchor + 1]++] = i;
 }
 
-const uint32_t *lod_tables_anchor(const struct lod_tables *tables, uint32_t anchor, uint32_t *count)
+const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uint32_t anchor, uint32_t *count)
 {
 	*count = tables->ladder_first[anchor + 1] - tables->ladder_first[anchor];
 	return tables->ladder_order + tables->ladder_first[anchor];
 }
 
-/* ---- Plants as bodies ---- */
+/* ---- Plants as proxy shapes ---- */
 
 /* Area of what is drawn at an anchor in full detail. */
-static double anchor_area(const struct lod_tables *tables, uint32_t anchor)
+static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor)
 {
 	double area = 0;
 	for (uint32_t i = tables->ladder_first[anchor]; i < tables->ladder_first[anchor + 1]; i++)
@@ -50,7 +50,7 @@ static double anchor_area(const struct lod_tables *tables, uint32_t anchor)
 }
 
 /* The ellipse that has the moments of the cells' areas, each spread over its sphere. */
-static void find_crown(const struct lod_tables *tables, const struct eco_plant *plant, struct lod_body *body)
+static void find_crown(const struct lod_plan_tables *tables, const struct eco_plant *plant, struct lod_proxy_shape *proxy_shape)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
 	double sum = 0, mean = 0, up = 0, across = 0;
@@ -70,13 +70,13 @@ static void find_crown(const struct lod_tables *tables, const struct eco_plant *
 		up += area * (z * z + ball);
 		across += area * ((x * x + y * y) / 2 + ball);
 	}
-	body->rise = mean;
-	body->crown_up = fmin(2 * sqrt(up / sum), body->up);
-	body->crown_across = fmin(2 * sqrt(across / sum), body->across);
+	proxy_shape->rise = mean;
+	proxy_shape->crown_up = fmin(2 * sqrt(up / sum), proxy_shape->up);
+	proxy_shape->crown_across = fmin(2 * sqrt(across / sum), proxy_shape->across);
 }
 
 /* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is and where its crown is, else its height does. */
-static struct lod_body body_of(const struct lod_tables *tables, const struct eco_plant *plant)
+static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *tables, const struct eco_plant *plant)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
 	double r = all->radius, up = plant->height_m > 0 ? fmin(r, 0.5 * (double)plant->height_m) : r, across = 0;
@@ -89,40 +89,40 @@ static struct lod_body body_of(const struct lod_tables *tables, const struct eco
 		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
 	across = fmin(across, r);
 	double area = plant->area > 0 ? (double)plant->area : anchor_area(tables, plant->anchor_first);
-	struct lod_body body = { across, up, fmax(area, THINNEST * r * r), across, up, 0 };
-	find_crown(tables, plant, &body);
-	return body;
+	struct lod_proxy_shape proxy_shape = { across, up, fmax(area, THINNEST * r * r), across, up, 0 };
+	find_crown(tables, plant, &proxy_shape);
+	return proxy_shape;
 }
 
-static void make_bodies(struct lod_tables *tables)
+static void make_proxy_shapes(struct lod_plan_tables *tables)
 {
 	const struct eco_scene *scene = tables->scene;
 	for (uint32_t i = 0; i < scene->plant_count; i++) {
-		struct lod_body *body = &tables->bodies[i];
-		*body = body_of(tables, &scene->plants[i]);
-		tables->ellipse += PI * body->crown_across * body->crown_up / body->area / scene->plant_count;
+		struct lod_proxy_shape *proxy_shape = &tables->proxy_shapes[i];
+		*proxy_shape = proxy_shape_of(tables, &scene->plants[i]);
+		tables->ellipse += PI * proxy_shape->crown_across * proxy_shape->crown_up / proxy_shape->area / scene->plant_count;
 	}
 }
 
-const struct lod_body *lod_tables_bodies(const struct lod_tables *tables) { return tables->bodies; }
-double lod_tables_ellipse(const struct lod_tables *tables) { return tables->ellipse; }
+const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables) { return tables->proxy_shapes; }
+double lod_plan_tables_ellipse(const struct lod_plan_tables *tables) { return tables->ellipse; }
 
 /* ---- Ladders ---- */
 
 struct hulls {                       /* of one ladder, while they are made */
-	struct lod_steps steps[2];
-	struct lod_amount amounts[2][LOD_STEPS_MAX];
+	struct lod_hull hull[2];
+	struct lod_hull_point points[2][LOD_HULL_POINTS_MAX];
 };
 
 static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
 {
-	struct lod_steps *steps = &hulls->steps[beside];
-	*steps = (struct lod_steps){ hulls->amounts[beside], 0, LOD_EXTRA_LEAST };
-	steps->count = lod_steps_sample(steps->amounts, way, from, to);
-	lod_steps_hull(steps, LOD_STEPS_SPREAD);
-	steps->extra = 1;
-	lod_steps_hull(steps, LOD_STEPS_SPREAD);
-	lod_steps_complete(steps, to);
+	struct lod_hull *hull = &hulls->hull[beside];
+	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST };
+	hull->count = lod_hull_sample(hull->points, way, from, to);
+	lod_hull_reduce(hull, LOD_HULL_SPREAD);
+	hull->fp_weight = 1;
+	lod_hull_reduce(hull, LOD_HULL_SPREAD);
+	lod_hull_complete(hull, to);
 }
 
 static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, struct hulls *hulls)
@@ -136,37 +136,37 @@ static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, s
 		make_hull(hulls, 1, way, end, way->full);
 }
 
-/* One piece of memory: the ladder, its legs, its amounts. */
-static struct lod_tables_ladder *make_ladder(const struct eco_scene *scene, uint32_t id, size_t *bytes)
+/* One piece of memory: the ladder, its legs, its hull points. */
+static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene, uint32_t id, size_t *bytes)
 {
 	struct lod_way way;
 	lod_way_begin(&way, scene, &scene->ladders[id]);
-	size_t legs = lod_way_legs_bound(&way) * sizeof(struct lod_forms_leg), amounts = 0;
+	size_t legs = lod_way_legs_bound(&way) * sizeof(struct lod_forms_leg), points = 0;
 	struct lod_forms_leg *kept = malloc(legs + 1);
 	struct hulls *hulls = calloc(1, sizeof *hulls);
-	struct lod_tables_ladder *made = NULL;
+	struct lod_plan_tables_ladder *made = NULL;
 	if (kept && hulls) {
 		lod_way_keep(&way, kept);
 		hulls_of(scene, &way, hulls);
 		legs = way.forms.leg_count * sizeof *kept;
 		for (int i = 0; i < 2; i++)
-			amounts += hulls->steps[i].count * sizeof(struct lod_amount);
-		made = malloc(*bytes = sizeof *made + legs + amounts);
+			points += hulls->hull[i].count * sizeof(struct lod_hull_point);
+		made = malloc(*bytes = sizeof *made + legs + points);
 	}
 	if (made) {
 		struct lod_forms_leg *leg = (struct lod_forms_leg *)(made + 1);
-		struct lod_amount *next = (struct lod_amount *)((char *)leg + legs);
+		struct lod_hull_point *next = (struct lod_hull_point *)((char *)leg + legs);
 		if (legs)
 			memcpy(leg, kept, legs);
 		made->way = way;
 		made->way.forms.legs = leg;
-		memcpy(made->steps, hulls->steps, sizeof made->steps);
+		memcpy(made->hull, hulls->hull, sizeof made->hull);
 		for (int i = 0; i < 2; i++) {
-			struct lod_steps *steps = &made->steps[i];
-			if (steps->count)
-				memcpy(next, steps->amounts, steps->count * sizeof *next);
-			steps->amounts = next;
-			next += steps->count;
+			struct lod_hull *hull = &made->hull[i];
+			if (hull->count)
+				memcpy(next, hull->points, hull->count * sizeof *next);
+			hull->points = next;
+			next += hull->count;
 		}
 	}
 	free(kept);
@@ -174,9 +174,9 @@ static struct lod_tables_ladder *make_ladder(const struct eco_scene *scene, uint
 	return made;
 }
 
-const struct lod_tables_ladder *lod_tables_ladder(struct lod_tables *tables, uint32_t ladder)
+const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tables *tables, uint32_t ladder)
 {
-	struct lod_tables_ladder *found = atomic_load_explicit(&tables->ladders[ladder], memory_order_acquire), *none = NULL;
+	struct lod_plan_tables_ladder *found = atomic_load_explicit(&tables->ladders[ladder], memory_order_acquire), *none = NULL;
 	size_t bytes = 0;
 	if (found || !(found = make_ladder(tables->scene, ladder, &bytes)))
 		return found;
@@ -190,30 +190,30 @@ const struct lod_tables_ladder *lod_tables_ladder(struct lod_tables *tables, uin
 
 /* ---- All ---- */
 
-enum eco_code lod_tables_make(struct lod_tables **made, const struct eco_scene *scene, struct eco_error *error)
+enum eco_code lod_plan_tables_make(struct lod_plan_tables **made, const struct eco_scene *scene, struct eco_error *error)
 {
-	struct lod_tables *tables = *made = calloc(1, sizeof *tables);
+	struct lod_plan_tables *tables = *made = calloc(1, sizeof *tables);
 	size_t anchors = (size_t)scene->anchor_count + 2, ladders = (size_t)scene->ladder_count + 1, plants = (size_t)scene->plant_count + 1;
 	if (tables) {
 		tables->scene = scene;
 		tables->ladder_first = calloc(anchors, sizeof *tables->ladder_first);
 		tables->ladder_order = calloc(ladders, sizeof *tables->ladder_order);
-		tables->bodies = calloc(plants, sizeof *tables->bodies);
+		tables->proxy_shapes = calloc(plants, sizeof *tables->proxy_shapes);
 		tables->ladders = calloc(ladders, sizeof *tables->ladders);
-		tables->bytes = sizeof *tables + anchors * sizeof *tables->ladder_first + plants * sizeof *tables->bodies
+		tables->bytes = sizeof *tables + anchors * sizeof *tables->ladder_first + plants * sizeof *tables->proxy_shapes
 			+ ladders * (sizeof *tables->ladder_order + sizeof *tables->ladders);
 	}
-	if (!tables || !tables->ladder_first || !tables->ladder_order || !tables->bodies || !tables->ladders) {
-		lod_tables_free(tables);
+	if (!tables || !tables->ladder_first || !tables->ladder_order || !tables->proxy_shapes || !tables->ladders) {
+		lod_plan_tables_free(tables);
 		*made = NULL;
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for tables of %u ladders", scene->ladder_count);
 	}
 	sort_ladders(tables);
-	make_bodies(tables);
+	make_proxy_shapes(tables);
 	return ECO_OK;
 }
 
-void lod_tables_free(struct lod_tables *tables)
+void lod_plan_tables_free(struct lod_plan_tables *tables)
 {
 	if (!tables)
 		return;
@@ -222,8 +222,8 @@ void lod_tables_free(struct lod_tables *tables)
 	free((void *)tables->ladders);
 	free(tables->ladder_first);
 	free(tables->ladder_order);
-	free(tables->bodies);
+	free(tables->proxy_shapes);
 	free(tables);
 }
 
-size_t lod_tables_bytes(const struct lod_tables *tables) { return tables->bytes; }
+size_t lod_plan_tables_bytes(const struct lod_plan_tables *tables) { return tables->bytes; }

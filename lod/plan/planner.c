@@ -8,50 +8,50 @@
 
 #include "lod/plan/planner_state.h"
 
-enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error)
+enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
-	*p = (struct lod_planning){ .input = input, .scene = scene };
+	*p = (struct lod_planner){ .input = input, .scene = scene };
 	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;
 	if (!p->gates)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", scene->plant_count);
-	enum eco_code code = p->tables ? ECO_OK : lod_tables_make(&p->own, scene, error);
+	enum eco_code code = p->tables ? ECO_OK : lod_plan_tables_make(&p->own, scene, error);
 	if (code)
 		return code;
 	p->tables = p->tables ? p->tables : p->own;
-	return lod_visible_init(&p->visible, scene, &input->request->view, input->tiles_max ? input->tiles_max : 1000000,
+	return lod_visible_tree_init(&p->visible, scene, &input->request->view, input->tiles_max ? input->tiles_max : 1000000,
 		input->placements_max ? input->placements_max : 100000, error);
 }
 
-void lod_planning_end(struct lod_planning *p)
+void lod_planner_end(struct lod_planner *p)
 {
 	free(p->gates);
 	free(p->entries);
-	lod_tables_free(p->own);
+	lod_plan_tables_free(p->own);
 	lod_screen_free(&p->screen);
 	if (p->visible.nodes)
-		lod_visible_free(&p->visible);
+		lod_visible_tree_free(&p->visible);
 }
 
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
-	struct lod_planning p;
+	struct lod_planner p;
 	double sample_distance = 0;
 	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
-	enum eco_code code = lod_planning_begin(&p, input, error);
+	enum eco_code code = lod_planner_begin(&p, input, error);
 	if (!code && input->rule == LOD_RULE_DEUSSEN)
-		code = lod_planning_deussen(&p, &sample_distance, error);
+		code = lod_planner_deussen(&p, &sample_distance, error);
 	else if (!code)
-		code = lod_planning_optimal(&p, error);
+		code = lod_planner_optimal(&p, error);
 	if (!code)
-		code = lod_planning_emit(&p, sample_distance, plan, error);
+		code = lod_planner_emit(&p, sample_distance, plan, error);
 	if (!code)
 		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.converged, p.wrong };
-	lod_planning_end(&p);
+	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);
 	return code;

@@ -1,7 +1,7 @@
 /* From a view and a budget to a plan.
  *
  *   lod_plan(&plan, &input, &error);      cull the tile tree, count plants by anchor and band, see how much of each shows, find the
- *                                         price of a vertex at which the best amounts use the budget, emit cuts
+ *                                         lambda of a vertex at which the best hull points use the budget, emit cuts
  *
  * No clock, no I/O, no globals. */
 #ifndef LOD_PLANNER_H
@@ -18,8 +18,8 @@ enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
 struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t candidates;         /* steps that could be taken: of everything in view, from nothing to all of it */
 	uint64_t gains;              /* of these, whose gain was computed for this plan: what comes next of all that is drawn, and what
-	                              * prices asked of summaries */
-	uint64_t looks;              /* how often it was looked up which steps are worth a price: things in view x prices tried */
+	                              * lambdas asked of summaries */
+	uint64_t looks;              /* how often it was looked up which steps are worth a lambda: things in view x lambdas tried */
 	uint64_t places;             /* plants looked at one by one */
 	uint64_t cheapest;           /* optimiser: vertices of the cheapest step that is left and would gain; UINT64_MAX: every curve has ended */
 	uint32_t level;              /* optimiser: how far the scene was opened: further where all that was open had ended */
@@ -28,10 +28,10 @@ struct lod_planner_stats {           /* what planning took; counts, no times */
 	                              * itself. plan->prediction is of the whole picture, where plants stand before plants */
 };
 
-struct lod_tables;
+struct lod_plan_tables;
 struct lod_planner_input {
 	const struct eco_scene *scene;
-	struct lod_tables *tables;                   /* of this scene (lod/plan/plan_tables.h), kept from plan to plan; NULL: made and thrown away, which
+	struct lod_plan_tables *tables;                   /* of this scene (lod/plan/plan_tables.h), kept from plan to plan; NULL: made and thrown away, which
 	                                              * takes a multiple of the time */
 	const struct eco_request *request;
 	const struct eco_holdings *holdings;         /* may be NULL; the optimiser may use them, cuts never depend on history otherwise */

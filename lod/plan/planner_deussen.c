@@ -18,7 +18,7 @@
  *
  * V(d') is a step function and not quite monotone (a tile that opens may cost a little less than its summary did). So d' is
  * searched on a fixed exact grid, the plan's vertices are always counted, never inferred, and the structure (which tiles are open,
- * which plants show cells) may be taken from a finer d' than the amounts, where that uses the budget better. */
+ * which plants show cells) may be taken from a finer d' than the hull points, where that uses the budget better. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -53,8 +53,8 @@ static uint64_t to_count(double x)
 static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_ladder *ladder, double r, double d, double *wanted)
 {
 	double importance = ladder->importance > 0 ? ladder->importance : 1;
-	uint64_t full = lod_ladder_full(scene, ladder), points = lod_planning_count(scene, ladder->points);
-	uint64_t lines = lod_planning_count(scene, ladder->lines);
+	uint64_t full = lod_ladder_full(scene, ladder), points = lod_planner_count(scene, ladder->points);
+	uint64_t lines = lod_planner_count(scene, ladder->lines);
 	if (!(d > 0)) {
 		*wanted = ladder->total;
 		return full;
@@ -83,7 +83,7 @@ static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_lad
 }
 
 /* The plant's cells are drawn in bands where its whole-plant lists do not suffice. */
-static uint32_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
+static uint32_t gate_at(const struct lod_planner *p, uint32_t plant, double d)
 {
 	const struct eco_scene *scene = p->scene;
 	const struct eco_plant *pl = &scene->plants[plant];
@@ -95,7 +95,7 @@ static uint32_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
 			const struct eco_ladder *ladder = &scene->ladders[pl->ladder_first + i];
 			if (ladder->anchor != pl->anchor_first)
 				continue;
-			uint64_t points = lod_planning_count(scene, ladder->points), limit = points ? points : 2 * lod_planning_count(scene, ladder->lines);
+			uint64_t points = lod_planner_count(scene, ladder->points), limit = points ? points : 2 * lod_planner_count(scene, ladder->lines);
 			if (ladder_wants(scene, ladder, r, d, &wanted) > limit || (points && wanted > (double)points) || !(d > 0))
 				return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 		}
@@ -103,16 +103,16 @@ static uint32_t gate_at(const struct lod_planning *p, uint32_t plant, double d)
 	return 0;
 }
 
-enum eco_code lod_planning_open(struct lod_planning *p, double d, double d_cells, struct eco_error *error)
+enum eco_code lod_planner_open(struct lod_planner *p, double d, double d_cells, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)
 		p->gates[i] = gate_at(p, i, d_cells);
-	return lod_visible_count(&p->visible, d, p->gates, error);
+	return lod_visible_tree_count(&p->visible, d, p->gates, error);
 }
 
 /* Share of pixels of the whole picture that one plant's organ is expected to cover: half its area, but not more than most of its
  * bounding disc. */
-static double organ_pixels(const struct lod_planning *p, const struct eco_ladder *ladder, double r)
+static double organ_pixels(const struct lod_planner *p, const struct eco_ladder *ladder, double r)
 {
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
 	double disc = 2.0 * anchor->radius * anchor->radius, area = 0.5 * ladder->area;
@@ -120,7 +120,7 @@ static double organ_pixels(const struct lod_planning *p, const struct eco_ladder
 	return (area < disc ? area : disc) / (pixel * pixel);
 }
 
-enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *entry, struct eco_error *error)
+enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error)
 {
 	if (!eco_room(&p->entries, &p->entry_capacity, p->entry_count, sizeof *p->entries))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for more than %u cuts", p->entry_count);
@@ -128,12 +128,12 @@ enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *e
 	return ECO_OK;
 }
 
-static bool ladder_applies(const struct lod_planning *p, const struct eco_ladder *ladder, const struct lod_slot *slot)
+static bool ladder_applies(const struct lod_planner *p, const struct eco_ladder *ladder, const struct lod_slot *slot)
 {
 	return !(ladder->flags & ECO_LADDER_FAR) || eco_gate_place(slot->band, 0) >= p->gates[slot->plant];
 }
 
-static bool add_vertices(struct lod_planning *p, uint64_t count, uint64_t vertices)
+static bool add_vertices(struct lod_planner *p, uint64_t count, uint64_t vertices)
 {
 	uint64_t product;
 	if (__builtin_mul_overflow(count, vertices, &product) || __builtin_add_overflow(p->vertices, product, &p->vertices))
@@ -141,18 +141,18 @@ static bool add_vertices(struct lod_planning *p, uint64_t count, uint64_t vertic
 	return p->vertices != UINT64_MAX;
 }
 
-static enum eco_code add_summaries(struct lod_planning *p, double d, struct eco_error *error)
+static enum eco_code add_summaries(struct lod_planner *p, double d, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < p->visible.node_count; i++) {
 		const struct lod_node *node = &p->visible.nodes[i];
 		if (node->state != LOD_SUMMARY)
 			continue;
-		uint64_t full = lod_planning_count(p->scene, p->scene->tiles[node->tile].summary);
+		uint64_t full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
 		double wanted = d > 0 ? lod_summary_points(node, d) : INFINITY, pixel = node->distance * p->visible.eye.pixel_rad;
 		struct lod_entry entry = { .slot = ECO_NONE, .ladder = i, .count = 1, .full = full, .wanted = wanted };
 		entry.vertices = to_count(wanted) < full ? to_count(wanted) : full;
 		entry.pixels = pixel > 0 ? 0.5 * node->area / (pixel * pixel) : 0;
-		if (lod_planning_add(p, &entry, error))
+		if (lod_planner_add(p, &entry, error))
 			return ECO_NO_MEMORY;
 		add_vertices(p, 1, entry.vertices);
 		p->ended = false;        /* a summary is never everything */
@@ -160,8 +160,8 @@ static enum eco_code add_summaries(struct lod_planning *p, double d, struct eco_
 	return ECO_OK;
 }
 
-/* Fills entries and vertices for the open structure at the amounts of `step`. */
-static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error *error)
+/* Fills entries and vertices for the open structure at the hull points of `step`. */
+static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_error *error)
 {
 	double d = distance_at(step);
 	p->entry_count = 0;
@@ -173,12 +173,12 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 		if (slot->count == 0)
 			continue;
 		uint32_t count;
-		const uint32_t *ladders = lod_tables_anchor(p->tables, slot->anchor, &count);
+		const uint32_t *ladders = lod_plan_tables_anchor(p->tables, slot->anchor, &count);
 		for (uint32_t i = 0; i < count; i++) {
 			const struct eco_ladder *ladder = &p->scene->ladders[ladders[i]];
 			if (!ladder_applies(p, ladder, slot))
 				continue;
-			const struct lod_tables_ladder *table = lod_tables_ladder(p->tables, ladders[i]);
+			const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, ladders[i]);
 			if (!table)
 				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for ladder %u", ladders[i]);
 			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count, .end = ECO_SHARE_ONE,
@@ -191,7 +191,7 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 				entry.full = lod_way_stage_end(&table->way);
 			entry.vertices = lod_way_floor(&table->way, entry.vertices < entry.full ? entry.vertices : entry.full);
 			p->ended = p->ended && entry.vertices == entry.full && !coarse;
-			if (lod_planning_add(p, &entry, error))
+			if (lod_planner_add(p, &entry, error))
 				return ECO_NO_MEMORY;
 			add_vertices(p, slot->count, entry.vertices);
 		}
@@ -201,10 +201,10 @@ static enum eco_code amounts(struct lod_planning *p, int step, struct eco_error 
 
 /* ---- The budget ---- */
 
-static enum eco_code try_level(struct lod_planning *p, int step, bool *fits, struct eco_error *error)
+static enum eco_code try_level(struct lod_planner *p, int step, bool *fits, struct eco_error *error)
 {
 	struct eco_error local = { 0 };
-	enum eco_code code = lod_planning_open(p, distance_at(step), distance_at(step), &local);
+	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), &local);
 	if (code == ECO_TOO_LARGE && step > 0) {
 		p->ended = false;
 		*fits = false;
@@ -212,13 +212,13 @@ static enum eco_code try_level(struct lod_planning *p, int step, bool *fits, str
 	}
 	if (code)
 		return eco_fail(error, code, "%s", local.text);
-	code = amounts(p, step, error);
+	code = count_vertices(p, step, error);
 	*fits = p->vertices <= p->input->request->vertices;
 	return code;
 }
 
 /* Greatest step whose plan fits, -1 if none. */
-static enum eco_code solve(struct lod_planning *p, int *solution, struct eco_error *error)
+static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_error *error)
 {
 	int low = -1, high = 0;
 	bool fits;
@@ -245,17 +245,17 @@ static enum eco_code solve(struct lod_planning *p, int *solution, struct eco_err
 }
 
 /* Amounts for the structure of `structure`, at the finest step not finer than it that fits; vertices 0 if none does. */
-static enum eco_code amounts_that_fit(struct lod_planning *p, int structure, struct eco_error *error)
+static enum eco_code points_that_fit(struct lod_planner *p, int structure, struct eco_error *error)
 {
 	int low = -1, high = structure + 1;
 	while (high - low > 1) {
 		int middle = low + (high - low) / 2;
-		enum eco_code code = amounts(p, middle, error);
+		enum eco_code code = count_vertices(p, middle, error);
 		if (code)
 			return code;
 		*(p->vertices <= p->input->request->vertices ? &low : &high) = middle;
 	}
-	enum eco_code code = amounts(p, low < 0 ? 0 : low, error);
+	enum eco_code code = count_vertices(p, low < 0 ? 0 : low, error);
 	if (low < 0 && !code) {
 		p->vertices = 0;
 		for (uint32_t i = 0; i < p->entry_count; i++)
@@ -264,20 +264,20 @@ static enum eco_code amounts_that_fit(struct lod_planning *p, int structure, str
 	return code;
 }
 
-/* ---- Structure and amounts together ---- */
+/* ---- Structure and hull points together ---- */
 
-static enum eco_code plan_structure(struct lod_planning *p, int structure, struct eco_error *error)
+static enum eco_code plan_structure(struct lod_planner *p, int structure, struct eco_error *error)
 {
-	enum eco_code code = lod_planning_open(p, distance_at(structure), distance_at(structure), error);
+	enum eco_code code = lod_planner_open(p, distance_at(structure), distance_at(structure), error);
 	if (!code)
-		code = amounts_that_fit(p, structure, error);
+		code = points_that_fit(p, structure, error);
 	if (!code)
-		code = lod_planning_fill(p, error);
+		code = lod_planner_fill(p, error);
 	return code;
 }
 
 /* The structure that uses the budget best: the solved one, or, where its curves have all ended below the budget, a finer one. */
-static enum eco_code best_structure(struct lod_planning *p, int solved, int *best, struct eco_error *error)
+static enum eco_code best_structure(struct lod_planner *p, int solved, int *best, struct eco_error *error)
 {
 	uint64_t most = 0, budget = p->input->request->vertices;
 	*best = solved < 0 ? 0 : solved;
@@ -303,7 +303,7 @@ static enum eco_code best_structure(struct lod_planning *p, int solved, int *bes
 	return ECO_OK;
 }
 
-enum eco_code lod_planning_deussen(struct lod_planning *p, double *sample_distance, struct eco_error *error)
+enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error)
 {
 	int solved, structure;
 	enum eco_code code = solve(p, &solved, error);

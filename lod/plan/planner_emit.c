@@ -1,4 +1,4 @@
-/* From decided amounts to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
+/* From decided hull points to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -13,11 +13,11 @@
 #define MISSED 0.15              /* of a plant's pixels: from so many on */
 #define ABOVE_STEPS 8            /* bands of one scale stay one cut */
 
-static double entry_density(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+static double entry_density(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
-	double density = lod_way_density(lod_planning_way(p, entry->ladder), vertices);
+	double density = lod_way_density(lod_planner_way(p, entry->ladder), vertices);
 	/* where cells add to the coarse list, the plant as a whole is as dense as d' asked for */
 	if (!slot->cell && eco_gate_place(slot->band, 0) < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;
@@ -28,10 +28,10 @@ static double entry_density(const struct lod_planning *p, const struct lod_entry
  * are the larger the more of the plant they miss. Wrong pixels of three scenes at 30,000 to 1,000,000 vertices: 1 to 5 % fewer. Twice the
  * growth leaves fewer yet in a dense forest, but covers more of other plants and more sky; with the square of `among` 0.6 % fewer are wrong,
  * but more of them are too much: 1 - Q of 30,000 to 300,000 vertices is 1 to 2 % larger. */
-static double grown(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+static double grown(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
-	double missed = among > 0 ? lod_planning_curve(p, entry, vertices).fn / MISSED : 0;
+	double missed = among > 0 ? lod_planner_curve(p, entry, vertices).fn / MISSED : 0;
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }
 
@@ -41,14 +41,14 @@ static double above_of(const struct lod_slot *slot)
 	return slot->looked > 0 ? floor(ABOVE_STEPS * slot->above / slot->looked + 0.5) / ABOVE_STEPS : 0;
 }
 
-static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first, uint32_t share_end,
+static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first, uint32_t share_end,
 	struct eco_plan *plan)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	if (vertices == 0 || share_first == share_end)
 		return;
-	uint32_t count = lod_way_cuts(lod_planning_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), above_of(slot), cuts);
+	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), above_of(slot), cuts);
 	double growth = grown(p, entry, vertices);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));
@@ -61,7 +61,7 @@ static void add_cuts(const struct lod_planning *p, const struct lod_entry *entry
 	}
 }
 
-static void add_summary_cut(const struct lod_planning *p, const struct lod_entry *entry, const uint32_t *placement_in_plan,
+static void add_summary_cut(const struct lod_planner *p, const struct lod_entry *entry, const uint32_t *placement_in_plan,
 	struct eco_plan *plan)
 {
 	const struct lod_node *node = &p->visible.nodes[entry->ladder];
@@ -109,7 +109,7 @@ static int by_list(const void *a, const void *b)
 	return x->list_first < y->list_first ? -1 : x->list_first > y->list_first;
 }
 
-static void add_runs(const struct lod_planning *p, const uint32_t *placement_in_plan, struct eco_plan *plan)
+static void add_runs(const struct lod_planner *p, const uint32_t *placement_in_plan, struct eco_plan *plan)
 {
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
@@ -134,7 +134,7 @@ static void add_runs(const struct lod_planning *p, const uint32_t *placement_in_
 }
 
 /* Only placements that something is drawn in; the scene itself is always [0]. */
-static void add_placements(const struct lod_planning *p, uint32_t *placement_in_plan, struct eco_plan *plan)
+static void add_placements(const struct lod_planner *p, uint32_t *placement_in_plan, struct eco_plan *plan)
 {
 	for (uint32_t i = 0; i < p->visible.placement_count; i++)
 		placement_in_plan[i] = ECO_NONE;
@@ -152,13 +152,13 @@ static void add_placements(const struct lod_planning *p, uint32_t *placement_in_
 
 /* Wrong pixels summed over organs as if nothing overlapped, then shrunk to what a picture can hold: covered share c of a picture that
  * asks for t times its pixels is t / (1 + t). */
-static void predict(const struct lod_planning *p, struct eco_plan *plan)
+static void predict(const struct lod_planner *p, struct eco_plan *plan)
 {
 	const struct eco_view *view = &p->input->request->view;
 	double tp = 0, fp = 0, fn = 0, pixels = (double)view->width * view->height;
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		const struct lod_entry *entry = &p->entries[i];
-		struct eco_curve curve = lod_planning_curve(p, entry, entry->vertices);
+		struct eco_curve curve = lod_planner_curve(p, entry, entry->vertices);
 		double covered = entry->pixels * (double)entry->count;
 		tp += covered * (1 - curve.fn);
 		fp += covered * curve.fp;
@@ -168,7 +168,7 @@ static void predict(const struct lod_planning *p, struct eco_plan *plan)
 	plan->prediction = (struct eco_prediction){ tp * shrink, fp * shrink, fn * shrink };
 }
 
-enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_distance, struct eco_plan *plan, struct eco_error *error)
+enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distance, struct eco_plan *plan, struct eco_error *error)
 {
 	uint32_t groups = 0;
 	for (uint32_t n = 0; n < p->visible.node_count; n++)

@@ -8,31 +8,31 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	if (entry->slot == ECO_NONE) { /* summaries are not measured: random points over random plants */
 		double share = entry->full ? (double)vertices / (double)entry->full : 1;
 		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share), .fn = (float)(1 - 0.7 * share) };
 	}
-	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planning_way(p, entry->ladder), vertices));
+	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planner_way(p, entry->ladder), vertices));
 }
 
-static uint64_t entry_floor(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+static uint64_t entry_floor(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	vertices = vertices < entry->full ? vertices : entry->full;
-	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planning_way(p, entry->ladder), vertices);
+	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planner_way(p, entry->ladder), vertices);
 }
 
-static uint64_t entry_next(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices)
+static uint64_t entry_next(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	if (vertices >= entry->full)
 		return UINT64_MAX;
-	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planning_way(p, entry->ladder), vertices);
+	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planner_way(p, entry->ladder), vertices);
 }
 
-/* Next amount worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */
-static uint64_t entry_target(const struct lod_planning *p, const struct lod_entry *entry)
+/* Next hull point worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */
+static uint64_t entry_target(const struct lod_planner *p, const struct lod_entry *entry)
 {
 	uint64_t next = entry_next(p, entry, entry->vertices);
 	if (next == UINT64_MAX)
@@ -42,9 +42,9 @@ static uint64_t entry_target(const struct lod_planning *p, const struct lod_entr
 }
 
 /* Wrong pixels saved per vertex by going to `target`. Never negative: a curve may rise by noise. */
-static double entry_gain(const struct lod_planning *p, const struct lod_entry *entry, uint64_t target)
+static double entry_gain(const struct lod_planner *p, const struct lod_entry *entry, uint64_t target)
 {
-	struct eco_curve now = lod_planning_curve(p, entry, entry->vertices), then = lod_planning_curve(p, entry, target);
+	struct eco_curve now = lod_planner_curve(p, entry, entry->vertices), then = lod_planner_curve(p, entry, target);
 	double saved = ((double)now.fp + now.fn - then.fp - then.fn) * entry->pixels;
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
@@ -61,8 +61,8 @@ static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint3
 			h->count[hash]++;
 }
 
-/* Gives the next amount to as many plants of the slot as the budget allows: those with the smallest hashes. */
-static uint64_t fill_share(struct lod_planning *p, struct lod_entry *entry, uint64_t left, struct hashes *hashes)
+/* Gives the next hull point to as many plants of the slot as the budget allows: those with the smallest hashes. */
+static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint64_t left, struct hashes *hashes)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	uint64_t next = entry_next(p, entry, entry->vertices);
@@ -72,7 +72,7 @@ static uint64_t fill_share(struct lod_planning *p, struct lod_entry *entry, uint
 	memset(hashes, 0, sizeof *hashes);
 	hashes->anchor = slot->anchor;
 	hashes->band = slot->band;
-	lod_visible_each(&p->visible, slot->plant, p->gates, collect_hash, hashes);
+	lod_visible_tree_each(&p->visible, slot->plant, p->gates, collect_hash, hashes);
 	uint32_t share = 0;
 	while (share < ECO_SHARE_ONE && plants + hashes->count[share] <= most)
 		plants += hashes->count[share++];
@@ -84,10 +84,10 @@ static uint64_t fill_share(struct lod_planning *p, struct lod_entry *entry, uint
 }
 
 /* Spends what is left by gain per vertex: first on whole slots, then on shares of them. */
-enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
+enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 {
 	uint64_t left = p->input->request->vertices - p->vertices;
-	struct lod_candidate *heap = malloc((p->entry_count + 1) * sizeof *heap);
+	struct lod_heap_item *heap = malloc((p->entry_count + 1) * sizeof *heap);
 	struct hashes *hashes = malloc(sizeof *hashes);
 	uint32_t count = 0;
 	if (!heap || !hashes) {
@@ -98,7 +98,7 @@ enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error)
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		uint64_t target = entry_target(p, &p->entries[i]);
 		if (target != UINT64_MAX)
-			heap[count++] = (struct lod_candidate){ entry_gain(p, &p->entries[i], target), i };
+			heap[count++] = (struct lod_heap_item){ entry_gain(p, &p->entries[i], target), i };
 	}
 	lod_heap_make(heap, count);
 	while (count && left) {

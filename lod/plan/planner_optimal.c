@@ -1,14 +1,14 @@
 /* One objective, expected wrong pixels, under one budget.
  *
  * Everything has an expected error, from its ladder's measured curve or its summary's, over the pixels of it that are seen. Seen shares
- * are found first, once and without looking at the budget (lod/plan/visibility.h), and then held fixed: so the objective is a sum, and at a price
- * of a vertex each of its terms is minimised by itself (lod/plan/allocation.h). Of a fixed grid of prices the one is found that uses the budget: that
- * decides gates and open tiles. Then, for these, the price is found that uses the budget (lod/plan/budget.h); where the next price's gates
+ * are found first, once and without looking at the budget (lod/plan/visibility.h), and then held fixed: so the objective is a sum, and at a lambda
+ * of a vertex each of its terms is minimised by itself (lod/plan/allocation.h). Of a fixed grid of lambdas the one is found that uses the budget: that
+ * decides gates and open tiles. Then, for these, the lambda is found that uses the budget (lod/plan/fill_budget.h); where the next lambda's gates
  * and tiles leave less wrong with this budget, those are taken.
  *
- * What is wrong at a budget is read off the grid, where plans are the same whatever the budget: the grid's amounts never fall and its
- * errors never rise, and between two prices it is linear, as the lower convex hull of what can be had is. The picture that is
- * predicted is a function of that alone: pictures of a few prices, and what is between them. So more budget never predicts more. */
+ * What is wrong at a budget is read off the grid, where plans are the same whatever the budget: the grid's hull points never fall and its
+ * errors never rise, and between two lambdas it is linear, as the lower convex hull of what can be had is. The picture that is
+ * predicted is a function of that alone: pictures of a few lambdas, and what is between them. So more budget never predicts more. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -16,16 +16,16 @@
 #include <string.h>
 
 #include "lod/plan/allocation.h"
-#include "lod/plan/budget.h"
+#include "lod/plan/fill_budget.h"
 
-#define PRICES_PER_OCTAVE 2
-#define PRICE_HIGHEST 34         /* octaves: more pixels than a picture can have */
-#define PRICE_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then price 0 */
-#define PRICES_PER_MARK 4        /* between two whose pictures are looked at, at most */
-#define PRICE_TRIES 8            /* between two prices, for the one that uses the budget, ... */
-#define PRICE_SLACK 0.001        /* ... but for so much of it */
-#define SMALL_OFFERS 64u         /* scenes of fewer offers and tiles are small: */
-#define SMALL_REACH 6            /* so many prices on either side are tried, ... */
+#define LAMBDAS_PER_OCTAVE 2
+#define LAMBDA_HIGHEST 34         /* octaves: more pixels than a picture can have */
+#define LAMBDA_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then lambda 0 */
+#define LAMBDAS_PER_MARK 4        /* between two whose pictures are looked at, at most */
+#define LAMBDA_TRIES 8            /* between two lambdas, for the one that uses the budget, ... */
+#define LAMBDA_SLACK 0.001        /* ... but for so much of it */
+#define SMALL_LADDER_CHOICES 64u         /* scenes of fewer ladder choices and tiles are small: */
+#define SMALL_REACH 6            /* so many lambdas on either side are tried, ... */
 #define SMALL_PASSES 3           /* ... and each tile and gate the other way round so often at most */
 #define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
 #define CELLS_PX 1.0             /* ... and cells; further where the budget is larger than what there is */
@@ -35,47 +35,47 @@
 #define COARSEST -12
 #define PLACES_MOST 100000u      /* plants that one level looks at */
 
-static double price_at(int index)
+static double lambda_at(int index)
 {
-	if (index >= PRICE_COUNT)
+	if (index >= LAMBDA_COUNT)
 		return 0;
-	return ldexp(index % 2 ? 0.70710678118654752440 : 1, PRICE_HIGHEST - index / PRICES_PER_OCTAVE);
+	return ldexp(index % 2 ? 0.70710678118654752440 : 1, LAMBDA_HIGHEST - index / LAMBDAS_PER_OCTAVE);
 }
 
-static void begin_screen(struct lod_planning *p)
+static void begin_screen(struct lod_planner *p)
 {
 	lod_screen_init(&p->screen, &p->visible.eye, &p->input->request->view, p->scene->ground_count > 0);
 	p->visible.screen = &p->screen;
-	p->visible.bodies = lod_tables_bodies(p->tables);
+	p->visible.proxy_shapes = lod_plan_tables_proxy_shapes(p->tables);
 }
 
-/* ---- Down the prices ---- */
+/* ---- Down the lambdas ---- */
 
-struct level { double vertices, wrong; };                /* what a price comes to */
+struct level { double vertices, wrong; };                /* what a lambda comes to */
 
 struct mark { int at; struct level level; struct eco_prediction picture; };
 
 struct descent {
-	struct lod_market *market;
-	int first, last;             /* indices of prices at which anything is bought, and beyond which nothing more gains */
-	struct mark from, to;        /* the prices around the budget whose pictures are looked at */
+	struct lod_allocation *allocation;
+	int first, last;             /* indices of lambdas at which anything is bought, and beyond which nothing more gains */
+	struct mark from, to;        /* the lambdas around the budget whose pictures are looked at */
 	int index;                   /* the last that fits the budget */
-	struct level here, next;     /* there, and at the price after it */
+	struct level here, next;     /* there, and at the lambda after it */
 };
 
-/* The price after the last that something gains at is 0. */
-static int index_of(const struct descent *d, int at) { return at <= d->last ? at : PRICE_COUNT; }
-static int index_after(const struct descent *d, int index) { return index < d->last ? index + 1 : PRICE_COUNT; }
+/* The lambda after the last that something gains at is 0. */
+static int index_of(const struct descent *d, int at) { return at <= d->last ? at : LAMBDA_COUNT; }
+static int index_after(const struct descent *d, int index) { return index < d->last ? index + 1 : LAMBDA_COUNT; }
 
 static void find_ends(struct descent *d)
 {
 	double high, low;
-	lod_market_prices(d->market, &high, &low);
+	lod_allocation_lambdas(d->allocation, &high, &low);
 	d->first = 1;
-	while (d->first < PRICE_COUNT - 1 && price_at(d->first) > high)
+	while (d->first < LAMBDA_COUNT - 1 && lambda_at(d->first) > high)
 		d->first++;
 	d->last = d->first;
-	while (d->last < PRICE_COUNT - 1 && price_at(d->last) > low)
+	while (d->last < LAMBDA_COUNT - 1 && lambda_at(d->last) > low)
 		d->last++;
 }
 
@@ -83,18 +83,18 @@ static double within(double value, double least, double most) { return value < l
 
 static double wrong_of(const struct eco_prediction *picture) { return picture->fp + picture->fn; }
 
-/* What a price comes to, and its picture: neither worse than what is before it nor better than what is after. */
+/* What a lambda comes to, and its picture: neither worse than what is before it nor better than what is after. */
 static enum eco_code look_at(struct descent *d, int at, const struct mark *before, const struct mark *after, bool picture, struct mark *mark,
 	struct eco_error *error)
 {
-	struct lod_market *m = d->market;
+	struct lod_allocation *m = d->allocation;
 	enum eco_code code = ECO_OK;
 	*mark = (struct mark){ .at = at, .picture = before->picture };
-	lod_market_price(m, price_at(index_of(d, at)));
+	lod_allocation_relax(m, lambda_at(index_of(d, at)));
 	mark->level.vertices = within(m->cost.vertices, before->level.vertices, after->level.vertices);
 	mark->level.wrong = within(m->cost.fp + m->cost.fn, after->level.wrong, before->level.wrong);
 	if (picture)
-		code = lod_market_expect(m, &mark->picture, error);
+		code = lod_allocation_predict(m, &mark->picture, error);
 	if (wrong_of(&mark->picture) > wrong_of(&before->picture))
 		mark->picture = before->picture;
 	if (wrong_of(&mark->picture) < wrong_of(&after->picture))
@@ -102,7 +102,7 @@ static enum eco_code look_at(struct descent *d, int at, const struct mark *befor
 	return code;
 }
 
-/* The price to look at next: in the middle. But the dearest is only a bound: as long as nothing is bought there, much cheaper ones. */
+/* The lambda to look at next: in the middle. But the dearest is only a bound: as long as nothing is bought there, much cheaper ones. */
 static int between_marks(const struct descent *d, const struct mark *here, const struct mark *next)
 {
 	int width = next->at - here->at;
@@ -110,11 +110,11 @@ static int between_marks(const struct descent *d, const struct mark *here, const
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
-/* By dividing what is between nothing and everything. What a price comes to depends on the marks around it and on the view, not on the
- * budget. Most prices are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
+/* By dividing what is between nothing and everything. What a lambda comes to depends on the marks around it and on the view, not on the
+ * budget. Most lambdas are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
 static enum eco_code descend(struct descent *d, uint64_t budget, struct eco_error *error)
 {
-	const struct mark nothing = { .level = { 0, d->market->stalls[0].worth }, .picture = { .fp = INFINITY } };
+	const struct mark nothing = { .level = { 0, d->allocation->tile_choices[0].weight_px }, .picture = { .fp = INFINITY } };
 	const struct mark everything = { .level = { INFINITY, 0 } };
 	struct mark here = nothing, next = everything, middle;
 	find_ends(d);
@@ -127,7 +127,7 @@ static enum eco_code descend(struct descent *d, uint64_t budget, struct eco_erro
 	if (next.level.vertices <= (double)budget)
 		d->from = here = next;
 	while (!code && next.at - here.at > 1) {
-		bool wide = next.at - here.at > PRICES_PER_MARK;
+		bool wide = next.at - here.at > LAMBDAS_PER_MARK;
 		code = look_at(d, between_marks(d, &here, &next), &here, &next, wide, &middle, error);
 		*(middle.level.vertices <= (double)budget ? &here : &next) = middle;
 		if (wide) {
@@ -155,56 +155,56 @@ static void predict(const struct descent *d, uint64_t budget)
 	double wrong = d->here.wrong + (part > 1 ? 1 : part) * (d->next.wrong - d->here.wrong);
 	room = d->from.level.wrong - d->to.level.wrong;
 	part = room > 0 ? (d->from.level.wrong - wrong) / room : 1;
-	struct eco_prediction picture = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part), *least = &d->market->p->prediction;
+	struct eco_prediction picture = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part), *least = &d->allocation->p->prediction;
 	*least = wrong_of(&picture) < wrong_of(least) ? picture : *least;
 }
 
-/* ---- Amounts for the structure of a price ---- */
+/* ---- Amounts for the structure of a lambda ---- */
 
-static double closed_wrong(const struct lod_market *m)
+static double closed_wrong(const struct lod_allocation *m)
 {
 	double sum = 0;
-	const struct lod_visible *visible = &m->p->visible;
+	const struct lod_visible_tree *visible = &m->p->visible;
 	for (uint32_t n = 0; n < visible->node_count; n++)
 		if (visible->nodes[n].state == LOD_CLOSED)
-			sum += m->stalls[n].weight * m->stalls[n].worth;
+			sum += m->tile_choices[n].weight * m->tile_choices[n].weight_px;
 	return sum;
 }
 
-/* What the structure of a price leaves wrong with all of the budget: infinitely much where it does not fit. */
-static enum eco_code try_structure(const struct descent *d, double price, uint64_t budget, struct lod_spend *spend, double *wrong,
+/* What the structure of a lambda leaves wrong with all of the budget: infinitely much where it does not fit. */
+static enum eco_code try_structure(const struct descent *d, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
 	struct eco_error *error)
 {
-	lod_market_price(d->market, price);
-	lod_market_settle(d->market);
-	enum eco_code code = lod_spend_make(spend, d->market, error);
+	lod_allocation_relax(d->allocation, lambda);
+	lod_allocation_fix(d->allocation);
+	enum eco_code code = lod_fill_make(fill, d->allocation, error);
 	if (code)
 		return code;
-	lod_spend_search(spend, fmax(price, price_at(d->last)), budget);
-	*wrong = spend->vertices <= budget ? spend->wrong + closed_wrong(d->market) : INFINITY;
+	lod_fill_search(fill, fmax(lambda, lambda_at(d->last)), budget);
+	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(d->allocation) : INFINITY;
 	return ECO_OK;
 }
 
 struct found { int index; double wrong; };
 
-/* Structures of prices around the one that fits: the next, and in small scenes, where steps are large and what is left over may matter as
+/* Structures of lambdas around the one that fits: the next, and in small scenes, where steps are large and what is left over may matter as
  * much, some more. */
-static enum eco_code try_prices(const struct descent *d, uint64_t budget, int reach, struct found *found, struct eco_error *error)
+static enum eco_code try_lambdas(const struct descent *d, uint64_t budget, int reach, struct found *found, struct eco_error *error)
 {
 	int from = d->index - reach + 1 > d->first - 1 ? d->index - reach + 1 : d->first - 1, tried = -1;
 	enum eco_code code = ECO_OK;
-	from = d->index == PRICE_COUNT ? d->index : from < d->last ? from : d->last;
-	for (int i = from, count = 0; !code && count < 2 * reach && tried != PRICE_COUNT; i = index_after(d, i), count++) {
-		struct lod_spend spend = { 0 };
+	from = d->index == LAMBDA_COUNT ? d->index : from < d->last ? from : d->last;
+	for (int i = from, count = 0; !code && count < 2 * reach && tried != LAMBDA_COUNT; i = index_after(d, i), count++) {
+		struct lod_fill fill = { 0 };
 		double wrong = INFINITY;
-		code = try_structure(d, price_at(tried = i), budget, &spend, &wrong, error);
+		code = try_structure(d, lambda_at(tried = i), budget, &fill, &wrong, error);
 		if (!code && reach > 1 && wrong < INFINITY) {
-			code = lod_spend_finish(&spend, budget, true, error);
-			wrong = spend.wrong + closed_wrong(d->market);
+			code = lod_fill_finish(&fill, budget, true, error);
+			wrong = fill.wrong + closed_wrong(d->allocation);
 		}
 		if (!code && wrong < found->wrong)
 			*found = (struct found){ i, wrong };
-		lod_spend_free(&spend);
+		lod_fill_free(&fill);
 	}
 	return code;
 }
@@ -213,7 +213,7 @@ static enum eco_code try_prices(const struct descent *d, uint64_t budget, int re
 static enum eco_code try_held(const struct descent *d, uint64_t budget, struct found *found, bool *better, struct eco_error *error)
 {
 	struct found other = *found;
-	enum eco_code code = try_prices(d, budget, SMALL_REACH, &other, error);
+	enum eco_code code = try_lambdas(d, budget, SMALL_REACH, &other, error);
 	*better = other.wrong < found->wrong;
 	*found = other;
 	return code;
@@ -222,20 +222,20 @@ static enum eco_code try_held(const struct descent *d, uint64_t budget, struct f
 /* Each tile the other way round. */
 static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
 {
-	struct lod_market *m = d->market;
+	struct lod_allocation *m = d->allocation;
 	enum eco_code code = ECO_OK;
 	for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
-		struct lod_stall *stall = &m->stalls[n];
-		enum lod_held held = stall->held;
+		struct lod_tile_choice *choice = &m->tile_choices[n];
+		enum lod_held held = choice->held;
 		bool better;
-		if (!stall->open || !stall->summary)
+		if (!choice->open || !choice->summary)
 			continue;
-		lod_market_price(m, price_at(found->index));
-		stall->held = stall->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
+		lod_allocation_relax(m, lambda_at(found->index));
+		choice->held = choice->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
 		code = try_held(d, budget, found, &better, error);
 		*any = *any || better;
 		if (!better)
-			stall->held = held;
+			choice->held = held;
 	}
 	return code;
 }
@@ -243,13 +243,13 @@ static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct 
 /* Each plant's gate at each of its bands. */
 static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
 {
-	struct lod_market *m = d->market;
+	struct lod_allocation *m = d->allocation;
 	enum eco_code code = ECO_OK;
 	for (uint32_t plant = 0; plant < m->p->scene->plant_count; plant++)
 		for (uint32_t gate = 0; !code && gate <= m->gates_most[plant]; gate++) {
 			uint16_t held = m->gates_held[plant];
 			bool better;
-			if (m->gates_most[plant] == 0 || (gate > 0 && lod_market_whole(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
+			if (m->gates_most[plant] == 0 || (gate > 0 && lod_allocation_slot(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
 				continue;
 			m->gates_held[plant] = (uint16_t)(gate + 1);
 			code = try_held(d, budget, found, &better, error);
@@ -261,14 +261,14 @@ static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct 
 }
 
 /* In small scenes one tile more or less matters: each the other way round, as long as that is better. Amounts of summaries are all computed
- * before: so a price comes to the same whenever it is asked. */
+ * before: so a lambda comes to the same whenever it is asked. */
 static enum eco_code try_small(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
 {
-	struct lod_market *m = d->market;
+	struct lod_allocation *m = d->allocation;
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->stalls[n].summary)
-			lod_points_all(&m->stalls[n].points);
-	enum eco_code code = try_prices(d, budget, SMALL_REACH, found, error);
+		if (m->tile_choices[n].summary)
+			lod_summary_hull_complete(&m->tile_choices[n].points);
+	enum eco_code code = try_lambdas(d, budget, SMALL_REACH, found, error);
 	bool better = true;
 	for (int pass = 0; !code && better && pass < SMALL_PASSES; pass++) {
 		better = false;
@@ -279,19 +279,19 @@ static enum eco_code try_small(const struct descent *d, uint64_t budget, struct 
 	return code;
 }
 
-/* The price that uses the budget. Prices of the grid lie so far apart that from one to the next many tiles open and many gates rise at once;
+/* The lambda that uses the budget. Prices of the grid lie so far apart that from one to the next many tiles open and many gates rise at once;
  * along this one they do so one after the other, as a camera moves. */
-static double exact_price(const struct descent *d, uint64_t budget)
+static double exact_lambda(const struct descent *d, uint64_t budget)
 {
-	double high = price_at(d->index), low = price_at(index_after(d, d->index)), enough = (double)budget;
+	double high = lambda_at(d->index), low = lambda_at(index_after(d, d->index)), enough = (double)budget;
 	double unused = enough - d->here.vertices, under = unused, over = d->next.vertices - enough;
 	int side = 0;
-	for (int i = 0; i < PRICE_TRIES && low > 0 && unused > enough * PRICE_SLACK; i++) {
+	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK; i++) {
 		double part = under / (under + over);
 		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
 		double middle = high * lod_exp_minus(part * lod_log(high / low));
-		lod_market_price(d->market, middle);
-		double left = enough - d->market->cost.vertices;
+		lod_allocation_relax(d->allocation, middle);
+		double left = enough - d->allocation->cost.vertices;
 		if (left >= 0) {
 			high = middle;
 			under = unused = left;
@@ -307,26 +307,26 @@ static double exact_price(const struct descent *d, uint64_t budget)
 	return high;
 }
 
-static enum eco_code spend_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
+static enum eco_code fill_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
 {
-	struct lod_market *m = d->market;
-	struct lod_spend spend = { 0 };
+	struct lod_allocation *m = d->allocation;
+	struct lod_fill fill = { 0 };
 	struct found found = { d->index, INFINITY };
-	bool small = m->sharp && m->offer_count < SMALL_OFFERS && m->p->visible.node_count < SMALL_OFFERS;
+	bool small = m->sharp && m->ladder_choice_count < SMALL_LADDER_CHOICES && m->p->visible.node_count < SMALL_LADDER_CHOICES;
 	double wrong;
 	enum eco_code code = small ? try_small(d, budget, &found, error) : ECO_OK;
 	if (!code)
-		code = try_structure(d, small || d->index == PRICE_COUNT ? price_at(found.index) : exact_price(d, budget), budget, &spend, &wrong, error);
-	if (!code && !(wrong < INFINITY)) {  /* amounts are whole: what a price comes to in the mean may not fit; nothing does */
-		lod_spend_free(&spend);
-		code = try_structure(d, price_at(d->first - 1), budget, &spend, &wrong, error);
+		code = try_structure(d, small || d->index == LAMBDA_COUNT ? lambda_at(found.index) : exact_lambda(d, budget), budget, &fill, &wrong, error);
+	if (!code && !(wrong < INFINITY)) {  /* hull points are whole: what a lambda comes to in the mean may not fit; nothing does */
+		lod_fill_free(&fill);
+		code = try_structure(d, lambda_at(d->first - 1), budget, &fill, &wrong, error);
 	}
-	m->p->converged = spend.converged;
+	m->p->converged = fill.converged;
 	if (!code)
-		code = lod_spend_finish(&spend, budget, small, error);
-	m->p->cheapest = spend.cheapest;
-	m->p->wrong = spend.wrong + closed_wrong(m);
-	lod_spend_free(&spend);
+		code = lod_fill_finish(&fill, budget, small, error);
+	m->p->cheapest = fill.cheapest;
+	m->p->wrong = fill.wrong + closed_wrong(m);
+	lod_fill_free(&fill);
 	return code;
 }
 
@@ -334,20 +334,20 @@ static enum eco_code spend_budget(const struct descent *d, uint64_t budget, stru
 
 /* A level predicts only where the budget holds everything of those before it: so the least that any of them expects to be wrong does not rise with a
  * budget. */
-static enum eco_code plan_level(struct lod_planning *p, bool *predicts, struct eco_error *error)
+static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct eco_error *error)
 {
-	struct lod_market market;
-	struct descent d = { .market = &market };
+	struct lod_allocation allocation;
+	struct descent d = { .allocation = &allocation };
 	uint64_t budget = p->input->request->vertices;
-	enum eco_code code = lod_market_make(&market, p, error);
+	enum eco_code code = lod_allocation_make(&allocation, p, error);
 	if (!code)
 		code = descend(&d, budget, error);
 	if (!code && *predicts)
 		predict(&d, budget);
-	*predicts = *predicts && d.index == PRICE_COUNT;
+	*predicts = *predicts && d.index == LAMBDA_COUNT;
 	if (!code)
-		code = spend_budget(&d, budget, error);
-	lod_market_free(&market);
+		code = fill_budget(&d, budget, error);
+	lod_allocation_free(&allocation);
 	return code;
 }
 
@@ -357,20 +357,20 @@ static int octaves(int level)
 	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level : SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
 }
 
-static enum eco_code open_level(struct lod_planning *p, int level, struct eco_error *error)
+static enum eco_code open_level(struct lod_planner *p, int level, struct eco_error *error)
 {
 	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, octaves(level));
-	/* sights of tiles are made anew at each level; those of plants stay, and are the first */
+	/* visibilities of tiles are made anew at each level; those of plants stay, and are the first */
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < p->screen.count; i++)
-		if (p->screen.sights[i].slot != ECO_NONE)
-			p->screen.sights[kept++] = p->screen.sights[i];
+		if (p->screen.visibilities[i].slot != ECO_NONE)
+			p->screen.visibilities[kept++] = p->screen.visibilities[i];
 	p->screen.count = kept;
-	return lod_planning_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
+	return lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
 }
 
 /* Is there anything that the level did not look at? */
-static bool complete(const struct lod_planning *p)
+static bool complete(const struct lod_planner *p)
 {
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_SUMMARY)
@@ -386,7 +386,7 @@ static bool complete(const struct lod_planning *p)
 
 /* The finest level from `level` on towards coarser ones that is not too large to look at. From a walker's eyes to the horizon there may be
  * millions of plants, nearly all hidden or smaller than a pixel: their tiles are told apart only as far as time allows. */
-static enum eco_code open_possible(struct lod_planning *p, int *level, struct eco_error *error)
+static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	for (;; --*level) {
 		struct eco_error local = { 0 };
@@ -396,19 +396,19 @@ static enum eco_code open_possible(struct lod_planning *p, int *level, struct ec
 		if (code != ECO_TOO_LARGE || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 		p->screen.count = 0;
-		code = lod_visible_restart(&p->visible, error);
+		code = lod_visible_tree_restart(&p->visible, error);
 		if (code)
 			return code;
 	}
 }
 
-enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error)
+enum eco_code lod_planner_look(struct lod_planner *p, uint32_t level, struct eco_error *error)
 {
 	begin_screen(p);
 	return open_level(p, (int)level + COARSEST, error);
 }
 
-enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error)
+enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error)
 {
 	int level = 0, asked = 0;
 	begin_screen(p);

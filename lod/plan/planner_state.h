@@ -1,5 +1,5 @@
 /* Inside the planner: what its files share. By the rule that was asked for, planner_deussen.c with planner_fill.c, or planner_optimal.c with
- * allocation.c (what things gain and cost) and budget.c (down to the last vertex) find the amounts; planner_emit.c writes
+ * allocation.c (what things gain and cost) and budget.c (down to the last vertex) find the hull points; planner_emit.c writes
  * the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
 #ifndef LOD_PLANNER_STATE_H
 #define LOD_PLANNER_STATE_H
@@ -25,12 +25,12 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	double among;                /* how much less a pixel too many of it weighs than one that is missing: 0 alone, towards 1 among others */
 };
 
-struct lod_planning {
+struct lod_planner {
 	const struct lod_planner_input *input;
 	const struct eco_scene *scene;
-	struct lod_visible visible;
+	struct lod_visible_tree visible;
 	uint32_t *gates;             /* per plant: where it ends, see struct eco_gate */
-	struct lod_tables *tables, *own;     /* the input's; or its own */
+	struct lod_plan_tables *tables, *own;     /* the input's; or its own */
 	struct lod_entry *entries;
 	uint32_t entry_count, entry_capacity;
 	uint64_t vertices;
@@ -45,45 +45,45 @@ struct lod_planning {
 };
 
 /* `input` must outlive p, which is to be ended whatever comes of it. */
-enum eco_code lod_planning_begin(struct lod_planning *p, const struct lod_planner_input *input, struct eco_error *error);
-void lod_planning_end(struct lod_planning *p);
+enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error);
+void lod_planner_end(struct lod_planner *p);
 
 /* Opens tiles, and plants' cells, as sample distances d' need them, and counts plants: sets gates and slots. */
-enum eco_code lod_planning_open(struct lod_planning *p, double tiles_distance, double cells_distance, struct eco_error *error);
+enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, double cells_distance, struct eco_error *error);
 
-enum eco_code lod_planning_add(struct lod_planning *p, const struct lod_entry *entry, struct eco_error *error);
+enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error);
 
 /* The two rules: entries and vertices within the budget. */
-enum eco_code lod_planning_deussen(struct lod_planning *p, double *sample_distance, struct eco_error *error);
-enum eco_code lod_planning_optimal(struct lod_planning *p, struct eco_error *error);
-/* Only looks, at a level as lod_planner_stats names it: then a market can be made of it (for tests). */
-enum eco_code lod_planning_look(struct lod_planning *p, uint32_t level, struct eco_error *error);
+enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error);
+enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error);
+/* Only looks, at a level as lod_planner_stats names it: then a allocation can be made of it (for tests). */
+enum eco_code lod_planner_look(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
 /* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
-enum eco_code lod_planning_fill(struct lod_planning *p, struct eco_error *error);
+enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);
 
 /* The plan of the entries as they are; `sample_distance` is only reported. */
-enum eco_code lod_planning_emit(const struct lod_planning *p, double sample_distance, struct eco_plan *plan, struct eco_error *error);
+enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distance, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
-struct eco_curve lod_planning_curve(const struct lod_planning *p, const struct lod_entry *entry, uint64_t vertices);
+struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices);
 
 /* How many of a plant's instances in a band are before its gate, as a share. */
-static inline double lod_planning_near(const struct lod_planning *p, uint32_t plant, uint8_t band)
+static inline double lod_planner_near(const struct lod_planner *p, uint32_t plant, uint8_t band)
 {
 	double share = ((double)p->gates[plant] - eco_gate_place(band, 0)) / ECO_SHARE_ONE;
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-/* Of a ladder that is in an entry or an offer. */
-static inline const struct lod_way *lod_planning_way(const struct lod_planning *p, uint32_t ladder)
+/* Of a ladder that is in an entry or an ladder choice. */
+static inline const struct lod_way *lod_planner_way(const struct lod_planner *p, uint32_t ladder)
 {
-	const struct lod_tables_ladder *table = lod_tables_ladder(p->tables, ladder);
+	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, ladder);
 	assert(table);
 	return &table->way;
 }
 
-static inline uint64_t lod_planning_count(const struct eco_scene *scene, uint32_t list)
+static inline uint64_t lod_planner_count(const struct eco_scene *scene, uint32_t list)
 {
 	return list == ECO_NONE ? 0 : scene->lists[list].primitive_count;
 }

@@ -38,7 +38,7 @@ double lod_summary_outside(const struct lod_summary_view *view, double n)
 {
 	double region = view->wide * view->high, splat = view->area / n, side = sqrt(splat);
 	double ring = (view->wide + side) * (view->high + side) - region;
-	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring, n) / view->worth : 0;
+	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring, n) / view->weight_px : 0;
 }
 
 /* A splat's centre is on a plant, and each plant has its part of the splats. Of a splat's area, what lies in the plant's crown covers it and its

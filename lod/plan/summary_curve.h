@@ -12,7 +12,7 @@ struct lod_summary_view {
 	double plants;               /* how many */
 	double points;               /* N */
 	double wide, high;           /* of the tile in the picture, where its splats fill each other's gaps; 0: not known */
-	double worth;                /* what it counts that nothing of it is drawn; above 0 where wide and high are known */
+	double weight_px;                /* what it counts that nothing of it is drawn; above 0 where wide and high are known */
 };
 /* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);

@@ -7,65 +7,65 @@
 
 #define LAST_STEP 64             /* the last step of a summary gains this much less a vertex than all of them do: seldom less */
 
-static bool knows(const struct lod_points *points, uint32_t i) { return points->known >> i & 1; }
+static bool knows(const struct lod_summary_hull *points, uint32_t i) { return points->known >> i & 1; }
 
-static double error_of(const struct lod_points *points, uint32_t i) { return lod_steps_error(&points->steps, &points->samples[i]); }
+static double error_of(const struct lod_summary_hull *points, uint32_t i) { return lod_hull_error(&points->hull, &points->samples[i]); }
 
-double lod_points_missed(const struct lod_points *points, double fn)
+double lod_summary_hull_missed(const struct lod_summary_hull *points, double fn)
 {
-	double missed = (fn / points->pixels - LOD_OWNER_WORTH) / (1 - LOD_OWNER_WORTH);
+	double missed = (fn / points->pixels - LOD_OWNER_WEIGHT) / (1 - LOD_OWNER_WEIGHT);
 	return missed < 0 ? 0 : missed < 1 ? missed : 1;
 }
 
-uint32_t lod_points_count(double points)
+uint32_t lod_summary_hull_count(double points)
 {
 	uint32_t count = 1;
-	while (count < LOD_POINTS_SAMPLES_MAX && (uint64_t)points >> count)
+	while (count < LOD_SUMMARY_HULL_SAMPLES_MAX && (uint64_t)points >> count)
 		count++;
 	return count;
 }
 
-static void compute(struct lod_points *points, uint32_t i)
+static void compute(struct lod_summary_hull *points, uint32_t i)
 {
-	struct lod_amount *sample = &points->samples[i];
+	struct lod_hull_point *sample = &points->samples[i];
 	double n = points->part * (double)sample->vertices;
 	struct eco_curve curve = lod_summary_curve(&points->view, n);
 	sample->fp = points->pixels * curve.fp + lod_summary_outside(&points->view, n);
-	sample->fn = points->pixels * (curve.fn + LOD_OWNER_WORTH * (1 - curve.fn));
+	sample->fn = points->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
 	points->known |= 1u << i;
 	++*points->gains;
 }
 
-static void make_hull(struct lod_points *points)
+static void make_hull(struct lod_summary_hull *points)
 {
-	struct lod_steps *steps = &points->steps;
-	steps->amounts[0] = (struct lod_amount){ .fn = 1 };
-	steps->count = 1;
+	struct lod_hull *hull = &points->hull;
+	hull->points[0] = (struct lod_hull_point){ .fn = 1 };
+	hull->count = 1;
 	for (uint32_t i = 0; i < points->count; i++)
 		if (knows(points, i))
-			steps->amounts[steps->count++] = points->samples[i];
-	lod_steps_hull(steps, 1);
+			hull->points[hull->count++] = points->samples[i];
+	lod_hull_reduce(hull, 1);
 }
 
-void lod_points_begin(struct lod_points *points, const struct lod_summary_view *view, double part, double pixels, double extra,
-	struct lod_amount *room, uint64_t *gains)
+void lod_summary_hull_begin(struct lod_summary_hull *points, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
+	struct lod_hull_point *room, uint64_t *gains)
 {
-	uint32_t count = lod_points_count(view->points);
-	*points = (struct lod_points){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
-		.steps = { room + count, 1, extra }, .gains = gains };
+	uint32_t count = lod_summary_hull_count(view->points);
+	*points = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
+		.hull = { room + count, 1, fp_weight }, .gains = gains };
 	for (uint32_t i = 0; i < count; i++)
-		room[i] = (struct lod_amount){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
+		room[i] = (struct lod_hull_point){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
 	compute(points, count - 1);
 	make_hull(points);
 }
 
-/* The least of what is left wrong and what is paid, of all known amounts. */
-static double least_known(const struct lod_points *points, double price)
+/* The least of what is left wrong and what is paid, of all known hull points. */
+static double least_known(const struct lod_summary_hull *points, double lambda)
 {
 	double least = 1;
-	for (uint32_t i = 1; i < points->steps.count; i++) {
-		const struct lod_amount *amount = &points->steps.amounts[i];
-		least = fmin(least, lod_steps_error(&points->steps, amount) + price * (double)amount->vertices);
+	for (uint32_t i = 1; i < points->hull.count; i++) {
+		const struct lod_hull_point *point = &points->hull.points[i];
+		least = fmin(least, lod_hull_error(&points->hull, point) + lambda * (double)point->vertices);
 	}
 	return least;
 }
@@ -74,14 +74,14 @@ static double least_known(const struct lod_points *points, double price)
 struct gap { double least; uint32_t first, end; };
 
 /* The one that may hold the least. */
-static struct gap best_gap(const struct lod_points *points, double price)
+static struct gap best_gap(const struct lod_summary_hull *points, double lambda)
 {
 	struct gap best = { .least = INFINITY };
 	for (uint32_t end = 0, first = 0; end < points->count; end++) {
 		if (!knows(points, end))
 			continue;
 		if (first < end) {
-			double least = error_of(points, end) + price * (double)points->samples[first].vertices;
+			double least = error_of(points, end) + lambda * (double)points->samples[first].vertices;
 			if (least < best.least)
 				best = (struct gap){ least, first, end };
 		}
@@ -90,29 +90,29 @@ static struct gap best_gap(const struct lod_points *points, double price)
 	return best;
 }
 
-double lod_points_most(const struct lod_points *points, double price)
+double lod_summary_hull_gain_most(const struct lod_summary_hull *points, double lambda)
 {
-	return 1 - fmin(best_gap(points, price).least, least_known(points, price));
+	return 1 - fmin(best_gap(points, lambda).least, least_known(points, lambda));
 }
 
-static bool step_at(struct lod_points *points, double price)
+static bool step_at(struct lod_summary_hull *points, double lambda)
 {
-	struct gap gap = best_gap(points, price);
-	if (!(gap.least < least_known(points, price)))
+	struct gap gap = best_gap(points, lambda);
+	if (!(gap.least < least_known(points, lambda)))
 		return false;
-	/* few points show worse than nothing: from an eighth of them on it is mostly known that no smaller amount counts */
+	/* few points show worse than nothing: from an eighth of them on it is mostly known that no smaller hull point counts */
 	compute(points, gap.end - gap.first > 3 ? gap.end - 3 : gap.end - (gap.end - gap.first + 1) / 2);
 	make_hull(points);
 	return true;
 }
 
-/* Steps that are taken in part are those around the price. */
-bool lod_points_step(struct lod_points *points, double price)
+/* Steps that are taken in part are those around the lambda. */
+bool lod_summary_hull_refine(struct lod_summary_hull *points, double lambda)
 {
-	return price > 0 && (step_at(points, price) || step_at(points, price * LOD_STEPS_BLUR) || step_at(points, price / LOD_STEPS_BLUR));
+	return lambda > 0 && (step_at(points, lambda) || step_at(points, lambda * LOD_HULL_BLUR) || step_at(points, lambda / LOD_HULL_BLUR));
 }
 
-void lod_points_all(struct lod_points *points)
+void lod_summary_hull_complete(struct lod_summary_hull *points)
 {
 	for (uint32_t i = 0; i < points->count; i++)
 		if (!knows(points, i))
@@ -120,7 +120,7 @@ void lod_points_all(struct lod_points *points)
 	make_hull(points);
 }
 
-void lod_points_prices(const struct lod_points *points, double *high, double *low)
+void lod_summary_hull_lambdas(const struct lod_summary_hull *points, double *high, double *low)
 {
 	double saved = fmax(0, 1 - error_of(points, points->count - 1));
 	*high = saved / (double)points->samples[0].vertices;

@@ -60,14 +60,14 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 
 void lod_screen_free(struct lod_screen *screen)
 {
-	free(screen->sights);
+	free(screen->visibilities);
 	*screen = (struct lod_screen){ 0 };
 }
 
-double lod_body_opacity(const struct lod_body *body)
+double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape)
 {
-	double ellipse = PI * body->crown_across * body->crown_up;
-	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * body->area / ellipse) : 0;
+	double ellipse = PI * proxy_shape->crown_across * proxy_shape->crown_up;
+	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * proxy_shape->area / ellipse) : 0;
 }
 
 struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
@@ -83,40 +83,40 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
 	return sqrt(upright * upright + level * level);
 }
 
-/* The square of how far away a body is, in its own radii: below 1 the eye is within its ellipsoid. */
-static double apart(const double d[3], const struct lod_body *body)
+/* The square of how far away a proxy shape is, in its own radii: below 1 the eye is within its ellipsoid. */
+static double apart(const double d[3], const struct lod_proxy_shape *proxy_shape)
 {
-	double across = body->across > 0 ? body->across : body->up, up = body->up > 0 ? body->up : body->across;
+	double across = proxy_shape->across > 0 ? proxy_shape->across : proxy_shape->up, up = proxy_shape->up > 0 ? proxy_shape->up : proxy_shape->across;
 	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
 }
 
-struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body)
+struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_proxy_shape *proxy_shape)
 {
-	if (!eco_room(&screen->sights, &screen->capacity, screen->count, sizeof *screen->sights))
+	if (!eco_room(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities))
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	double ahead = lod_dot(eye->forward, d), size = fmax(body->across, body->up), closest = 0.25 * size;
+	double ahead = lod_dot(eye->forward, d), size = fmax(proxy_shape->across, proxy_shape->up), closest = 0.25 * size;
 	bool beside = ahead <= closest;
-	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1, within = size > 0 ? lod_exp_minus(apart(d, body)) : 0;
+	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1, within = size > 0 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
 	within = !beside ? within + (1 - within) * before : size > 0 ? within * fmax(0, (ahead + size) / (closest + size)) : 0;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
-	double tall = lod_tilt_height(&tilt, body->across, body->up), high = lod_tilt_height(&tilt, body->crown_across, body->crown_up);
+	double tall = lod_tilt_height(&tilt, proxy_shape->across, proxy_shape->up), high = lod_tilt_height(&tilt, proxy_shape->crown_across, proxy_shape->crown_up);
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
-	struct lod_body seen = { .area = body->area, .crown_across = body->crown_across, .crown_up = high };
-	struct lod_sight *sight = &screen->sights[screen->count++];
+	struct lod_proxy_shape seen = { .area = proxy_shape->area, .crown_across = proxy_shape->crown_across, .crown_up = high };
+	struct lod_visibility *visibility = &screen->visibilities[screen->count++];
 	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
-	*sight = (struct lod_sight){ .x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
-		.reach_x = (float)(BOX * body->across * columns), .reach_y = (float)(BOX * tall * rows),
-		.crown_y = (float)(y - body->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * body->crown_across * columns),
+	*visibility = (struct lod_visibility){ .x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
+		.reach_x = (float)(BOX * proxy_shape->across * columns), .reach_y = (float)(BOX * tall * rows),
+		.crown_y = (float)(y - proxy_shape->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * proxy_shape->crown_across * columns),
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
-		.foot = (float)(y + body->up * tilt.upright * rows),
-		.opacity = (float)lod_body_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
+		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
+		.opacity = (float)lod_proxy_shape_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
 		.within = (float)within, .before = (float)before };
-	sight->ellipse = (float)(PI * body->crown_across * high * px * px);
-	sight->pixels = sight->opacity * sight->ellipse;
-	return sight;
+	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
+	visibility->pixels = visibility->opacity * visibility->ellipse;
+	return visibility;
 }
 
 /* Leaves of one crown stand along its twigs: a picture shows so much less of them than if they stood at random (forests: 0.5 to 0.7). */
@@ -150,16 +150,16 @@ static float inside(const struct span *s, int i)
 /* ---- Front to back ---- */
 
 /* The bits of depths, or ranges. */
-static uint32_t key_of(const struct lod_sight *sight, bool by_range)
+static uint32_t key_of(const struct lod_visibility *visibility, bool by_range)
 {
 	uint32_t bits;
-	memcpy(&bits, by_range ? &sight->range : &sight->depth, sizeof bits);
+	memcpy(&bits, by_range ? &visibility->range : &visibility->depth, sizeof bits);
 	return bits;
 }
 
 /* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result
  * is in `to`. */
-static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
+static void sort_visibilities(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
 {
 	uint32_t *spare = to;
 	for (uint32_t i = 0; i < screen->count; i++)
@@ -167,11 +167,11 @@ static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t
 	for (int shift = 0; shift < 33; shift += 11) {
 		uint32_t start[2049] = { 0 };
 		for (uint32_t i = 0; i < screen->count; i++)
-			start[(key_of(&screen->sights[i], by_range) >> shift & 2047) + 1]++;
+			start[(key_of(&screen->visibilities[i], by_range) >> shift & 2047) + 1]++;
 		for (int k = 0; k < 2047; k++)
 			start[k + 1] += start[k];
 		for (uint32_t i = 0; i < screen->count; i++)
-			spare[start[key_of(&screen->sights[order[i]], by_range) >> shift & 2047]++] = order[i];
+			spare[start[key_of(&screen->visibilities[order[i]], by_range) >> shift & 2047]++] = order[i];
 		uint32_t *swap = order;
 		order = spare;
 		spare = swap;
@@ -184,25 +184,25 @@ static void sort_sights(const struct lod_screen *screen, bool by_range, uint32_t
 /* Per cell: share of light let through so far, by leaves as they are and if they stood at random; per column: first row hidden by ground. */
 struct light { float *through, *clear, *horizon; };
 
-static struct span crown_across(const struct lod_screen *screen, const struct lod_sight *s)
+static struct span crown_across(const struct lod_screen *screen, const struct lod_visibility *s)
 {
 	return span_of(s->x, s->crown_reach_x, screen->columns);
 }
 
 /* What ground hides of a crown does not cover. */
-static struct span crown_down(const struct lod_screen *screen, const struct lod_sight *s)
+static struct span crown_down(const struct lod_screen *screen, const struct lod_visibility *s)
 {
 	struct span down = span_of(s->crown_y, s->crown_reach_y, screen->rows);
 	down.high = fminf(down.high, s->bottom);
 	return down;
 }
 
-/* Share of a sight's box that is in the picture and shows, given how much light comes through each cell. */
-static double show(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
+/* Share of a visibility's box that is in the picture and shows, given how much light comes through each cell. */
+static double show(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
-	struct span across = span_of(sight->x, sight->reach_x, screen->columns), down = span_of(sight->y, sight->reach_y, screen->rows);
+	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns), down = span_of(visibility->y, visibility->reach_y, screen->rows);
 	double seen = 0;
-	down.high = fminf(down.high, sight->bottom);
+	down.high = fminf(down.high, visibility->bottom);
 	for (int r = down.first; r < down.end; r++) {
 		const float *row = clear + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r)), sum = 0;
@@ -210,16 +210,16 @@ static double show(const struct lod_screen *screen, const struct lod_sight *sigh
 			sum += inside(&across, c) * row[c];
 		seen += (double)(height * sum);
 	}
-	double all = 4 * (double)sight->reach_x * (double)sight->reach_y;
-	return (all > seen ? seen / all : 1) * (double)sight->within;
+	double all = 4 * (double)visibility->reach_x * (double)visibility->reach_y;
+	return (all > seen ? seen / all : 1) * (double)visibility->within;
 }
 
-static void dim(const struct lod_screen *screen, const struct lod_sight *sight, const struct light *light)
+static void dim(const struct lod_screen *screen, const struct lod_visibility *visibility, const struct light *light)
 {
-	float opaque = sight->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)sight->opacity))) : 1;
-	float clear_of = sight->opacity * sight->before;
-	opaque *= sight->before;
-	struct span across = crown_across(screen, sight), down = crown_down(screen, sight);
+	float opaque = visibility->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)visibility->opacity))) : 1;
+	float clear_of = visibility->opacity * visibility->before;
+	opaque *= visibility->before;
+	struct span across = crown_across(screen, visibility), down = crown_down(screen, visibility);
 	for (int r = down.first; r < down.end; r++) {
 		float *clear = light->clear + r * (int)screen->columns, *through = light->through + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r));
@@ -231,78 +231,78 @@ static void dim(const struct lod_screen *screen, const struct lod_sight *sight, 
 	}
 }
 
-/* Share of what is around a sight, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
+/* Share of what is around a visibility, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
  * comes through all, its own crown put aside. */
-static double alone(const struct lod_screen *screen, const struct lod_sight *sight, const float *clear)
+static double alone(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
-	struct span across = span_of(sight->x, AROUND * sight->reach_x, screen->columns);
-	struct span down = span_of(sight->y, AROUND * sight->reach_y, screen->rows);
-	struct span crown = crown_across(screen, sight), high = crown_down(screen, sight);
+	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
+	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
+	struct span crown = crown_across(screen, visibility), high = crown_down(screen, visibility);
 	double seen = 0;
-	down.high = fminf(down.high, sight->bottom);
+	down.high = fminf(down.high, visibility->bottom);
 	for (int r = down.first; r < down.end; r++) {
 		const float *row = clear + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r)), sum = 0;
-		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * sight->opacity * sight->before : 0;
+		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->before : 0;
 		for (int c = across.first; c < across.end; c++) {
 			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
 			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
 		}
 		seen += (double)(height * sum);
 	}
-	double all = 4 * AROUND * AROUND * (double)sight->reach_x * (double)sight->reach_y;
-	return (all > seen ? seen / all : 1) * (double)sight->within;
+	double all = 4 * AROUND * AROUND * (double)visibility->reach_x * (double)visibility->reach_y;
+	return (all > seen ? seen / all : 1) * (double)visibility->within;
 }
 
 /* The row from which on ground hides it. From now on its foot hides, by a cell less so as not to hide its neighbours, and less and less beside it: so
  * nothing changes at once where it crosses from one column to the next. Nor does it as a plant comes by. */
-static void look_down(const struct lod_screen *screen, struct lod_sight *sight, float *horizon)
+static void look_down(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
-	int last = (int)screen->columns - 1, column = (int)floorf(sight->x - 0.5f);
-	float rows = (float)screen->rows, part = sight->x - 0.5f - (float)column, foot = fminf(sight->foot + 1, rows);
+	int last = (int)screen->columns - 1, column = (int)floorf(visibility->x - 0.5f);
+	float rows = (float)screen->rows, part = visibility->x - 0.5f - (float)column, foot = fminf(visibility->foot + 1, rows);
 	if (column < -1 || column > last)
 		return;
 	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
 	float bottom = horizon[left] + part * (horizon[right] - horizon[left]);
-	sight->bottom = rows + sight->before * (bottom - rows);
+	visibility->bottom = rows + visibility->before * (bottom - rows);
 	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
-		float beside = fabsf(sight->x - 0.5f - (float)c) / HILL;
+		float beside = fabsf(visibility->x - 0.5f - (float)c) / HILL;
 		if (c >= 0 && c <= last && beside < 1)
-			horizon[c] = fminf(horizon[c], rows + sight->before * (1 - beside) * (foot - rows));
+			horizon[c] = fminf(horizon[c], rows + visibility->before * (1 - beside) * (foot - rows));
 	}
 }
 
-/* Which row ground hides each sight from. */
+/* Which row ground hides each visibility from. */
 static void look_down_at_all(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
 {
 	for (uint32_t c = 0; c < screen->columns; c++)
 		horizon[c] = (float)screen->rows;
-	sort_sights(screen, true, order, spare);
+	sort_visibilities(screen, true, order, spare);
 	for (uint32_t i = 0; i < screen->count; i++) {
-		struct lod_sight *sight = &screen->sights[spare[i]];
-		if (sight->range > 0 && sight->before > 0)
-			look_down(screen, sight, horizon);
+		struct lod_visibility *visibility = &screen->visibilities[spare[i]];
+		if (visibility->range > 0 && visibility->before > 0)
+			look_down(screen, visibility, horizon);
 	}
 }
 
 /* From the nearest to the farthest: what shows behind those before it; then it hides. */
-static void look(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light)
+static void look(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light)
 {
-	sight->share = (float)show(screen, sight, light->through);
-	if (!sight->beside)
-		dim(screen, sight, light);
+	visibility->share = (float)show(screen, visibility, light->through);
+	if (!visibility->beside)
+		dim(screen, visibility, light);
 }
 
-static void finish(const struct lod_screen *screen, struct lod_sight *sight, const struct light *light, bool hide)
+static void finish(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light, bool hide)
 {
-	sight->shown = shown_of((double)sight->opacity);
-	double seen = hide ? (double)sight->share : show(screen, sight, light->clear);
-	double bare = hide ? alone(screen, sight, light->clear) : seen;
+	visibility->shown = shown_of((double)visibility->opacity);
+	double seen = hide ? (double)visibility->share : show(screen, visibility, light->clear);
+	double unoccluded = hide ? alone(screen, visibility, light->clear) : seen;
 	/* no more of it than the picture has room for: of a plant that the eye is within, a ten-thousandth may be more than all pixels */
-	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)sight->reach_x * (double)sight->reach_y));
-	sight->share = (float)(seen > least ? seen : least);
-	bare = LOD_OWNER_WORTH * (double)sight->share + (1 - LOD_OWNER_WORTH) * bare;
-	sight->bare = bare < (double)sight->share ? (float)bare : sight->share;
+	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
+	visibility->share = (float)(seen > least ? seen : least);
+	unoccluded = LOD_OWNER_WEIGHT * (double)visibility->share + (1 - LOD_OWNER_WEIGHT) * unoccluded;
+	visibility->unoccluded = unoccluded < (double)visibility->share ? (float)unoccluded : visibility->share;
 }
 
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
@@ -317,11 +317,11 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 			light.through[i] = light.clear[i] = 1;
 		if (screen->ground && hide)
 			look_down_at_all(screen, light.horizon, order, spare);
-		sort_sights(screen, false, order, spare);
+		sort_visibilities(screen, false, order, spare);
 		for (uint32_t i = 0; hide && i < screen->count; i++)
-			look(screen, &screen->sights[spare[i]], &light);
+			look(screen, &screen->visibilities[spare[i]], &light);
 		for (uint32_t i = 0; i < screen->count; i++)
-			finish(screen, &screen->sights[i], &light, hide);
+			finish(screen, &screen->visibilities[i], &light, hide);
 	}
 	free(order);
 	free(spare);
@@ -345,18 +345,18 @@ static struct odds odds_of(double shown, struct lod_wrong wrong)
 	return (struct odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
 }
 
-static void cover(const struct lod_screen *screen, const struct lod_sight *sight, struct lod_wrong wrong, struct odds *cells)
+static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility, struct lod_wrong wrong, struct odds *cells)
 {
-	struct lod_sight wide = *sight;
-	if (sight->shown > DENSEST) {
-		wide.crown_reach_x *= sqrtf((float)(sight->shown / DENSEST));
-		wide.crown_reach_y *= sqrtf((float)(sight->shown / DENSEST));
+	struct lod_visibility wide = *visibility;
+	if (visibility->shown > DENSEST) {
+		wide.crown_reach_x *= sqrtf((float)(visibility->shown / DENSEST));
+		wide.crown_reach_y *= sqrtf((float)(visibility->shown / DENSEST));
 	}
 	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
-	struct odds o = odds_of(fmin(sight->shown, DENSEST), wrong);
+	struct odds o = odds_of(fmin(visibility->shown, DENSEST), wrong);
 	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++) {
-			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * sight->before;
+			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * visibility->before;
 			struct odds *cell = &cells[r * (int)screen->columns + c];
 			cell->reference *= 1 - part * (1 - o.reference);
 			cell->drawn *= 1 - part * (1 - o.drawn);
@@ -375,8 +375,8 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wr
 	for (uint32_t i = 0; i < count; i++)
 		cells[i] = (struct odds){ 1, 1, 1 };
 	for (uint32_t i = 0; i < screen->count; i++)
-		if (!screen->sights[i].beside)
-			cover(screen, &screen->sights[i], wrong(ctx, &screen->sights[i]), cells);
+		if (!screen->visibilities[i].beside)
+			cover(screen, &screen->visibilities[i], wrong(ctx, &screen->visibilities[i]), cells);
 	for (uint32_t i = 0; i < count; i++) {
 		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
 		double either = fmin((double)cells[i].either, fmin(reference, drawn));

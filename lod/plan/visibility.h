@@ -2,9 +2,9 @@
  * coarse grid of cells over the screen, from where plants stand and how dense they are: nothing is drawn.
  *
  *   lod_screen_init(&screen, &eye, &view, ground);
- *   sight = lod_screen_add(&screen, center, &body) ...          one for each plant, or for a tile whose plants are not looked at
- *   lod_screen_shares(&screen, hide, &error)                    front to back: sets every sight's share
- *   lod_screen_expect(&screen, wrong, ctx, &prediction, &error) given how well each sight is drawn: pixels right and wrong
+ *   visibility = lod_screen_add(&screen, center, &proxy shape) ...          one for each plant, or for a tile whose plants are not looked at
+ *   lod_screen_shares(&screen, hide, &error)                    front to back: sets every visibility's share
+ *   lod_screen_expect(&screen, wrong, ctx, &prediction, &error) given how well each visibility is drawn: pixels right and wrong
  *   lod_screen_free(&screen)
  *
  * A plant's crown is an upright ellipse, equally dense all over: light passes through a share of exp(-area / 2 / ellipse) of it (random
@@ -17,11 +17,11 @@
  * views among trees such plants would show 1,340,000 pixels by their boxes, and showed 350,000.) Without that each one that comes by would
  * take a part of the budget from all others, and give it back.
  *
- * Measured and left: such a plant as 64 bodies, each where it is. 1 % fewer pixels are wrong among trees (7 at 100,000 vertices), but
+ * Measured and left: such a plant as 64 proxy shapes, each where it is. 1 % fewer pixels are wrong among trees (7 at 100,000 vertices), but
  * shares change faster: 28 % of like plants at once at worst, in place of 17.
  *
  * What shows of a plant is what light lets through from before it. What is drawn of it too much is wrong where no other plant is, before it nor
- * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WORTH. So does all that a tile's summary covers, as no one
+ * behind; elsewhere it is covered anyway, but by the wrong plant: that counts LOD_OWNER_WEIGHT. So does all that a tile's summary covers, as no one
  * can tell whose its splats are; else near trees become heaps of squares, which cover well. Wrong pixels in thousands, of four views each of a
  * dense forest, an outdoor scene and 640 trees, at 30,000 to 1,000,000 vertices:
  *
@@ -34,8 +34,8 @@
  * With .2 owners are right a little more often (owner Q of the outdoor scene + .002, of the forest from above + .05), but the outdoor scene has
  * 1 % more wrong pixels, and more like plants change at once; with .3 twice as many.
  *
- * Expected pixels, in each cell, as if sights were independent of each other: none covers it in the reference, none as drawn, none in
- * either: products over sights. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
+ * Expected pixels, in each cell, as if visibilities were independent of each other: none covers it in the reference, none as drawn, none in
+ * either: products over visibilities. Wrong pixels are those covered in one and not in the other; so holes in one plant are filled by
  * others behind it, and what is drawn beside a plant is not wrong where another stands. */
 #ifndef LOD_VISIBILITY_H
 #define LOD_VISIBILITY_H
@@ -43,9 +43,9 @@
 #include "lod/eye.h"
 
 #define LOD_SCREEN_COLUMNS 96u
-#define LOD_OWNER_WORTH 0.15
+#define LOD_OWNER_WEIGHT 0.15
 
-struct lod_sight {
+struct lod_visibility {
 	float x, y;                  /* centre, in cells from the top left */
 	float reach_x, reach_y;      /* half of its box, in cells: all of the plant */
 	float crown_y, crown_reach_x, crown_reach_y;     /* where its leaves are: what hides others and covers */
@@ -57,7 +57,7 @@ struct lod_sight {
 	double shown;                /* opacity in a picture, where its leaves stand along twigs: set by lod_screen_shares */
 	float bottom;                /* row from which on ground hides it: set by lod_screen_shares */
 	float share;                 /* of it that is in the picture and shows: set by lod_screen_shares; above 0 */
-	float bare;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
+	float unoccluded;                  /* what weighs a pixel too many where a missing one weighs share; not above that */
 	float ellipse;               /* pixels of its crown, gaps and all */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
@@ -72,7 +72,7 @@ struct lod_screen {
 	uint32_t columns, rows;
 	double cell_x, cell_y;       /* pixels */
 	bool ground;
-	struct lod_sight *sights;    uint32_t count, capacity;
+	struct lod_visibility *visibilities;    uint32_t count, capacity;
 };
 
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
@@ -88,21 +88,21 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up);
 
 /* The shape of what is seen, about a centre: half extents across and upwards, its leaf area (a leaf counted once), in metres; and those of its
  * crown, whose centre is `rise` above. */
-struct lod_body { double across, up, area, crown_across, crown_up, rise; };
-/* Adds a body at `center` (world). The caller sets what is its own; NULL without memory. */
-struct lod_sight *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_body *body);
+struct lod_proxy_shape { double across, up, area, crown_across, crown_up, rise; };
+/* Adds a proxy shape at `center` (world). The caller sets what is its own; NULL without memory. */
+struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_proxy_shape *proxy_shape);
 
 /* Expected share of an ellipse of its size that a crown covers, at full detail. */
-double lod_body_opacity(const struct lod_body *body);
+double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape);
 
 /* Without `hide` only what lies beside the picture counts as not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
-/* How a sight is drawn: pixels too many and missing, over those that it covers; fn at most 1. While no sight's fn nor fp + fn rises, no more
+/* How a visibility is drawn: pixels too many and missing, over those that it covers; fn at most 1. While no visibility's fn nor fp + fn rises, no more
  * pixels are expected to be wrong. */
 struct lod_wrong { double fp, fn; };
 
-typedef struct lod_wrong (*lod_wrong_fn)(void *ctx, const struct lod_sight *sight);
+typedef struct lod_wrong (*lod_wrong_fn)(void *ctx, const struct lod_visibility *visibility);
 enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
 	struct eco_error *error);
 

@@ -21,7 +21,7 @@ static enum eco_code no_memory(struct eco_error *error)
 
 struct box { double center[3], half[3], axis[3][3]; };      /* world; half extents along the axes */
 
-static void tile_box(const struct lod_visible *visible, uint32_t tile, uint32_t placement, struct box *box)
+static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint32_t placement, struct box *box)
 {
 	const struct eco_tile *t = &visible->scene->tiles[tile];
 	const struct eco_placement *p = &visible->placements[placement];
@@ -64,7 +64,7 @@ static double box_distance(const struct lod_eye *eye, const struct box *box)
 	return sqrt(square);
 }
 
-void lod_visible_box(const struct lod_visible *visible, const struct lod_node *node, double center[3], double *across, double *up)
+void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node, double center[3], double *across, double *up)
 {
 	struct box box;
 	tile_box(visible, node->tile, node->placement, &box);
@@ -75,7 +75,7 @@ void lod_visible_box(const struct lod_visible *visible, const struct lod_node *n
 
 /* ---- Nodes and placements ---- */
 
-static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32_t placement, struct eco_error *error)
+static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, uint32_t placement, struct eco_error *error)
 {
 	if (visible->node_count >= visible->nodes_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; ask for fewer vertices",
@@ -93,7 +93,7 @@ static enum eco_code add_node(struct lod_visible *visible, uint32_t tile, uint32
 	return ECO_OK;
 }
 
-static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, uint32_t tile, uint32_t child, struct eco_error *error)
+static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t outer, uint32_t tile, uint32_t child, struct eco_error *error)
 {
 	if (visible->placement_count >= visible->placements_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu nested eco files; ask for fewer vertices",
@@ -114,7 +114,7 @@ static enum eco_code add_placement(struct lod_visible *visible, uint32_t outer, 
 	return ECO_OK;
 }
 
-static enum eco_code expand(struct lod_visible *visible, uint32_t index, struct eco_error *error)
+static enum eco_code expand(struct lod_visible_tree *visible, uint32_t index, struct eco_error *error)
 {
 	const struct eco_tile *tile = &visible->scene->tiles[visible->nodes[index].tile];
 	uint32_t first = visible->node_count, placement = visible->nodes[index].placement;
@@ -139,7 +139,7 @@ static enum eco_code expand(struct lod_visible *visible, uint32_t index, struct 
 
 /* ---- Slots and tallies ---- */
 
-static uint32_t *slot_entry(struct lod_visible *visible, uint32_t anchor, uint8_t band)
+static uint32_t *slot_entry(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
 {
 	uint32_t mask = visible->slot_table_size - 1;
 	uint32_t at = (anchor * ECO_BANDS + band) * 2654435761u;
@@ -153,12 +153,12 @@ static uint32_t *slot_entry(struct lod_visible *visible, uint32_t anchor, uint8_
 	}
 }
 
-uint32_t lod_visible_slot(struct lod_visible *visible, uint32_t anchor, uint8_t band)
+uint32_t lod_visible_tree_slot(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
 {
 	return *slot_entry(visible, anchor, band) - 1;
 }
 
-static enum eco_code grow_slot_table(struct lod_visible *visible, struct eco_error *error)
+static enum eco_code grow_slot_table(struct lod_visible_tree *visible, struct eco_error *error)
 {
 	uint32_t size = visible->slot_table_size * 2;
 	uint32_t *table = calloc(size, sizeof *table);
@@ -172,7 +172,7 @@ static enum eco_code grow_slot_table(struct lod_visible *visible, struct eco_err
 	return ECO_OK;
 }
 
-static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, struct lod_anchor_band at, uint32_t *slot,
+static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant, struct lod_anchor_band at, uint32_t *slot,
 	struct eco_error *error)
 {
 	uint32_t *entry = slot_entry(visible, at.anchor, at.band);
@@ -193,7 +193,7 @@ static enum eco_code find_slot(struct lod_visible *visible, uint32_t plant, stru
 	return ECO_OK;
 }
 
-static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, uint32_t plant,
+static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *node, uint32_t plant,
 	struct lod_anchor_band at, uint8_t whole_band, double above, uint32_t *in_slot, struct eco_error *error)
 {
 	uint32_t slot;
@@ -220,7 +220,7 @@ static enum eco_code tally(struct lod_visible *visible, struct lod_node *node, u
 }
 
 /* How far from above a plant is seen, by its middle. */
-static double seen_above(const struct lod_visible *visible, const struct lod_place *place, uint32_t plant)
+static double seen_above(const struct lod_visible_tree *visible, const struct lod_place *place, uint32_t plant)
 {
 	double center[3], square = 0, d[3];
 	lod_place_point(place, visible->scene->anchors[visible->scene->plants[plant].anchor_first].center, center);
@@ -231,32 +231,32 @@ static double seen_above(const struct lod_visible *visible, const struct lod_pla
 	return lod_seen_above(d[2], sqrt(square));
 }
 
-static bool add_sight(struct lod_visible *visible, const struct lod_node *node, const struct lod_place *place, uint32_t plant, uint32_t slot,
+static bool add_visibility(struct lod_visible_tree *visible, const struct lod_node *node, const struct lod_place *place, uint32_t plant, uint32_t slot,
 	uint32_t hash, double above)
 {
 	const struct eco_plant *p = &visible->scene->plants[plant];
-	struct lod_body body = visible->bodies[plant];
+	struct lod_proxy_shape proxy_shape = visible->proxy_shapes[plant];
 	double center[3];
 	lod_place_point(place, visible->scene->anchors[p->anchor_first].center, center);
-	body.across *= place->scale;
-	body.up *= place->scale;
-	body.area *= place->scale * place->scale;
-	body.crown_across *= place->scale;
-	body.crown_up *= place->scale;
-	body.rise *= place->scale;
-	struct lod_sight *sight = lod_screen_add(visible->screen, center, &body);
-	if (!sight)
+	proxy_shape.across *= place->scale;
+	proxy_shape.up *= place->scale;
+	proxy_shape.area *= place->scale * place->scale;
+	proxy_shape.crown_across *= place->scale;
+	proxy_shape.crown_up *= place->scale;
+	proxy_shape.rise *= place->scale;
+	struct lod_visibility *visibility = lod_screen_add(visible->screen, center, &proxy_shape);
+	if (!visibility)
 		return false;
-	sight->node = (uint32_t)(node - visible->nodes);
-	sight->slot = slot;
-	sight->hash = (uint16_t)hash;
-	sight->above = (float)above;
+	visibility->node = (uint32_t)(node - visible->nodes);
+	visibility->slot = slot;
+	visibility->hash = (uint16_t)hash;
+	visibility->above = (float)above;
 	return true;
 }
 
 #define NOTHING_DONE 0xFF        /* gate_done before the plants themselves have been counted */
 
-static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *node, uint32_t group, uint8_t gate,
+static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_node *node, uint32_t group, uint8_t gate,
 	uint8_t *done, struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
@@ -289,7 +289,7 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, above, &slot, error);
 			if (code)
 				return code;
-			if (a == 0 && visible->screen && !add_sight(visible, node, &place, g->plant, slot, hash, above))
+			if (a == 0 && visible->screen && !add_visibility(visible, node, &place, g->plant, slot, hash, above))
 				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for another plant in view");
 		}
 	}
@@ -297,7 +297,7 @@ static enum eco_code tally_group(struct lod_visible *visible, struct lod_node *n
 	return ECO_OK;
 }
 
-static void add_counts(struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
+static void add_counts(struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	for (uint32_t i = 0; i < node->tally_count; i++) {
 		const struct lod_tally *t = &node->tallies[i];
@@ -310,7 +310,7 @@ static void add_counts(struct lod_visible *visible, const struct lod_node *node,
 }
 
 /* Must its plants be told apart: are some left to its summary, or does a gate end among them? */
-static bool is_split(const struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
+static bool is_split(const struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	bool split = node->left > 0;
 	for (uint32_t i = 0; i < node->tally_count && !split; i++) {
@@ -322,7 +322,7 @@ static bool is_split(const struct lod_visible *visible, const struct lod_node *n
 }
 
 /* The same, plant by plant. */
-static void add_part(struct lod_visible *visible, const struct lod_node *node, const uint32_t *gates)
+static void add_part(struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_tile *tile = &scene->tiles[node->tile];
@@ -340,7 +340,7 @@ static void add_part(struct lod_visible *visible, const struct lod_node *node, c
 			uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
 				plant->anchor_count, gates[group->plant], hash, visible->scratch);
 			for (uint32_t a = 0; a < n; a++) {
-				struct lod_slot *slot = &visible->slots[lod_visible_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)];
+				struct lod_slot *slot = &visible->slots[lod_visible_tree_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)];
 				slot->count++;
 				slot->near += a == 0 && eco_gate_place(slot->band, hash) < gates[group->plant];
 			}
@@ -349,14 +349,14 @@ static void add_part(struct lod_visible *visible, const struct lod_node *node, c
 	}
 }
 
-static void forget_counts(struct lod_visible *visible)
+static void forget_counts(struct lod_visible_tree *visible)
 {
 	visible->plants = 0;
 	for (uint32_t i = 0; i < visible->slot_count; i++)
 		visible->slots[i].count = visible->slots[i].near = 0;
 }
 
-void lod_visible_recount(struct lod_visible *visible, const uint32_t *gates)
+void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates)
 {
 	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++)
@@ -364,7 +364,7 @@ void lod_visible_recount(struct lod_visible *visible, const uint32_t *gates)
 			(is_split(visible, &visible->nodes[i], gates) ? add_part : add_counts)(visible, &visible->nodes[i], gates);
 }
 
-static enum eco_code count_plants(struct lod_visible *visible, struct lod_node *node, const uint32_t *gates,
+static enum eco_code count_plants(struct lod_visible_tree *visible, struct lod_node *node, const uint32_t *gates,
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
@@ -397,13 +397,13 @@ double lod_summary_points(const struct lod_node *node, double sample_distance)
 	return SPLAT_FACTOR * node->area / (2.0 * extent * extent);
 }
 
-static bool summary_suffices(const struct lod_visible *visible, const struct lod_node *node, double sample_distance)
+static bool summary_suffices(const struct lod_visible_tree *visible, const struct lod_node *node, double sample_distance)
 {
 	uint32_t list = visible->scene->tiles[node->tile].summary;
 	return list != ECO_NONE && lod_summary_points(node, sample_distance) <= visible->scene->lists[list].primitive_count;
 }
 
-enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint32_t *gates,
+enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance, const uint32_t *gates,
 	struct eco_error *error)
 {
 	forget_counts(visible);
@@ -440,7 +440,7 @@ enum eco_code lod_visible_count(struct lod_visible *visible, double sample_dista
 	return ECO_OK;
 }
 
-void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint32_t *gates, lod_visible_fn fn, void *ctx)
+void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates, lod_visible_tree_fn fn, void *ctx)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_plant *p = &scene->plants[plant];
@@ -470,10 +470,10 @@ void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint32_
 	}
 }
 
-enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_scene *scene, const struct eco_view *view,
+enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene, const struct eco_view *view,
 	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error)
 {
-	*visible = (struct lod_visible){ .scene = scene, .nodes_max = nodes_max, .placements_max = placements_max };
+	*visible = (struct lod_visible_tree){ .scene = scene, .nodes_max = nodes_max, .placements_max = placements_max };
 	lod_eye_make(&visible->eye, view);
 	uint32_t most = 1;
 	for (uint32_t i = 0; i < scene->plant_count; i++)
@@ -483,18 +483,18 @@ enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_sce
 	visible->scratch = malloc(most * sizeof *visible->scratch);
 	visible->placements = malloc(sizeof *visible->placements);
 	if (!visible->slot_table || !visible->scratch || !visible->placements) {
-		lod_visible_free(visible);
+		lod_visible_tree_free(visible);
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory");
 	}
 	visible->placements[0] = (struct eco_placement){ .scale = 1 };
 	visible->placement_count = visible->placement_capacity = 1;
 	enum eco_code code = add_node(visible, scene->root, 0, error);
 	if (code)
-		lod_visible_free(visible);
+		lod_visible_tree_free(visible);
 	return code;
 }
 
-static void free_nodes(struct lod_visible *visible)
+static void free_nodes(struct lod_visible_tree *visible)
 {
 	for (uint32_t i = 0; i < visible->node_count; i++) {
 		free(visible->nodes[i].tallies);
@@ -503,7 +503,7 @@ static void free_nodes(struct lod_visible *visible)
 	visible->node_count = 0;
 }
 
-enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error *error)
+enum eco_code lod_visible_tree_restart(struct lod_visible_tree *visible, struct eco_error *error)
 {
 	free_nodes(visible);
 	visible->placement_count = 1;
@@ -513,7 +513,7 @@ enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error 
 	return add_node(visible, visible->scene->root, 0, error);
 }
 
-void lod_visible_free(struct lod_visible *visible)
+void lod_visible_tree_free(struct lod_visible_tree *visible)
 {
 	free_nodes(visible);
 	free(visible->nodes);
@@ -521,5 +521,5 @@ void lod_visible_free(struct lod_visible *visible)
 	free(visible->slots);
 	free(visible->slot_table);
 	free(visible->scratch);
-	*visible = (struct lod_visible){ 0 };
+	*visible = (struct lod_visible_tree){ 0 };
 }

@@ -1,10 +1,10 @@
 /* The part of a scene that a view sees, opened as far as asked and remembered: the planner tries many detail levels, and each
  * needs the tile tree only down to where summaries suffice.
  *
- *   lod_visible_init(&v, scene, view, ...);
- *   lod_visible_count(&v, sample_distance, gates, &error)   opens what this level needs, counts plants by (anchor, band)
+ *   lod_visible_tree_init(&v, scene, view, ...);
+ *   lod_visible_tree_count(&v, sample_distance, gates, &error)   opens what this level needs, counts plants by (anchor, band)
  *   ... v.slots, v.nodes[i].active ...                      what the planner turns into cuts
- *   lod_visible_free(&v);
+ *   lod_visible_tree_free(&v);
  *
  * Plants are counted in slots: all visible instances whose anchor lies in one distance band are alike to the planner, so its
  * work grows with species x bands, not with plants. */
@@ -40,13 +40,13 @@ struct lod_slot {
 	uint32_t anchor, plant;
 	uint8_t band;
 	bool cell;                   /* anchor is not the whole plant */
-	uint64_t count;              /* at the last lod_visible_count */
+	uint64_t count;              /* at the last lod_visible_tree_count */
 	uint64_t near;               /* of whole plants: so many of them draw their cells */
 	double above, looked;        /* of so many plants, ever: the sum of how far from above they are seen (lod_seen_above) */
 	uint32_t last_node, last_tally;      /* where this slot was counted last */
 };
 
-struct lod_visible {
+struct lod_visible_tree {
 	const struct eco_scene *scene;
 	struct lod_eye eye;
 	struct lod_node *nodes;              uint32_t node_count, node_capacity;
@@ -59,14 +59,14 @@ struct lod_visible {
 	uint64_t places;                     /* plants looked at, ever */
 	uint64_t looked, places_max;         /* plants looked at since the start; 0: no bound */
 	struct lod_screen *screen;           /* may be NULL; every plant that is seen is added to it, once: with its node and slot */
-	const struct lod_body *bodies;       /* with screen: per plant, at scale 1 */
+	const struct lod_proxy_shape *proxy_shapes;       /* with screen: per plant, at scale 1 */
 };
 
-enum eco_code lod_visible_init(struct lod_visible *visible, const struct eco_scene *scene, const struct eco_view *view,
+enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene, const struct eco_view *view,
 	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error);
-void lod_visible_free(struct lod_visible *visible);
+void lod_visible_tree_free(struct lod_visible_tree *visible);
 /* Forgets all but the root: after a walk that was too large, so that a coarser one has all the room there is. */
-enum eco_code lod_visible_restart(struct lod_visible *visible, struct eco_error *error);
+enum eco_code lod_visible_tree_restart(struct lod_visible_tree *visible, struct eco_error *error);
 
 /* Splat points that a tile's summary needs at sample distance d' (Deussen 2002, eq. 1), not bounded by what it has. */
 double lod_summary_points(const struct lod_node *node, double sample_distance);
@@ -74,21 +74,21 @@ double lod_summary_points(const struct lod_node *node, double sample_distance);
 /* Walks the tree: a tile whose summary has enough points for `sample_distance` (radians; 0: never) is LOD_SUMMARY; other tiles are
  * opened, their plants counted into the slots; cells of plants before gates[plant], which is whole bands. ECO_TOO_LARGE when the walk would
  * exceed its bounds. */
-enum eco_code lod_visible_count(struct lod_visible *visible, double sample_distance, const uint32_t *gates,
+enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance, const uint32_t *gates,
 	struct eco_error *error);
 
 /* Counts again after the caller changed states of nodes or lowered gates, be it to within a band. */
-void lod_visible_recount(struct lod_visible *visible, const uint32_t *gates);
+void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates);
 
 /* The slot of plants whose `anchor` lies in `band`, or ECO_NONE. */
-uint32_t lod_visible_slot(struct lod_visible *visible, uint32_t anchor, uint8_t band);
+uint32_t lod_visible_tree_slot(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band);
 
 /* A tile's box in the world: its middle, and half of it across (mean of both sides) and upwards. */
-void lod_visible_box(const struct lod_visible *visible, const struct lod_node *node, double center[3], double *across, double *up);
+void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node, double center[3], double *across, double *up);
 
 /* Calls back for every visible plant of the open tiles, with its run's placement: for shares and for tests. */
-typedef void (*lod_visible_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant,
+typedef void (*lod_visible_tree_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant,
 	uint32_t share_hash);
-void lod_visible_each(struct lod_visible *visible, uint32_t plant, const uint32_t *gates, lod_visible_fn fn, void *ctx);
+void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates, lod_visible_tree_fn fn, void *ctx);
 
 #endif

@@ -6,15 +6,15 @@
 
 #include "lod/ladder.h"
 #include "lod/plan/allocation.h"
-#include "lod/plan/budget.h"
+#include "lod/plan/fill_budget.h"
 #include "tests/support/scene_random.h"
 
 #define BUDGET_MOST 600u
 #define FREE_MOST 16u            /* tiles that may be opened or not */
 
 struct search {
-	struct lod_market market;
-	struct lod_planning planning;
+	struct lod_allocation allocation;
+	struct lod_planner planner;
 	double least[BUDGET_MOST + 1], next[BUDGET_MOST + 1];        /* wrong, with at most so many vertices */
 	uint64_t budget;
 	uint32_t free_nodes[FREE_MOST], free_count;
@@ -23,38 +23,38 @@ struct search {
 
 /* ---- Amounts ---- */
 
-/* Error of an amount: a ladder's by its curve, a summary's between those of its hull. */
-static double error_at(const struct search *s, const struct lod_bid *bid, uint64_t vertices)
+/* Error of an hull point: a ladder's by its curve, a summary's between those of its hull. */
+static double error_at(const struct search *s, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	const struct lod_steps *steps = bid->steps;
+	const struct lod_hull *hull = candidate->hull;
 	uint32_t i = 0;
-	if (bid->offer != ECO_NONE) {
-		struct lod_amount amount = lod_steps_amount(lod_planning_way(&s->planning, s->market.offers[bid->offer].ladder), vertices);
-		return lod_steps_error(steps, &amount);
+	if (candidate->ladder_choice != ECO_NONE) {
+		struct lod_hull_point point = lod_hull_measure(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
+		return lod_hull_error(hull, &point);
 	}
-	while (i + 1 < steps->count && steps->amounts[i + 1].vertices <= vertices)
+	while (i + 1 < hull->count && hull->points[i + 1].vertices <= vertices)
 		i++;
-	const struct lod_amount *a = &steps->amounts[i], *b = i + 1 < steps->count ? a + 1 : a;
+	const struct lod_hull_point *a = &hull->points[i], *b = i + 1 < hull->count ? a + 1 : a;
 	double part = b->vertices > a->vertices ? (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices) : 0;
-	return lod_steps_error(steps, a) + part * (lod_steps_error(steps, b) - lod_steps_error(steps, a));
+	return lod_hull_error(hull, a) + part * (lod_hull_error(hull, b) - lod_hull_error(hull, a));
 }
 
-static uint64_t next_amount(const struct search *s, const struct lod_bid *bid, uint64_t vertices)
+static uint64_t next_point(const struct search *s, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	uint64_t last = bid->steps->amounts[bid->steps->count - 1].vertices, next = vertices + 1;
-	if (bid->offer != ECO_NONE)
-		next = lod_way_next(lod_planning_way(&s->planning, s->market.offers[bid->offer].ladder), vertices);
+	uint64_t last = candidate->hull->points[candidate->hull->count - 1].vertices, next = vertices + 1;
+	if (candidate->ladder_choice != ECO_NONE)
+		next = lod_way_next(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
 	return next > last ? UINT64_MAX : next;
 }
 
-/* One more plant, or a summary: at any amount. */
-static void add_one(struct search *s, const struct lod_bid *bid)
+/* One more plant, or a summary: at any hull point. */
+static void add_one(struct search *s, const struct lod_candidate *candidate)
 {
-	double worth = bid->seen / (double)bid->count;
+	double weight_px = candidate->seen / (double)candidate->count;
 	for (uint64_t v = 0; v <= s->budget; v++)
 		s->next[v] = INFINITY;
-	for (uint64_t a = bid->steps->amounts[0].vertices; a <= s->budget; a = next_amount(s, bid, a)) {
-		double wrong = worth * error_at(s, bid, a);
+	for (uint64_t a = candidate->hull->points[0].vertices; a <= s->budget; a = next_point(s, candidate, a)) {
+		double wrong = weight_px * error_at(s, candidate, a);
 		for (uint64_t v = a; v <= s->budget; v++)
 			s->next[v] = fmin(s->next[v], s->least[v - a] + wrong);
 	}
@@ -63,28 +63,28 @@ static void add_one(struct search *s, const struct lod_bid *bid)
 
 /* ---- Structures ---- */
 
-static double closed_wrong(const struct lod_market *m)
+static double closed_wrong(const struct lod_allocation *m)
 {
 	double sum = 0;
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->p->visible.nodes[n].state == LOD_CLOSED)
-			sum += m->stalls[n].weight * m->stalls[n].worth;
+			sum += m->tile_choices[n].weight * m->tile_choices[n].weight_px;
 	return sum;
 }
 
 static enum eco_code try_structure(struct search *s, struct eco_error *error)
 {
-	struct lod_spend spend = { 0 };
-	lod_market_settle(&s->market);
-	enum eco_code code = lod_spend_make(&spend, &s->market, error);
-	double closed = closed_wrong(&s->market);
+	struct lod_fill fill = { 0 };
+	lod_allocation_fix(&s->allocation);
+	enum eco_code code = lod_fill_make(&fill, &s->allocation, error);
+	double closed = closed_wrong(&s->allocation);
 	for (uint64_t v = 0; v <= s->budget; v++)
 		s->least[v] = closed;
 	s->out->things = 0;
-	for (uint32_t i = 0; i < spend.bid_count && !code; i++)
-		for (uint64_t k = 0; k < spend.bids[i].count; k++, s->out->things++)
-			add_one(s, &spend.bids[i]);
-	lod_spend_free(&spend);
+	for (uint32_t i = 0; i < fill.candidate_count && !code; i++)
+		for (uint64_t k = 0; k < fill.candidates[i].count; k++, s->out->things++)
+			add_one(s, &fill.candidates[i]);
+	lod_fill_free(&fill);
 	s->out->structures++;
 	s->out->best = fmin(s->out->best, s->least[s->budget]);
 	return code;
@@ -95,7 +95,7 @@ static enum eco_code try_tiles(struct search *s, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	for (uint32_t choice = 0; choice < 1u << s->free_count && !code; choice++) {
 		for (uint32_t i = 0; i < s->free_count; i++)
-			s->market.stalls[s->free_nodes[i]].share = choice >> i & 1;
+			s->allocation.tile_choices[s->free_nodes[i]].share = choice >> i & 1;
 		code = try_structure(s, error);
 	}
 	return code;
@@ -104,14 +104,14 @@ static enum eco_code try_tiles(struct search *s, struct eco_error *error)
 /* Gates at every band in which whole plants are, and none. */
 static enum eco_code try_gates(struct search *s, uint32_t plant, struct eco_error *error)
 {
-	if (plant == s->planning.scene->plant_count)
+	if (plant == s->planner.scene->plant_count)
 		return try_tiles(s, error);
-	s->planning.gates[plant] = 0;
+	s->planner.gates[plant] = 0;
 	enum eco_code code = try_gates(s, plant + 1, error);
-	for (uint32_t band = 0; band < s->market.gates_most[plant] && !code; band++) {
-		if (!s->market.slot_of[plant * (size_t)ECO_BANDS + band])
+	for (uint32_t band = 0; band < s->allocation.gates_most[plant] && !code; band++) {
+		if (!s->allocation.slot_of[plant * (size_t)ECO_BANDS + band])
 			continue;
-		s->planning.gates[plant] = (band + 1) * ECO_SHARE_ONE;
+		s->planner.gates[plant] = (band + 1) * ECO_SHARE_ONE;
 		code = try_gates(s, plant + 1, error);
 	}
 	return code;
@@ -119,29 +119,29 @@ static enum eco_code try_gates(struct search *s, uint32_t plant, struct eco_erro
 
 static void find_free(struct search *s)
 {
-	for (uint32_t n = 0; n < s->planning.visible.node_count; n++) {
-		struct lod_stall *stall = &s->market.stalls[n];
-		stall->share = stall->open && !stall->summary;
-		if (stall->open && stall->summary && s->free_count < FREE_MOST)
+	for (uint32_t n = 0; n < s->planner.visible.node_count; n++) {
+		struct lod_tile_choice *tile_choice = &s->allocation.tile_choices[n];
+		tile_choice->share = tile_choice->open && !tile_choice->summary;
+		if (tile_choice->open && tile_choice->summary && s->free_count < FREE_MOST)
 			s->free_nodes[s->free_count++] = n;
 	}
 }
 
 static enum eco_code find_best(struct search *s, const struct lod_planner_input *input, uint32_t level, struct eco_error *error)
 {
-	enum eco_code code = lod_planning_begin(&s->planning, input, error);
+	enum eco_code code = lod_planner_begin(&s->planner, input, error);
 	if (!code)
-		code = lod_planning_look(&s->planning, level, error);
+		code = lod_planner_look(&s->planner, level, error);
 	if (!code) {
-		code = lod_market_make(&s->market, &s->planning, error);
-		s->out->empty = s->market.stalls ? s->market.stalls[0].worth : 0;
+		code = lod_allocation_make(&s->allocation, &s->planner, error);
+		s->out->empty = s->allocation.tile_choices ? s->allocation.tile_choices[0].weight_px : 0;
 		if (!code) {
 			find_free(s);
 			code = try_gates(s, 0, error);
 		}
-		lod_market_free(&s->market);
+		lod_allocation_free(&s->allocation);
 	}
-	lod_planning_end(&s->planning);
+	lod_planner_end(&s->planner);
 	return code;
 }
 

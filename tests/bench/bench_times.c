@@ -31,7 +31,7 @@ enum eco_code bench_plan_time(struct bench_plan_time *time, const struct eco_sce
 	struct lod_planner_stats stats = { 0 };
 	struct lod_planner_input input = { .scene = scene, .request = request, .stats = &stats };
 	uint32_t count = 0;
-	enum eco_code code = lod_tables_make(&input.tables, scene, error);
+	enum eco_code code = lod_plan_tables_make(&input.tables, scene, error);
 	while (!code && (count < REPETITIONS_LEAST || (count < REPETITIONS_MAX && sum < least_ms))) {
 		struct eco_plan plan = { 0 };
 		double from = now_ms();
@@ -40,7 +40,7 @@ enum eco_code bench_plan_time(struct bench_plan_time *time, const struct eco_sce
 		*time = (struct bench_plan_time){ 0, stats.candidates, stats.gains, stats.looks, stats.places, plan.vertices, plan.cut_count, count };
 		eco_plan_free(&plan);
 	}
-	lod_tables_free(input.tables);
+	lod_plan_tables_free(input.tables);
 	if (code)
 		return code;
 	qsort(ms, count, sizeof *ms, ascending);

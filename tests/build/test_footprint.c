@@ -32,7 +32,7 @@ static struct eco_image holed(void)
 	return (struct eco_image){ 16, 16, rgba };
 }
 
-/* How many pixels differ from what lod_sights_draw makes of each element alone; `covered` counts its pixels. */
+/* How many pixels differ from what lod_visibilities_draw makes of each element alone; `covered` counts its pixels. */
 static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale, uint64_t *covered)
 {
 	struct lod_sights sights;

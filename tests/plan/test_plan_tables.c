@@ -19,11 +19,11 @@ static void kept_ways_answer_as_walks_do(void **state)
 	uint64_t asked = 0;
 	(void)state;
 	for (uint64_t seed = 1; seed <= 40; seed++) {
-		struct lod_tables *tables;
+		struct lod_plan_tables *tables;
 		random_scene_make(&scene, seed, 0);
-		assert_false(lod_tables_make(&tables, &scene.scene, NULL));
+		assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
-			const struct lod_way *way = &lod_tables_ladder(tables, l)->way;
+			const struct lod_way *way = &lod_plan_tables_ladder(tables, l)->way;
 			const struct eco_ladder *ladder = &scene.ladders[l];
 			assert_true(way->full == lod_ladder_full(&scene.scene, ladder));
 			assert_true(lod_way_stage_end(way) == lod_ladder_stage_end(&scene.scene, ladder));
@@ -37,7 +37,7 @@ static void kept_ways_answer_as_walks_do(void **state)
 				assert_true(lod_way_vertices(way, share) == lod_ladder_vertices(&scene.scene, ladder, share));
 			}
 		}
-		lod_tables_free(tables);
+		lod_plan_tables_free(tables);
 	}
 	assert_true(asked > 10000);
 }
@@ -71,9 +71,9 @@ static void plans_are_the_same_with_tables_as_without(void **state)
 	static const enum lod_planner_rule rules[] = { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
 	(void)state;
 	for (uint64_t seed = 1; seed <= 30; seed++) {
-		struct lod_tables *tables;
+		struct lod_plan_tables *tables;
 		random_scene_make(&scene, seed, seed % 2);
-		assert_false(lod_tables_make(&tables, &scene.scene, NULL));
+		assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));
 		for (int i = 0; i < 6; i++) {
 			struct eco_request request;
 			struct eco_plan with, without;
@@ -86,19 +86,19 @@ static void plans_are_the_same_with_tables_as_without(void **state)
 			eco_plan_free(&with);
 			eco_plan_free(&without);
 		}
-		lod_tables_free(tables);
+		lod_plan_tables_free(tables);
 	}
 }
 
 #define THREADS 4u
 
-struct asker { struct lod_tables *tables; const struct lod_tables_ladder *found[RANDOM_MOST]; };
+struct asker { struct lod_plan_tables *tables; const struct lod_plan_tables_ladder *found[RANDOM_MOST]; };
 
 static void *ask_all(void *ctx)
 {
 	struct asker *asker = ctx;
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++)
-		asker->found[l] = lod_tables_ladder(asker->tables, l);
+		asker->found[l] = lod_plan_tables_ladder(asker->tables, l);
 	return NULL;
 }
 
@@ -106,11 +106,11 @@ static void threads_that_ask_at_a_time_are_given_the_same(void **state)
 {
 	static struct asker askers[THREADS];
 	pthread_t threads[THREADS];
-	struct lod_tables *tables;
+	struct lod_plan_tables *tables;
 	(void)state;
 	random_scene_make(&scene, 3, 0);
-	assert_false(lod_tables_make(&tables, &scene.scene, NULL));
-	size_t empty = lod_tables_bytes(tables);
+	assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));
+	size_t empty = lod_plan_tables_bytes(tables);
 	for (uint32_t i = 0; i < THREADS; i++) {
 		askers[i].tables = tables;
 		assert_false(pthread_create(&threads[i], NULL, ask_all, &askers[i]));
@@ -119,10 +119,10 @@ static void threads_that_ask_at_a_time_are_given_the_same(void **state)
 		pthread_join(threads[i], NULL);
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++)
 		for (uint32_t i = 0; i < THREADS; i++)
-			assert_ptr_equal(askers[i].found[l], lod_tables_ladder(tables, l));
-	size_t bytes = lod_tables_bytes(tables) - empty;
-	assert_true(bytes > 0 && bytes <= scene.scene.ladder_count * (size_t)LOD_TABLES_LADDER_BYTES_MAX);
-	lod_tables_free(tables);
+			assert_ptr_equal(askers[i].found[l], lod_plan_tables_ladder(tables, l));
+	size_t bytes = lod_plan_tables_bytes(tables) - empty;
+	assert_true(bytes > 0 && bytes <= scene.scene.ladder_count * (size_t)LOD_PLAN_TABLES_LADDER_BYTES_MAX);
+	lod_plan_tables_free(tables);
 }
 
 int main(void)

@@ -9,7 +9,7 @@
 
 #include "lod/plan/visibility.h"
 
-static const struct lod_body tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2, .crown_up = 4 };
+static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2, .crown_up = 4 };
 
 static void look_at_trees(struct lod_screen *screen, const struct eco_view *view, const double (*feet)[3], uint32_t count)
 {
@@ -36,8 +36,8 @@ static void what_lies_behind_a_ridge_is_hidden(void **state)
 	for (int i = 2; i < 15; i++)
 		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
 	look_at_trees(&screen, &view, (const double (*)[3])feet, 15);
-	assert_true(screen.sights[0].share < 0.01f);
-	assert_true(screen.sights[1].share > 0.9f);
+	assert_true(screen.visibilities[0].share < 0.01f);
+	assert_true(screen.visibilities[1].share > 0.9f);
 	lod_screen_free(&screen);
 }
 
@@ -59,16 +59,16 @@ static void a_slope_seen_from_above_hides_nothing(void **state)
 
 		look_at_trees(&screen, &view, (const double (*)[3])feet, 41);
 		for (uint32_t i = 0; i < 41; i++)
-			if (!(screen.sights[i].share > 0.9f))
-				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i, (double)screen.sights[i].y, (double)screen.sights[i].share);
+			if (!(screen.visibilities[i].share > 0.9f))
+				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i, (double)screen.visibilities[i].y, (double)screen.visibilities[i].share);
 		lod_screen_free(&screen);
 	}
 }
 
-static struct lod_wrong some_wrong(void *ctx, const struct lod_sight *sight)
+static struct lod_wrong some_wrong(void *ctx, const struct lod_visibility *visibility)
 {
 	(void)ctx;
-	(void)sight;
+	(void)visibility;
 	return (struct lod_wrong){ .fp = 0.2, .fn = 0.1 };
 }
 
@@ -83,13 +83,13 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 	(void)state;
 	lod_eye_make(&eye, &view);
 	for (size_t k = 0; k < sizeof areas / sizeof *areas; k++) {
-		struct lod_body body = tree;
+		struct lod_proxy_shape proxy_shape = tree;
 		struct lod_screen screen;
 		struct eco_prediction p;
 
-		body.area = areas[k];
+		proxy_shape.area = areas[k];
 		lod_screen_init(&screen, &eye, &view, false);
-		assert_non_null(lod_screen_add(&screen, center, &body));
+		assert_non_null(lod_screen_add(&screen, center, &proxy_shape));
 		assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
 		assert_int_equal(lod_screen_expect(&screen, some_wrong, NULL, &p, NULL), ECO_OK);
 		assert_float_equal(p.fp / (p.tp + p.fn), 0.2, 0.01);
@@ -112,13 +112,13 @@ static void what_passes_the_eye_goes_little_by_little(void **state)
 
 		look_at_trees(&screen, &view, feet, 3);
 		for (int i = 0; i < 3; i++) {
-			within[i] = screen.sights[i].within;
+			within[i] = screen.visibilities[i].within;
 			assert_true(within[i] >= 0 && within[i] <= 1);
 			assert_true(step == 0 || fabsf(before[i] - within[i]) < 0.03f);
 			before[i] = within[i];
 		}
 		assert_true(within[0] >= within[1] && within[1] >= within[2]);
-		assert_true(!screen.sights[2].beside || within[2] < 0.05f);
+		assert_true(!screen.visibilities[2].beside || within[2] < 0.05f);
 		lod_screen_free(&screen);
 	}
 	assert_true(before[0] <= 0);

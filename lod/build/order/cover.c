@@ -191,12 +191,12 @@ static void take(struct cover *cover, uint32_t element)
 static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod_cover_options *options, struct eco_error *error)
 {
 	uint32_t count = cover->foliage->count;
-	struct lod_candidate *heap = lod_arena_take(cover->arena, count, sizeof *heap);
+	struct lod_heap_item *heap = lod_arena_take(cover->arena, count, sizeof *heap);
 	for (uint32_t i = 0; i < count; i++)
-		heap[i] = (struct lod_candidate){ (double)gain(cover, i), i };
+		heap[i] = (struct lod_heap_item){ (double)gain(cover, i), i };
 	lod_heap_make(heap, count);
 	for (uint32_t left = count, picked = 0; left;) {
-		struct lod_candidate best = { (double)gain(cover, heap[0].id), heap[0].id };
+		struct lod_heap_item best = { (double)gain(cover, heap[0].id), heap[0].id };
 		if (best.key != heap[0].key) {                         /* it gained more when it was looked at last */
 			heap[0] = best;
 			lod_heap_sift(heap, left, 0);

@@ -1,0 +1,554 @@
+/* Spending a budget to the last vertex: see lod/plan/fill_budget.h. */
+#include "lod/plan/fill_budget.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/plan/swap_steps.h"
+#include "lod/heap.h"
+#include "lod/ladder.h"
+
+#define HALVINGS 14              /* of the interval of lambdas: what is left is spent step by step */
+#define FALL 1.4                 /* of the lambda, while a lambda is looked for that does not fit */
+#define FALLS_FEW 24
+#define NO_LAMBDA 1e-30           /* of a lambda: below all at which something gains */
+#define FALLS_MAX 400            /* 1e58: more than any two lambdas can be apart */
+
+/* ---- Bids ---- */
+
+static double drawn_share(const struct lod_node *node) { return 1 - (double)node->left / ECO_SHARE_ONE; }
+
+/* Cells are drawn of plants before the gate alone. */
+static double shown(const struct lod_planner *p, const struct lod_tally *t)
+{
+	const struct lod_slot *slot = &p->visible.slots[t->slot];
+	return t->count * (slot->cell ? lod_planner_near(p, slot->plant, t->whole_band) : 1);
+}
+
+/* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
+static void see_slots(const struct lod_allocation *m, double *seen)
+{
+	const struct lod_planner *p = m->p;
+	for (uint32_t n = 0; n < p->visible.node_count; n++) {
+		const struct lod_node *node = &p->visible.nodes[n];
+		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
+			seen[node->tallies[i].slot] += drawn_share(node) * shown(p, &node->tallies[i]) * m->tile_choices[n].factor;
+	}
+}
+
+/* A summary that nothing is drawn beside: it may have as many points as are worth it. */
+static bool alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
+
+/* Its plants are the first of the slot by hash, the last, or all. */
+static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
+{
+	const struct lod_slot *slot = &p->visible.slots[choice->slot];
+	return choice->when == LOD_NEAR ? slot->near : choice->when == LOD_FAR ? slot->count - slot->near : slot->count;
+}
+
+enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, struct eco_error *error)
+{
+	const struct lod_planner *p = m->p;
+	*fill = (struct lod_fill){ .allocation = m, .candidates = malloc(((size_t)m->ladder_choice_count + p->visible.node_count + 1) * sizeof *fill->candidates) };
+	if (!fill->candidates)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->ladder_choice_count);
+	memset(m->scratch, 0, p->visible.slot_count * sizeof *m->scratch);
+	see_slots(m, m->scratch);
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
+		const struct lod_ladder_choice *o = &m->ladder_choices[i];
+		uint64_t count = plants_of(p, o);
+		if (count)
+			fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = i, .node = ECO_NONE, .hull = &o->hull, .count = count, .weight_px = o->weight_px,
+				.seen = o->weight_px * m->scratch[o->slot] * ((double)count / (double)p->visible.slots[o->slot].count) };
+	}
+	for (uint32_t n = 0; n < p->visible.node_count; n++) {
+		const struct lod_node *node = &p->visible.nodes[n];
+		const struct lod_tile_choice *choice = &m->tile_choices[n];
+		if (node->points > 0)
+			fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = ECO_NONE, .node = n,
+				.hull = alone(node) ? &choice->points.hull : &choice->parts, .count = 1, .weight_px = choice->weight_px,
+				.seen = choice->weight * (1 - choice->share) * choice->weight_px };
+	}
+	return ECO_OK;
+}
+
+void lod_fill_free(struct lod_fill *fill)
+{
+	free(fill->candidates);
+	free(fill->hash_first);
+	free(fill->hashes);
+	free(fill->sorted);
+	*fill = (struct lod_fill){ 0 };
+}
+
+/* ---- At a lambda ---- */
+
+static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
+{
+	uint64_t product;
+	if (__builtin_mul_overflow(count, each, &product) || __builtin_add_overflow(fill->vertices, product, &fill->vertices))
+		fill->vertices = UINT64_MAX;
+}
+
+/* The hull points of a lambda; counts vertices, not what is wrong. */
+static void fill_at(struct lod_fill *fill, double lambda)
+{
+	fill->vertices = 0;
+	fill->allocation->p->looks += fill->candidate_count;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		struct lod_candidate *candidate = &fill->candidates[i];
+		double position = candidate->weight_px > 0 ? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step) : lambda > 0 ? 0 : candidate->hull->count - 1;
+		lod_candidate_reach(candidate, (uint32_t)position);
+		double part = position - candidate->step;
+		if (candidate->ladder_choice == ECO_NONE)          /* points of a summary can be had one by one */
+			candidate->low += (uint64_t)(part * (double)(candidate->high - candidate->low));
+		else
+			candidate->ahead = (uint64_t)(part * (double)candidate->count);
+		add_vertices(fill, candidate->count, candidate->low);
+		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
+	}
+}
+
+static double candidate_wrong(const struct lod_candidate *candidate)
+{
+	const struct lod_hull_point *a = lod_candidate_point(candidate);
+	double now = lod_hull_error(candidate->hull, a), part = 0;
+	if (!lod_candidate_ended(candidate))
+		part = ((double)(candidate->low - a->vertices) + (double)candidate->ahead / (double)candidate->count * (double)(candidate->high - candidate->low))
+			/ (double)(a[1].vertices - a->vertices);
+	return candidate->seen * (part > 0 ? now + part * (lod_hull_error(candidate->hull, a + 1) - now) : now);
+}
+
+/* A tile that draws nothing, or whose plants are, is in no candidate: what it leaves wrong is added by the caller. */
+static void sum_wrong(struct lod_fill *fill)
+{
+	fill->wrong = 0;
+	for (uint32_t i = 0; i < fill->candidate_count; i++)
+		fill->wrong += candidate_wrong(&fill->candidates[i]);
+}
+
+void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
+{
+	double high = lambda, low;
+	fill_at(fill, 0);
+	fill->converged = true;
+	if (fill->vertices > budget) {
+		int falls = 0;
+		for (; fill_at(fill, high), fill->vertices > budget && falls < FALLS_MAX; falls++)
+			high *= FALL;
+		low = high / FALL;
+		for (; fill_at(fill, low), fill->vertices <= budget && falls < FALLS_MAX; falls++) {
+			high = low;
+			low /= FALL;
+			if (falls == FALLS_FEW && (fill_at(fill, high * NO_LAMBDA), fill->vertices <= budget)) {
+				low = high *= NO_LAMBDA;              /* what is left gains nothing at all */
+				break;
+			}
+		}
+		fill->converged = falls < FALLS_MAX;
+		for (int i = 0; i < HALVINGS; i++) {
+			double middle = 0.5 * (low + high);
+			fill_at(fill, middle);
+			*(fill->vertices <= budget ? &high : &low) = middle;
+		}
+		fill_at(fill, high);
+	}
+	sum_wrong(fill);
+}
+
+/* ---- Hashes: which plants are ahead ---- */
+
+static void file_cells(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+{
+	struct lod_fill *fill = ctx;
+	(void)plant;
+	for (uint32_t i = 1; i < anchor_count; i++) {
+		uint32_t slot = lod_visible_tree_slot(&fill->allocation->p->visible, anchors[i].anchor, anchors[i].band);
+		if (slot != ECO_NONE)
+			fill->hashes[fill->hash_first[slot]++] = (uint16_t)hash;
+	}
+}
+
+static bool is_drawn(const struct lod_node *node, uint32_t hash)
+{
+	return node->state == LOD_OPEN && lod_open_hash(hash) >= node->left;
+}
+
+/* Hashes of all plants and cells that are drawn, slot by slot. */
+static bool file_hashes(struct lod_fill *fill)
+{
+	struct lod_planner *p = fill->allocation->p;
+	uint32_t slots = p->visible.slot_count, sum = 0;
+	fill->hash_first = malloc(((size_t)slots + 2) * sizeof *fill->hash_first);
+	fill->sorted = calloc((size_t)slots + 1, 1);
+	if (!fill->hash_first || !fill->sorted)
+		return false;
+	for (uint32_t s = 0; s < slots; s++) {
+		fill->hash_first[s] = sum;
+		sum += (uint32_t)p->visible.slots[s].count;
+	}
+	fill->hash_first[slots] = sum;
+	fill->hashes = malloc(((size_t)sum + 1) * sizeof *fill->hashes);
+	if (!fill->hashes)
+		return false;
+	for (uint32_t i = 0; i < p->screen.count; i++) {
+		const struct lod_visibility *visibility = &p->screen.visibilities[i];
+		if (visibility->slot != ECO_NONE && is_drawn(&p->visible.nodes[visibility->node], visibility->hash))
+			fill->hashes[fill->hash_first[visibility->slot]++] = visibility->hash;
+	}
+	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
+		if (p->gates[plant])
+			lod_visible_tree_each(&p->visible, plant, p->gates, file_cells, fill);
+	for (uint32_t s = 0, end = 0; s < slots; s++)        /* what is drawn is what was counted */
+		assert(fill->hash_first[s] == (end += (uint32_t)p->visible.slots[s].count));
+	memmove(fill->hash_first + 1, fill->hash_first, (size_t)slots * sizeof *fill->hash_first);
+	fill->hash_first[0] = 0;
+	return true;
+}
+
+static int ascending(const void *a, const void *b)
+{
+	return *(const uint16_t *)a - *(const uint16_t *)b;
+}
+
+static const uint16_t *hashes_of(struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	const struct lod_ladder_choice *choice = &fill->allocation->ladder_choices[candidate->ladder_choice];
+	const struct lod_slot *slot = &fill->allocation->p->visible.slots[choice->slot];
+	uint16_t *hashes = fill->hashes + fill->hash_first[choice->slot];
+	if (!fill->sorted[choice->slot])
+		qsort(hashes, slot->count, sizeof *hashes, ascending);
+	fill->sorted[choice->slot] = 1;
+	return choice->when == LOD_FAR ? hashes + slot->near : hashes;
+}
+
+/* Plants of one hash are treated alike. The most plants, not above `wanted`, that a share can hold. */
+static uint64_t share_floor(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t wanted)
+{
+	if (wanted == 0 || wanted >= candidate->count)
+		return wanted < candidate->count ? wanted : candidate->count;
+	const uint16_t *hashes = hashes_of(fill, candidate);
+	while (wanted > 0 && hashes[wanted - 1] == hashes[wanted])
+		wanted--;
+	return wanted;
+}
+
+uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants)
+{
+	const uint16_t *hashes = hashes_of(fill, candidate);
+	while (++plants < candidate->count && hashes[plants - 1] == hashes[plants])
+		;
+	return plants;
+}
+
+/* ---- What is left ---- */
+
+static double next_lambda(const struct lod_candidate *candidate)
+{
+	return lod_candidate_ended(candidate) ? 0 : lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
+}
+
+static const struct lod_way *way_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	return lod_planner_way(fill->allocation->p, fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
+}
+
+/* All have reached `vertices`, on the way to the next hull point or there. */
+static void reach(struct lod_candidate *candidate, uint64_t vertices)
+{
+	candidate->low = vertices;
+	candidate->ahead = 0;
+	candidate->high = lod_candidate_point(candidate)[1].vertices;
+	if (candidate->low == candidate->high)
+		lod_candidate_reach(candidate, candidate->step + 1);
+}
+
+/* As many plants as `left` takes all the way. */
+static uint64_t buy_plants(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	uint64_t each = candidate->high - candidate->low, most = left / each, behind = candidate->count - candidate->ahead;
+	uint64_t plants = share_floor(fill, candidate, candidate->ahead + (most < behind ? most : behind));
+	uint64_t spent = plants > candidate->ahead ? (plants - candidate->ahead) * each : 0;
+	if (spent)
+		candidate->ahead = plants;
+	if (candidate->ahead == candidate->count)
+		reach(candidate, candidate->high);
+	return spent;
+}
+
+/* Less than a step for one plant is left: all plants go part of the way, and some of them one primitive further. */
+static uint64_t buy_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	const struct lod_way *way = way_of(fill, candidate);
+	uint64_t each = left / candidate->count, spent = 0, to = lod_way_floor(way, each < candidate->high - candidate->low ? candidate->low + each : candidate->high);
+	if (to > candidate->low) {
+		spent = (to - candidate->low) * candidate->count;
+		candidate->low = to;
+	}
+	uint64_t next = lod_way_next(way, candidate->low);
+	if (next < candidate->high && next - candidate->low <= left - spent) {
+		uint64_t plants = share_floor(fill, candidate, (left - spent) / (next - candidate->low));
+		if (plants > 0) {
+			candidate->high = next;
+			candidate->ahead = plants;
+			spent += plants * (next - candidate->low);
+		}
+	}
+	return spent;
+}
+
+/* The same where there are many plants: one goes part of the way, and all others stay as they are. What is left differs from one
+ * picture to the next, and may not be seen. */
+static uint64_t buy_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
+	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
+	if (to <= candidate->low)
+		return 0;
+	candidate->middle = to;
+	candidate->between = plants;
+	return plants * (to - candidate->low);
+}
+
+/* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
+static uint64_t buy_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	uint64_t had = candidate->ahead * (candidate->high - candidate->low), plants = lod_fill_share_next(fill, candidate, candidate->ahead);
+	uint64_t to = lod_way_floor(way_of(fill, candidate), candidate->low + (had + left) / plants);
+	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
+		return 0;
+	uint64_t spent = plants * (to - candidate->low) - had;
+	candidate->ahead = plants;
+	candidate->high = to;
+	if (plants == candidate->count)
+		reach(candidate, to);
+	return spent;
+}
+
+static uint64_t buy_points(struct lod_candidate *candidate, uint64_t left)
+{
+	uint64_t points = left < candidate->high - candidate->low ? left : candidate->high - candidate->low;
+	reach(candidate, candidate->low + points);
+	return points;
+}
+
+/* As much as `left` allows of the way to the candidate's next hull point. */
+static uint64_t buy(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	if (candidate->ladder_choice == ECO_NONE)
+		return buy_points(candidate, left);
+	uint64_t spent = buy_plants(fill, candidate, left);
+	if (spent == 0 && !fill->allocation->sharp)
+		spent = buy_part(fill, candidate, left);
+	else if (spent == 0)
+		spent = candidate->ahead ? buy_thinly(fill, candidate, left) : buy_evenly(fill, candidate, left);
+	return spent;
+}
+
+bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
+{
+	struct lod_heap_item *heap = malloc(((size_t)fill->candidate_count + 1) * sizeof *heap);
+	uint32_t count = 0;
+	if (!heap)
+		return false;
+	fill->vertices = 0;
+	fill->allocation->p->gains += fill->candidate_count;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		struct lod_candidate *candidate = &fill->candidates[i];
+		candidate->ahead = candidate->ahead ? share_floor(fill, candidate, candidate->ahead) : 0;
+		add_vertices(fill, candidate->count, candidate->low);
+		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
+		if (i != except && next_lambda(candidate) > 0)
+			heap[count++] = (struct lod_heap_item){ next_lambda(candidate), i };
+	}
+	lod_heap_make(heap, count);
+	uint64_t left = budget - fill->vertices;
+	while (count && left) {
+		struct lod_candidate *candidate = &fill->candidates[heap[0].id];
+		uint32_t step = candidate->step;
+		uint64_t spent = buy(fill, candidate, left);
+		left -= spent;
+		fill->allocation->p->gains += candidate->step != step;
+		if (candidate->step != step && next_lambda(candidate) > 0)
+			heap[0].key = next_lambda(candidate);
+		else if (spent == 0 || candidate->step != step)
+			heap[0] = heap[--count];
+		lod_heap_sift(heap, count, 0);
+	}
+	fill->vertices = budget - left;
+	free(heap);
+	return true;
+}
+
+/* Of one primitive more for the plants that are on the way, or would be. */
+static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	uint64_t plants = candidate->between ? candidate->between : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
+	uint64_t at = candidate->between ? candidate->middle : candidate->low;
+	return plants * (lod_way_next(way_of(fill, candidate), at) - at);
+}
+
+/* Vertices that one step more would take, of any kind. */
+static uint64_t cheapest_step(struct lod_fill *fill)
+{
+	uint64_t cheapest = UINT64_MAX;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		const struct lod_candidate *candidate = &fill->candidates[i];
+		if (!(next_lambda(candidate) > 0))
+			continue;
+		uint64_t cost = 1;
+		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->sharp)
+			cost = part_cost(fill, candidate);
+		else if (candidate->ladder_choice != ECO_NONE && candidate->ahead)
+			cost = (lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead) * (candidate->high - candidate->low);
+		else if (candidate->ladder_choice != ECO_NONE)
+			cost = lod_fill_share_next(fill, candidate, 0) * (lod_way_next(way_of(fill, candidate), candidate->low) - candidate->low);
+		cheapest = cost < cheapest ? cost : cheapest;
+	}
+	return cheapest;
+}
+
+/* ---- Entries ---- */
+
+static double between_densities(const struct lod_way *way, uint64_t low, uint64_t high, double part)
+{
+	double density = lod_way_density(way, low);
+	return part > 0 ? density + part * (lod_way_density(way, high) - density) : density;
+}
+
+/* Of the plants of a candidate together. Where there are many, as the lambda has it: cells are few, and where one takes a step all plants that it is a part
+ * of would change. Of few, what is drawn may be far from that. */
+static double mean_density(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	const struct lod_way *way = way_of(fill, candidate);
+	if (fill->allocation->sharp)
+		return between_densities(way, candidate->low, candidate->high, (double)candidate->ahead / (double)candidate->count);
+	double position = fill->allocation->ladder_choices[candidate->ladder_choice].position;
+	const struct lod_hull_point *a = &candidate->hull->points[(uint32_t)position];
+	bool last = (uint32_t)position + 1 == candidate->hull->count;
+	return between_densities(way, a->vertices, last ? a->vertices : a[1].vertices, position - floor(position));
+}
+
+/* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
+static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGAN_COUNT], double (*all)[ECO_ORGAN_COUNT])
+{
+	const struct lod_allocation *m = fill->allocation;
+	const struct lod_planner *p = m->p;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		const struct lod_candidate *candidate = &fill->candidates[i];
+		if (candidate->ladder_choice == ECO_NONE || !p->visible.slots[m->ladder_choices[candidate->ladder_choice].slot].cell)
+			continue;
+		const struct eco_ladder *ladder = &p->scene->ladders[m->ladder_choices[candidate->ladder_choice].ladder];
+		uint32_t slot = m->ladder_choices[candidate->ladder_choice].slot;
+		drawn[slot][ladder->organ] += mean_density(fill, candidate) * ladder->area;
+		all[slot][ladder->organ] += ladder->area;
+	}
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		for (uint32_t i = 0; p->visible.nodes[n].state == LOD_OPEN && i < p->visible.nodes[n].tally_count; i++) {
+			const struct lod_tally *t = &p->visible.nodes[n].tallies[i];
+			const struct lod_slot *slot = &p->visible.slots[t->slot];
+			if (!slot->cell || eco_gate_place(t->whole_band, 0) >= p->gates[slot->plant])
+				continue;
+			uint32_t whole = lod_allocation_slot(m, slot->plant, t->whole_band);
+			double count = drawn_share(&p->visible.nodes[n]) * shown(p, t);
+			for (int o = 0; o < ECO_ORGAN_COUNT; o++) {
+				drawn[whole][o] += count * drawn[t->slot][o];
+				all[whole][o] += count * all[t->slot][o];
+			}
+		}
+}
+
+/* In the band where the gate ends, the first of the slot's plants draw cells, and the others do not. */
+static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice, struct lod_entry *entry)
+{
+	const struct lod_slot *slot = &p->visible.slots[choice->slot];
+	uint32_t place = eco_gate_place(slot->band, 0), gate = p->gates[slot->plant];
+	uint32_t end = gate < place ? 0 : gate - place < ECO_SHARE_ONE ? gate - place : ECO_SHARE_ONE;
+	entry->first = choice->when == LOD_FAR ? end : 0;
+	entry->end = choice->when == LOD_NEAR ? end : ECO_SHARE_ONE;
+}
+
+static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
+{
+	struct lod_allocation *m = fill->allocation;
+	struct lod_planner *p = m->p;
+	double (*drawn)[ECO_ORGAN_COUNT] = calloc(2 * (size_t)p->visible.slot_count + 1, sizeof *drawn);
+	double (*all)[ECO_ORGAN_COUNT] = drawn ? drawn + p->visible.slot_count : NULL;
+	enum eco_code code = drawn ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", p->visible.slot_count);
+	if (drawn)
+		find_densities(fill, drawn, all);
+	p->vertices = fill->vertices;
+	p->entry_count = 0;
+	for (uint32_t i = 0; !code && i < fill->candidate_count; i++) {
+		const struct lod_candidate *candidate = &fill->candidates[i];
+		struct lod_entry entry = { .slot = ECO_NONE, .ladder = candidate->node, .count = candidate->count, .vertices = candidate->low };
+		if (candidate->ladder_choice == ECO_NONE) {
+			const struct lod_node *node = &p->visible.nodes[candidate->node];
+			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
+			entry.wanted = alone(node) ? 0 : (double)m->tile_choices[candidate->node].part[1].vertices;
+		} else {
+			const struct lod_ladder_choice *o = &m->ladder_choices[candidate->ladder_choice];
+			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
+			entry.slot = o->slot;
+			entry.among = 1 - (m->slot_choices[o->slot].seen > 0 ? m->slot_choices[o->slot].unoccluded / m->slot_choices[o->slot].seen : 1);
+			entry.ladder = o->ladder;
+			entry.full = lod_planner_way(p, o->ladder)->full;
+			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
+			find_hashes(p, o, &entry);
+			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
+			if (candidate->ahead) {        /* and less than all */
+				entry.more = candidate->high;
+				entry.share = hashes_of(fill, candidate)[candidate->ahead];
+			}
+			if (candidate->between) {
+				uint64_t end = candidate->ahead + candidate->between;
+				entry.middle = candidate->middle;
+				entry.between = end < candidate->count ? hashes_of(fill, candidate)[end] : entry.end;
+			}
+		}
+		code = lod_planner_add(p, &entry, error);
+	}
+	free(drawn);
+	return code;
+}
+
+/* Between two hull points a curve is not a straight line. */
+static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+{
+	struct lod_hull_point point = lod_hull_measure(way_of(fill, candidate), vertices);
+	return lod_hull_error(candidate->hull, &point);
+}
+
+double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	const struct lod_hull_point *a = lod_candidate_point(candidate);
+	bool at_steps = lod_candidate_ended(candidate) || (!candidate->between && candidate->low == a->vertices && (!candidate->ahead || candidate->high == a[1].vertices));
+	if (candidate->ladder_choice == ECO_NONE || at_steps)
+		return candidate_wrong(candidate);
+	double now = error_at(fill, candidate, candidate->low), wrong = now;
+	if (candidate->ahead)
+		wrong += (double)candidate->ahead / (double)candidate->count * (error_at(fill, candidate, candidate->high) - now);
+	if (candidate->between)
+		wrong += (double)candidate->between / (double)candidate->count * (error_at(fill, candidate, candidate->middle) - now);
+	return candidate->seen * wrong;
+}
+
+void lod_fill_sum(struct lod_fill *fill)
+{
+	fill->wrong = 0;
+	for (uint32_t i = 0; i < fill->candidate_count; i++)
+		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
+}
+
+enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
+{
+	bool good = file_hashes(fill) && lod_fill_rest(fill, budget, ECO_NONE);
+	if (good)
+		lod_fill_sum(fill);
+	if (!good || (swaps && !lod_swap_steps(fill, budget)))
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", fill->candidate_count);
+	fill->cheapest = cheapest_step(fill);
+	return add_entries(fill, error);
+}
