@@ -219,6 +219,14 @@ static void lambda_tile_choices(struct lod_allocation *m)
 	}
 }
 
+void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *plants, double *summary)
+{
+	const struct lod_tile_choice *choice = &m->tile_choices[n];
+	struct lod_cost fine = fine_cost(m, n);
+	*plants = choice->weight_px - paid(&fine, 1, m->lambda);
+	*summary = choice->weight_px * lod_summary_hull_gain_most(&choice->points, m->lambda / choice->weight_px);
+}
+
 static void widen(const struct lod_hull *hull, double weight_px, double *high, double *low)
 {
 	for (uint32_t i = 1; i < hull->count && lod_hull_slope(hull, i) > 0; i++) {

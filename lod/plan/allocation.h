@@ -105,6 +105,10 @@ void lod_allocation_lambdas(const struct lod_allocation *allocation, double *hig
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction, struct eco_error *error);
 
+/* After lod_allocation_relax: what a tile's plants and children save together, vertices paid, and what its summary does at most. The tile is
+ * open and has a summary. */
+void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants, double *summary);
+
 /* Makes p's nodes and gates what the last lambda decided, and counts plants. */
 void lod_allocation_fix(struct lod_allocation *allocation);
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/plan/explain_state.h"
 #include "lod/plan/swap_steps.h"
 #include "lod/heap.h"
 #include "lod/ladder.h"
@@ -134,6 +135,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	double high = lambda, low;
 	fill_at(fill, 0);
 	fill->converged = true;
+	fill->lambda = 0;
 	if (fill->vertices > budget) {
 		int falls = 0;
 		for (; fill_at(fill, high), fill->vertices > budget && falls < FALLS_MAX; falls++)
@@ -154,6 +156,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 			*(fill->vertices <= budget ? &high : &low) = middle;
 		}
 		fill_at(fill, high);
+		fill->lambda = high;
 	}
 	sum_wrong(fill);
 }
@@ -244,11 +247,6 @@ uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *
 }
 
 /* ---- What is left ---- */
-
-static double next_lambda(const struct lod_candidate *candidate)
-{
-	return lod_candidate_ended(candidate) ? 0 : lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
-}
 
 static const struct lod_way *way_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
@@ -360,8 +358,8 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 		candidate->ahead = candidate->ahead ? share_floor(fill, candidate, candidate->ahead) : 0;
 		add_vertices(fill, candidate->count, candidate->low);
 		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
-		if (i != except && next_lambda(candidate) > 0)
-			heap[count++] = (struct lod_heap_item){ next_lambda(candidate), i };
+		if (i != except && lod_candidate_next(candidate) > 0)
+			heap[count++] = (struct lod_heap_item){ lod_candidate_next(candidate), i };
 	}
 	lod_heap_make(heap, count);
 	uint64_t left = budget - fill->vertices;
@@ -371,8 +369,8 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 		uint64_t spent = buy(fill, candidate, left);
 		left -= spent;
 		fill->allocation->p->gains += candidate->step != step;
-		if (candidate->step != step && next_lambda(candidate) > 0)
-			heap[0].key = next_lambda(candidate);
+		if (candidate->step != step && lod_candidate_next(candidate) > 0)
+			heap[0].key = lod_candidate_next(candidate);
 		else if (spent == 0 || candidate->step != step)
 			heap[0] = heap[--count];
 		lod_heap_sift(heap, count, 0);
@@ -396,7 +394,7 @@ static uint64_t cheapest_step(struct lod_fill *fill)
 	uint64_t cheapest = UINT64_MAX;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
-		if (!(next_lambda(candidate) > 0))
+		if (!(lod_candidate_next(candidate) > 0))
 			continue;
 		uint64_t cost = 1;
 		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->sharp)
@@ -508,6 +506,8 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 				entry.between = end < candidate->count ? hashes_of(fill, candidate)[end] : entry.end;
 			}
 		}
+		if (p->input->explanation)
+			entry.reason = lod_explain_candidate(fill, candidate);
 		code = lod_planner_add(p, &entry, error);
 	}
 	free(drawn);

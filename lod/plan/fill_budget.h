@@ -27,6 +27,7 @@ struct lod_candidate {                     /* an ladder choice for the plants of
 struct lod_fill {
 	struct lod_allocation *allocation;
 	struct lod_candidate *candidates;        uint32_t candidate_count;
+	double lambda;               /* after lod_fill_search: the multiplier that was found; 0: everything fits */
 	uint64_t vertices;
 	uint64_t cheapest;           /* after lod_fill_finish: vertices of the cheapest step that would still gain; UINT64_MAX: none would */
 	double wrong;
@@ -53,6 +54,12 @@ static inline bool lod_candidate_ended(const struct lod_candidate *candidate) { 
 static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candidate)
 {
 	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low) + candidate->between * (candidate->middle - candidate->low);
+}
+
+/* What the next step of its hull saves per vertex; 0 at the end. */
+static inline double lod_candidate_next(const struct lod_candidate *candidate)
+{
+	return lod_candidate_ended(candidate) ? 0 : lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
 }
 
 /* All of its plants at an hull point, and none ahead. */

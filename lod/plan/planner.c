@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/plan/planner_state.h"
+#include "lod/plan/explain_state.h"
 
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error)
 {
@@ -47,8 +47,12 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 		code = lod_planner_optimal(&p, error);
 	if (!code)
 		code = lod_planner_emit(&p, sample_distance, plan, error);
+	if (!code && input->explanation)
+		input->explanation->sample_distance = sample_distance;
 	if (!code)
 		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
+	if (!code && input->explanation)
+		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.converged, p.wrong };
 	lod_planner_end(&p);

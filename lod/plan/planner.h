@@ -28,6 +28,7 @@ struct lod_planner_stats {           /* what planning took; counts, no times */
 	                              * itself. plan->prediction is of the whole picture, where plants stand before plants */
 };
 
+struct lod_explanation;
 struct lod_plan_tables;
 struct lod_planner_input {
 	const struct eco_scene *scene;
@@ -39,6 +40,7 @@ struct lod_planner_input {
 	enum lod_planner_rule rule;
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure what occlusion is worth */
 	struct lod_planner_stats *stats;             /* may be NULL */
+	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: reasons are not asked for and cost nothing */
 };
 
 /* Never above request->vertices. request->bytes is not looked at here: the server searches the vertex budget whose stream fits. */

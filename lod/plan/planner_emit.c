@@ -1,5 +1,5 @@
 /* From decided hull points to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
-#include "lod/plan/planner_state.h"
+#include "lod/plan/explain_state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,22 +41,26 @@ static double above_of(const struct lod_slot *slot)
 	return slot->looked > 0 ? floor(ABOVE_STEPS * slot->above / slot->looked + 0.5) / ABOVE_STEPS : 0;
 }
 
-static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices, uint32_t share_first, uint32_t share_end,
-	struct eco_plan *plan)
+/* Plants of an entry whose hash lies in [first, end), `count` of them, draw `vertices` each. */
+struct part { uint64_t vertices, count; uint32_t first, end; };
+
+static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, const struct part *part, struct eco_plan *plan)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	if (vertices == 0 || share_first == share_end)
+	if (part->vertices == 0 || part->first == part->end)
 		return;
-	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), vertices, entry_density(p, entry, vertices), above_of(slot), cuts);
-	double growth = grown(p, entry, vertices);
+	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), part->vertices, entry_density(p, entry, part->vertices), above_of(slot),
+		cuts);
+	double growth = grown(p, entry, part->vertices);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));
 		cuts[i].anchor = slot->anchor;
 		cuts[i].band_first = slot->band;
 		cuts[i].band_end = (uint8_t)(slot->band + 1);
-		cuts[i].share_first = share_first;
-		cuts[i].share_end = share_end;
+		cuts[i].share_first = part->first;
+		cuts[i].share_end = part->end;
+		lod_explain_cut(p, entry, &cuts[i], part->count);
 		plan->cuts[plan->cut_count++] = cuts[i];
 	}
 }
@@ -67,10 +71,12 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 	const struct lod_node *node = &p->visible.nodes[entry->ladder];
 	if (entry->vertices == 0)
 		return;
-	plan->cuts[plan->cut_count++] = (struct eco_cut){
+	struct eco_cut *cut = &plan->cuts[plan->cut_count++];
+	*cut = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
 		.scale = eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted, (double)entry->vertices))),
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
+	lod_explain_cut(p, entry, cut, 1);
 }
 
 static int by_anchor(const void *a, const void *b)
@@ -191,11 +197,12 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distan
 			add_summary_cut(p, entry, placement_in_plan, plan);
 			continue;
 		}
-		uint32_t from = entry->share ? entry->share : entry->first;
-		add_cuts(p, entry, entry->more, entry->first, from, plan);
+		uint32_t from = entry->share ? entry->share : entry->first, between = entry->between ? entry->between : from;
+		uint64_t ahead = entry->reason.ahead, on_the_way = entry->reason.between;
+		add_cuts(p, entry, &(struct part){ entry->more, ahead, entry->first, from }, plan);
 		if (entry->between)
-			add_cuts(p, entry, entry->middle, from, entry->between, plan);
-		add_cuts(p, entry, entry->vertices, entry->between ? entry->between : from, entry->end, plan);
+			add_cuts(p, entry, &(struct part){ entry->middle, on_the_way, from, between }, plan);
+		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead - on_the_way, between, entry->end }, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)

@@ -80,6 +80,7 @@ static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint6
 		return 0;
 	entry->more = next;
 	entry->share = share;
+	entry->reason = (struct lod_reason){ .why = LOD_WHY_LEFT_OVER, .ahead = plants };
 	return plants * (next - entry->vertices);
 }
 
@@ -110,6 +111,7 @@ enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 		if (whole) {
 			left -= (target - entry->vertices) * entry->count;
 			entry->vertices = target;
+			entry->reason.why = LOD_WHY_LEFT_OVER;
 			target = entry_target(p, entry);
 			heap[0].key = target == UINT64_MAX ? -1 : entry_gain(p, entry, target);
 		} else if (entry->count > 1) {

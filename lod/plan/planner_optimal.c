@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "lod/plan/allocation.h"
+#include "lod/plan/explain_state.h"
 #include "lod/plan/fill_budget.h"
 
 #define LAMBDAS_PER_OCTAVE 2
@@ -324,6 +325,8 @@ static enum eco_code fill_budget(const struct descent *d, uint64_t budget, struc
 	m->p->converged = fill.converged;
 	if (!code)
 		code = lod_fill_finish(&fill, budget, small, error);
+	if (!code)
+		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m);
 	lod_fill_free(&fill);

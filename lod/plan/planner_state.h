@@ -6,6 +6,7 @@
 
 #include <assert.h>
 
+#include "lod/plan/explain.h"
 #include "lod/plan/planner.h"
 #include "lod/plan/plan_tables.h"
 #include "lod/plan/visible_tree.h"
@@ -23,6 +24,7 @@ struct lod_entry {                   /* one ladder for all plants of one slot, o
 	double wanted;               /* points or lines of the whole region that d' asked for; summary: as large as if so many were drawn */
 	double pixels;               /* expected covered pixels of one plant's organ */
 	double among;                /* how much less a pixel too many of it weighs than one that is missing: 0 alone, towards 1 among others */
+	struct lod_reason reason;    /* where an explanation is asked for */
 };
 
 struct lod_planner {

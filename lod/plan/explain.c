@@ -1,0 +1,201 @@
+/* Reasons are read off what the planner has decided; nothing is decided here. See lod/plan/explain.h. */
+#include "lod/plan/explain_state.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ecofiles/base/room.h"
+
+#define ROUNDING 1e-9            /* two slopes as near as this are the same */
+
+const char *const lod_why_names[LOD_WHY_COUNT] = {
+	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step", [LOD_WHY_LEFT_OVER] = "left over",
+	[LOD_WHY_ALL] = "all", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary", [LOD_WHY_FAR] = "far",
+	[LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants", [LOD_WHY_GROUND] = "ground",
+};
+
+void lod_explanation_free(struct lod_explanation *explanation)
+{
+	free(explanation->rows);
+	*explanation = (struct lod_explanation){ 0 };
+}
+
+/* ---- Reasons ---- */
+
+static double more_by(double saved, double other) { return other > 0 ? saved / other - 1 : INFINITY; }
+
+/* A summary that is drawn, against the tile's plants and children. */
+static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_reason *reason)
+{
+	const struct lod_tile_choice *choice = &fill->allocation->tile_choices[n];
+	double plants, summary;
+	if (!choice->open) {
+		reason->why = LOD_WHY_FAR;
+	} else if (fill->allocation->p->visible.nodes[n].state == LOD_OPEN) {
+		reason->why = LOD_WHY_GIVES_WAY;
+		reason->margin = choice->share;
+	} else {
+		lod_allocation_compare(fill->allocation, n, &plants, &summary);
+		reason->why = LOD_WHY_SUMMARY;
+		reason->margin = fmax(0, more_by(summary, plants));
+	}
+}
+
+/* Do its plants draw what no step of the hull ends at, or a step that saves less than lambda? */
+static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	const struct lod_hull_point *at = lod_candidate_point(candidate);
+	double last = candidate->step ? lod_hull_slope(candidate->hull, candidate->step) * candidate->weight_px : INFINITY;
+	return candidate->between || candidate->low != at->vertices || (candidate->ahead && candidate->high != at[1].vertices)
+		|| last * LOD_HULL_BLUR < fill->lambda * (1 - ROUNDING);
+}
+
+struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead, .between = candidate->between };
+	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points) - lod_fill_wrong_of(fill, candidate);
+	if (candidate->ladder_choice == ECO_NONE)
+		explain_summary(fill, candidate->node, &reason);
+	else if (lod_candidate_ended(candidate))
+		reason.why = LOD_WHY_ALL;
+	else if (beyond_lambda(fill, candidate))
+		reason.why = LOD_WHY_LEFT_OVER;
+	else if (candidate->ahead)
+		reason.why = LOD_WHY_PART;
+	else
+		reason.why = reason.next > fill->lambda * (1 + ROUNDING) ? LOD_WHY_ROOM : LOD_WHY_STEP;
+	if (reason.why == LOD_WHY_PART)
+		reason.margin = (double)candidate->ahead / (double)candidate->count;
+	return reason;
+}
+
+/* ---- Rows ---- */
+
+/* A row for which there is no memory is left out, as one too many is: a plan does not fail for its explanation. */
+static void add_row(struct lod_explanation *explanation, const struct lod_explained *row)
+{
+	if (explanation->count == LOD_EXPLAINED_MAX
+			|| !eco_room(&explanation->rows, &explanation->capacity, explanation->count, sizeof *explanation->rows))
+		explanation->omitted++;
+	else
+		explanation->rows[explanation->count++] = *row;
+}
+
+void lod_explain_tiles(const struct lod_fill *fill)
+{
+	const struct lod_allocation *m = fill->allocation;
+	struct lod_explanation *explanation = m->p->input->explanation;
+	if (!explanation)
+		return;
+	explanation->lambda = fill->lambda;
+	explanation->count = 0;
+	explanation->omitted = 0;
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
+		const struct lod_node *node = &m->p->visible.nodes[n];
+		struct lod_explained row = { .cut = { .list = ECO_NONE, .anchor = ECO_NONE }, .tile = node->tile, .plant = ECO_NONE };
+		double plants, summary;
+		if (node->state != LOD_OPEN || node->points > 0 || !m->tile_choices[n].summary)
+			continue;
+		lod_allocation_compare(m, n, &plants, &summary);
+		row.plants = node->plants;
+		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants, .margin = fmax(0, more_by(plants, summary)) };
+		add_row(explanation, &row);
+	}
+}
+
+void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut, uint64_t plants)
+{
+	struct lod_explained row = { .cut = *cut, .tile = ECO_NONE, .plant = ECO_NONE, .plants = plants, .reason = entry->reason };
+	if (!p->input->explanation)
+		return;
+	if (entry->slot == ECO_NONE)
+		row.tile = p->visible.nodes[entry->ladder].tile;
+	else
+		row.plant = p->visible.slots[entry->slot].plant;
+	row.vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&p->scene->lists[cut->list]) * plants;
+	add_row(p->input->explanation, &row);
+}
+
+void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan, const struct eco_scene *scene, double error_px)
+{
+	error_px = error_px > 0 ? error_px : ECO_GROUND_PX;
+	for (uint32_t i = 0; explanation && i < plan->cut_count; i++) {
+		struct lod_explained row = { .cut = plan->cuts[i], .tile = ECO_NONE, .plant = ECO_NONE,
+			.reason = { .why = LOD_WHY_GROUND, .margin = error_px } };
+		if (scene->lists[row.cut.list].kind == ECO_LIST_GROUND)
+			add_row(explanation, &row);
+	}
+}
+
+/* ---- In words ---- */
+
+static void say_margin(char *text, size_t size, const char *winner, const char *loser, double margin)
+{
+	if (margin < INFINITY)
+		snprintf(text, size, "%s beat %s by %.2g %%", winner, loser, 100 * margin);
+	else
+		snprintf(text, size, "%s are drawn: %s would save nothing here", winner, loser);
+}
+
+void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation, const struct lod_explained *row)
+{
+	const struct lod_reason *reason = &row->reason;
+	double costs = reason->next > 0 ? explanation->lambda / reason->next : 0;
+	switch (reason->why) {
+	case LOD_WHY_STEP:
+		if (costs > 0)
+			snprintf(text, size, "the next hull step costs %.2g times lambda", costs);
+		else
+			snprintf(text, size, "the next hull step saves nothing");
+		return;
+	case LOD_WHY_ROOM:
+		snprintf(text, size, "the next hull step would pay (%.2g times lambda), but the budget has no room for it", costs);
+		return;
+	case LOD_WHY_PART:
+		snprintf(text, size, "lambda lies within a hull step: %.3g %% of the plants have taken it", 100 * reason->margin);
+		return;
+	case LOD_WHY_LEFT_OVER:
+		snprintf(text, size, "left over: bought with the rest of the budget");
+		return;
+	case LOD_WHY_ALL:
+		snprintf(text, size, "all of it is drawn");
+		return;
+	case LOD_WHY_DISTANCE:
+		snprintf(text, size, "the sample distance of %.3g rad asks for it", explanation->sample_distance);
+		return;
+	case LOD_WHY_SUMMARY:
+		say_margin(text, size, "summary points", "plants", reason->margin);
+		return;
+	case LOD_WHY_FAR:
+		snprintf(text, size, "the summary is fine enough from here: its plants are not looked at");
+		return;
+	case LOD_WHY_GIVES_WAY:
+		snprintf(text, size, "the summary gives way to plants: %.2g %% of them are drawn", 100 * reason->margin);
+		return;
+	case LOD_WHY_PLANTS:
+		say_margin(text, size, "plants", "the summary", reason->margin);
+		return;
+	case LOD_WHY_GROUND:
+		snprintf(text, size, "ground: heights may be %.2g pixels off", reason->margin);
+		return;
+	case LOD_WHY_COUNT:
+		break;
+	}
+	snprintf(text, size, "?");
+}
+
+void lod_explain_line(char *text, size_t size, const struct eco_scene *scene, const struct lod_explanation *explanation,
+	const struct lod_explained *row)
+{
+	char who[80], why[128];
+	lod_explain_text(why, sizeof why, explanation, row);
+	if (row->plant != ECO_NONE)
+		snprintf(who, sizeof who, "%.40s, band %u, %llu plants", scene->plants[row->plant].name, row->cut.band_first,
+			(unsigned long long)row->plants);
+	else if (row->tile != ECO_NONE)
+		snprintf(who, sizeof who, "tile %u", row->tile);
+	else
+		snprintf(who, sizeof who, "ground");
+	snprintf(text, size, "%s: %llu vertices save %.4g pixels: %s", who, (unsigned long long)row->vertices, row->reason.gain, why);
+}

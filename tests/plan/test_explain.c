@@ -1,0 +1,165 @@
+/* An explanation says of every cut what it draws and why, adds up to the plan, and changes nothing of it. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/format/wire.h"
+#include "lod/plan/explain.h"
+#include "lod/plan/planner.h"
+#include "tests/support/scene_random.h"
+
+static struct random_scene scene;
+
+static struct eco_request request_of(uint64_t vertices)
+{
+	struct eco_request q = { .bytes = ECO_BYTES_UNBOUNDED, .vertices = vertices };
+	double reach = random_below(&scene, 2) ? 80 : 1000;
+	for (int i = 0; i < 3; i++) {
+		q.view.eye[i] = random_real(&scene, -reach, reach) / (i == 2 ? 4 : 1);
+		q.view.target[i] = random_real(&scene, -40, 40);
+		q.view.up[i] = i == 2;
+	}
+	q.view.fov_y_deg = 50;
+	q.view.width = 800;
+	q.view.height = 600;
+	return q;
+}
+
+static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request, enum lod_planner_rule rule)
+{
+	struct eco_error error = { 0 };
+	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule, .explanation = why };
+	if (lod_plan(plan, &input, &error))
+		fail_msg("%s", error.text);
+}
+
+static bool covers(const struct eco_cut *cut, const struct eco_cut *row)
+{
+	return cut->list == row->list && cut->first == row->first && cut->end == row->end && cut->anchor == row->anchor
+		&& cut->placement == row->placement && cut->share_first == row->share_first && cut->share_end == row->share_end
+		&& (cut->anchor == ECO_NONE || (cut->band_first <= row->band_first && row->band_end <= cut->band_end));
+}
+
+/* Every cut has its rows, one for each of its bands; the rows without a cut are tiles that draw their plants. */
+static void check_cuts(const struct eco_plan *plan, const struct lod_explanation *why)
+{
+	uint32_t bands = 0, rows = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		bands += plan->cuts[i].anchor == ECO_NONE ? 1u : (uint32_t)(plan->cuts[i].band_end - plan->cuts[i].band_first);
+	for (uint32_t i = 0; i < why->count; i++) {
+		const struct lod_explained *row = &why->rows[i];
+		uint32_t found = 0;
+		for (uint32_t c = 0; c < plan->cut_count; c++)
+			found += covers(&plan->cuts[c], &row->cut);
+		assert_int_equal(found, row->reason.why != LOD_WHY_PLANTS);
+		rows += found;
+	}
+	assert_int_equal(rows, bands);
+}
+
+static void check_rows(const struct eco_plan *plan, const struct lod_explanation *why, enum lod_planner_rule rule, uint64_t seen[LOD_WHY_COUNT])
+{
+	uint64_t vertices = 0;
+	for (uint32_t i = 0; i < why->count; i++) {
+		const struct lod_explained *row = &why->rows[i];
+		const struct lod_reason *reason = &row->reason;
+		char text[200], line[400];
+		vertices += row->vertices;
+		seen[reason->why]++;
+		assert_true(isfinite(reason->gain) && reason->next >= 0 && isfinite(reason->next) && reason->margin >= 0);
+		if (reason->why == LOD_WHY_STEP)
+			assert_true(reason->next <= why->lambda * (1 + 1e-6));
+		if (reason->why == LOD_WHY_ALL)
+			assert_true(reason->next == 0);
+		if (rule == LOD_RULE_DEUSSEN)
+			assert_true(reason->why == LOD_WHY_DISTANCE || reason->why == LOD_WHY_LEFT_OVER || reason->why == LOD_WHY_GROUND);
+		lod_explain_text(text, sizeof text, why, row);
+		assert_true(strlen(text) > 8 && strlen(text) <= 120);
+		lod_explain_line(line, sizeof line, &scene.scene, why, row);
+		assert_true(strlen(line) <= 300);
+	}
+	assert_int_equal(vertices, plan->vertices);
+}
+
+static void rows_add_up_to_the_plan(void **state)
+{
+	(void)state;
+	uint64_t seen[LOD_WHY_COUNT] = { 0 };
+	for (uint64_t seed = 1; seed <= 60; seed++) {
+		random_scene_make(&scene, seed, seed % 3 ? 0 : 4);
+		for (int i = 0; i < 10; i++) {
+			enum lod_planner_rule rule = i % 5 == 4 ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL;
+			struct eco_request request = request_of((uint64_t)1 << (3 + 2 * i));
+			struct lod_explanation why = { 0 };
+			struct eco_plan plan;
+			explain(&plan, &why, &request, rule);
+			assert_int_equal(why.omitted, 0);
+			check_cuts(&plan, &why);
+			check_rows(&plan, &why, rule, seen);
+			eco_plan_free(&plan);
+			lod_explanation_free(&why);
+		}
+	}
+	for (int w = 0; w < LOD_WHY_COUNT; w++)
+		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
+	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL] && seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
+	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART]);
+}
+
+static void a_plan_is_the_same_with_and_without(void **state)
+{
+	(void)state;
+	random_scene_make(&scene, 5, 3);
+	for (int i = 0; i < 40; i++) {
+		enum lod_planner_rule rule = i % 2 ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL;
+		struct eco_request request = request_of((uint64_t)1 << (i % 20));
+		struct lod_explanation why = { 0 };
+		struct eco_writer bytes[2] = { { 0 }, { 0 } };
+		for (int k = 0; k < 2; k++) {
+			struct eco_plan plan;
+			explain(&plan, k ? &why : NULL, &request, rule);
+			eco_wire_write_plan(&bytes[k], &plan);
+			eco_plan_free(&plan);
+		}
+		assert_int_equal(bytes[0].size, bytes[1].size);
+		assert_memory_equal(bytes[0].bytes, bytes[1].bytes, bytes[0].size);
+		eco_writer_free(&bytes[0]);
+		eco_writer_free(&bytes[1]);
+		lod_explanation_free(&why);
+	}
+}
+
+static void words_are_plain(void **state)
+{
+	(void)state;
+	static const struct { struct lod_reason reason; const char *says; } cases[] = {
+		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "the next hull step costs 2.1 times lambda" },
+		{ { .why = LOD_WHY_STEP }, "the next hull step saves nothing" },
+		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "plants beat the summary by 7 %" },
+		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY }, "summary points are drawn: plants would save nothing here" },
+		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
+	};
+	const struct lod_explanation why = { .lambda = 1.05 };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct lod_explained row = { .reason = cases[i].reason };
+		char text[128];
+		lod_explain_text(text, sizeof text, &why, &row);
+		assert_string_equal(text, cases[i].says);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(rows_add_up_to_the_plan),
+		cmocka_unit_test(a_plan_is_the_same_with_and_without),
+		cmocka_unit_test(words_are_plain),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
