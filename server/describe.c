@@ -270,7 +270,50 @@ static void describe_gates(struct srv_json *json, const struct eco_scene *scene,
 	srv_json_close(json, ']');
 }
 
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
+static void describe_row(struct srv_json *json, const struct eco_scene *scene, const struct lod_explanation *why,
+	const struct lod_explained *row)
+{
+	char reason[128];
+	lod_explain_text(reason, sizeof reason, why, row);
+	srv_json_open(json, '{');
+	if (row->cut.list != ECO_NONE) {
+		srv_json_key_count(json, "list", row->cut.list);
+		srv_json_key_count(json, "first", row->cut.first);
+		srv_json_key_count(json, "end", row->cut.end);
+	}
+	if (row->tile != ECO_NONE)
+		srv_json_key_count(json, "tile", row->tile);
+	if (row->plant != ECO_NONE) {
+		srv_json_key_text(json, "plant", scene->plants[row->plant].name);
+		srv_json_key_count(json, "band", row->cut.band_first);
+		srv_json_key_number(json, "distance_m", lod_band_distance_m(row->cut.band_first));
+		srv_json_key_number(json, "share_first", (double)row->cut.share_first / ECO_SHARE_ONE);
+		srv_json_key_number(json, "share_end", (double)row->cut.share_end / ECO_SHARE_ONE);
+	}
+	srv_json_key_count(json, "plants", row->plants);
+	srv_json_key_count(json, "vertices", row->vertices);
+	srv_json_key_number(json, "gain_px", row->reason.gain);
+	srv_json_key_number(json, "next_lambda", row->reason.next);
+	srv_json_key_text(json, "why", lod_why_names[row->reason.why]);
+	srv_json_key_text(json, "reason", reason);
+	srv_json_close(json, '}');
+}
+
+static void describe_explanation(struct srv_json *json, const struct eco_scene *scene, const struct lod_explanation *why)
+{
+	srv_json_key(json, "explanation");
+	srv_json_open(json, '{');
+	srv_json_key_number(json, "lambda", why->lambda);
+	srv_json_key_count(json, "omitted", why->omitted);
+	srv_json_key(json, "rows");
+	srv_json_open(json, '[');
+	for (uint32_t i = 0; i < why->count; i++)
+		describe_row(json, scene, why, &why->rows[i]);
+	srv_json_close(json, ']');
+	srv_json_close(json, '}');
+}
+
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream, const struct lod_explanation *explanation)
 {
 	const struct eco_scene *scene = &stream->input.scene->pack->scene;
 	const struct eco_request *request = stream->input.request;
@@ -299,5 +342,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 	describe_runs(json, plan);
 	describe_gates(json, scene, plan);
 	describe_cuts(json, scene, plan);
+	if (explanation)
+		describe_explanation(json, scene, explanation);
 	srv_json_close(json, '}');
 }

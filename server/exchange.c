@@ -89,7 +89,14 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 	char timing[96];
 	if (exchange->route == &srv_routes[SRV_PLAN]) {
 		struct srv_json json = { 0 };
-		srv_describe_plan(&json, stream);
+		struct lod_explanation why = { 0 };
+		bool explain = exchange->query.explain;
+		enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
+		if (!code)
+			srv_describe_plan(&json, stream, explain ? &why : NULL);
+		lod_explanation_free(&why);
+		if (code)
+			return code;
 		if (json.out.size > PLAN_TEXT_MAX) {
 			eco_writer_free(&json.out);
 			return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask for fewer vertices, or for the stream",
@@ -151,6 +158,11 @@ static bool prepare_plan(struct srv_exchange *exchange)
 	struct eco_error error = { 0 };
 	if (srv_query_parse(&exchange->query, &exchange->target, &error)) {
 		make_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
+		return false;
+	}
+	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
+		make_problem(exchange, SRV_PROBLEM_PARAMETER, "parameter 'explain': a stream explains nothing; ask .../plan with the same parameters",
+			false);
 		return false;
 	}
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;

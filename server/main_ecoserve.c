@@ -29,7 +29,7 @@ static const char usage[] =
 	"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a\n"
 	"second one ends at once.\n"
 	"Put a new pack in place of one that is served by renaming it, as ecopack does, and start again.\n"
-	"ECO_TRACE=plan,cache,connection prints on stderr why things are as they are.\n"
+	"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n"
 	"Exit status: 0 ended as asked, 1 failed, 2 wrong usage.\n";
 
 enum { OPTION_LOG = 256 };

@@ -1,7 +1,7 @@
 /* What a plan or stream request asks, from its parameters.
  *
  *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
- *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  pack=  (none)
+ *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  pack=  (none)  explain= (0; 1 for plans alone)
  *
  * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts. Unknown parameters are
  * refused, so that a misspelt budget is an error and not an unbounded answer. `pack` is the 32 hex digit id of the pack that the
@@ -18,7 +18,7 @@
 
 struct srv_query {
 	struct eco_request request;
-	bool has_pack;
+	bool has_pack, explain;
 	struct eco_chunk_id pack;
 };
 

@@ -74,16 +74,21 @@ static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, 
 	return code;
 }
 
+static struct lod_planner_input planner_input(const struct srv_stream_input *input, const struct eco_request *request)
+{
+	return (struct lod_planner_input){ .scene = &input->scene->pack->scene, .tables = input->scene->tables, .request = request,
+		.holdings = input->holdings, .tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
+		.ignore_occlusion = input->ignore_occlusion };
+}
+
 static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px, struct srv_step *step,
 	struct eco_error *error)
 {
 	const struct srv_stream_input *input = &stream->input;
-	const struct eco_scene *scene = &input->scene->pack->scene;
 	struct eco_request request = *input->request;
 	struct lod_planner_stats stats = { 0 };
-	struct lod_planner_input planner = { .scene = scene, .tables = input->scene->tables, .request = &request, .holdings = input->holdings,
-		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
-		.ignore_occlusion = input->ignore_occlusion, .stats = &stats };
+	struct lod_planner_input planner = planner_input(input, &request);
+	planner.stats = &stats;
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
@@ -363,6 +368,36 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	return code;
 }
 
+enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation, struct eco_error *error)
+{
+	const struct srv_step *last = &stream->steps[stream->step_count - 1];
+	struct eco_request request = *stream->input.request;
+	struct lod_planner_input planner = planner_input(&stream->input, &request);
+	struct eco_plan plan;
+	planner.explanation = explanation;
+	request.vertices = last->budget_vertices;
+	request.ground_px = last->ground_px;
+	enum eco_code code = lod_plan(&plan, &planner, error);
+	if (!code)
+		eco_plan_free(&plan);
+	return code;
+}
+
+/* A plan that cannot be explained is sent all the same. */
+static void trace_cuts(const struct srv_stream *stream)
+{
+	struct lod_explanation why = { 0 };
+	const struct srv_scene *scene = stream->input.scene;
+	if (!srv_stream_explain(stream, &why, NULL))
+		srv_trace(SRV_TRACE_CUTS, "%s: lambda %.4g, %u rows, %llu more", scene->name, why.lambda, why.count, (unsigned long long)why.omitted);
+	for (uint32_t i = 0; i < why.count; i++) {
+		char line[320];
+		lod_explain_line(line, sizeof line, &scene->pack->scene, &why, &why.rows[i]);
+		srv_trace(SRV_TRACE_CUTS, "%s: %s", scene->name, line);
+	}
+	lod_explanation_free(&why);
+}
+
 enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error)
 {
 	struct srv_emit dry;
@@ -374,6 +409,8 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 	srv_emit_free(&dry);
 	if (code)
 		srv_stream_free(stream);
+	else if (srv_trace_on(SRV_TRACE_CUTS))
+		trace_cuts(stream);
 	return code;
 }
 

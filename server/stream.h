@@ -24,6 +24,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/plan.h"
+#include "lod/plan/explain.h"
 #include "lod/plan/planner.h"
 #include "server/store.h"
 
@@ -67,6 +68,9 @@ struct srv_body {
 };
 
 enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error);
+
+/* Why the last step's plan is what it is; plans it once more. The caller frees *explanation, which is empty. */
+enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation, struct eco_error *error);
 
 /* body->size_bytes == stream->body_bytes. ECO_DAMAGED if a payload is. */
 enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body, struct eco_error *error);

@@ -36,10 +36,12 @@ enum eco_code srv_trace_set(const char *names, struct eco_error *error)
 	return ECO_OK;
 }
 
+bool srv_trace_on(enum srv_trace_bit bit) { return trace_bits >> bit & 1; }
+
 void srv_trace(enum srv_trace_bit bit, const char *format, ...)
 {
 	char line[512];
-	if (!(trace_bits >> bit & 1))
+	if (!srv_trace_on(bit))
 		return;
 	va_list arguments;
 	va_start(arguments, format);

@@ -8,6 +8,7 @@
 
 #define SRV_TRACE_BITS(X) \
 	X(PLAN, "plan", "vertex budgets tried for a byte budget, steps taken or left out, and why") \
+	X(CUTS, "cuts", "of each plan, why each cut is what it is (plans once more)") \
 	X(CACHE, "cache", "chunk responses made, reused, refused") \
 	X(CONNECTION, "connection", "connections that were shut down, and why")
 
@@ -20,6 +21,7 @@ enum srv_trace_bit {
 
 /* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE lists the names. */
 enum eco_code srv_trace_set(const char *names, struct eco_error *error);
+bool srv_trace_on(enum srv_trace_bit bit);
 void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -72,6 +72,38 @@ static void a_plan_tells_what_the_stream_sends(void **state)
 	http_free(&plan);
 }
 
+static void a_plan_is_explained_when_asked(void **state)
+{
+	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&explain=1"), plain = http_get(port, BASE "/plan?" VIEW_BY("50000"));
+	(void)state;
+	assert_int_equal(plan.status, 200);
+	json_t *json = json_of(&plan), *without = json_of(&plain), *row;
+	json_t *why = json_object_get(json, "explanation"), *rows = json_object_get(why, "rows");
+	json_int_t vertices = 0;
+	size_t i;
+	assert_null(json_object_get(without, "explanation"));
+	assert_int_equal(json_integer_value(json_object_get(why, "omitted")), 0);
+	assert_true(json_array_size(rows) >= json_array_size(json_object_get(json, "cuts")));
+	json_array_foreach(rows, i, row) {
+		vertices += json_integer_value(json_object_get(row, "vertices"));
+		assert_true(strlen(json_string_value(json_object_get(row, "reason"))) > 8);
+	}
+	assert_int_equal(vertices, json_integer_value(json_object_get(json, "vertices")));
+	json_object_del(json, "explanation");
+	assert_true(json_equal(json, without));
+	json_decref(json);
+	json_decref(without);
+	http_free(&plan);
+	http_free(&plain);
+	static const char *const refused[] = { BASE "/plan?" VIEW_BY("50000") "&explain=2", BASE "/plan?" VIEW_BY("50000") "&explain=yes",
+		BASE "/stream?" VIEW_BY("50000") "&explain=1" };
+	for (i = 0; i < sizeof refused / sizeof *refused; i++) {
+		struct http_answer answer = http_get(port, refused[i]);
+		assert_int_equal(answer.status, 400);
+		http_free(&answer);
+	}
+}
+
 static void read_stream(struct stream_reader *reader, const struct http_answer *answer, uint64_t vertices)
 {
 	struct eco_error error = { 0 };
@@ -289,6 +321,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(health_and_scenes_are_described),
 		cmocka_unit_test(a_plan_tells_what_the_stream_sends),
+		cmocka_unit_test(a_plan_is_explained_when_asked),
 		cmocka_unit_test(streams_are_complete_and_send_only_what_is_missing),
 		cmocka_unit_test(same_request_same_bytes),
 		cmocka_unit_test(byte_budgets_are_never_exceeded),
