@@ -5,8 +5,9 @@
  *   x = lod_arena_take(&arena, count, sizeof *x);      never NULL, zeroed
  *   lod_arena_free(&arena);
  *
- * The stages of a build take some hundred arrays, and each could fail. Failing by a jump to the one place that cleans up keeps that
- * out of the algorithms. Every piece is an allocation of its own, so that a sanitizer sees its bounds. */
+ * A build takes some hundred arrays, and each allocation may fail. A jump to the one place that cleans up
+ * keeps that out of the algorithms. Every piece is an allocation of its own, so that a sanitizer sees its
+ * bounds. */
 #ifndef LOD_ARENA_H
 #define LOD_ARENA_H
 
@@ -20,14 +21,15 @@ struct lod_arena {
 	jmp_buf failed;              /* set by the owner before the first take */
 };
 
-/* Zeroed memory for count * size bytes (one byte at least); jumps to `failed` where there is none or the product overflows. */
+/* Zeroed memory for count * size bytes (at least one); jumps to `failed` without memory or where the product
+ * overflows. */
 void *lod_arena_take(struct lod_arena *arena, size_t count, size_t size);
 
-/* Gives back what was taken after `mark` (a value of arena->last). */
+/* Gives back every piece that was taken after `mark` (a value of arena->last). */
 void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *mark);
 void lod_arena_free(struct lod_arena *arena);
 
-/* The same as take, but from malloc: the result outlives the arena and is the caller's to free. */
+/* As lod_arena_take, but from malloc: the result outlives the arena, and the caller frees it. */
 void *lod_arena_own(struct lod_arena *arena, size_t count, size_t size);
 
 #endif

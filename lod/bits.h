@@ -4,14 +4,14 @@
 
 #include <stdint.h>
 
-/* Before a function: on processors of the last fifteen years it uses their instructions that count bits and round. Results are the same
- * without. What it calls must be inlined to gain by it. */
+/* Before a function: compiles it twice, once for processors with SSE 4.2 (instructions that count bits and
+ * round). Results are the same. A function that it calls gains only if it is inlined. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define LOD_CLONES __attribute__((target_clones("sse4.2", "default")))
 #define lod_bits_of(x) ((uint32_t)__builtin_popcountll(x))
 #else
 #define LOD_CLONES
-/* Not the builtin: without a flag for newer processors that is a call. */
+/* The builtin would be a call unless a flag allowed newer processors. */
 static inline uint32_t lod_bits_of(uint64_t x)
 {
 	x -= x >> 1 & UINT64_C(0x5555555555555555);

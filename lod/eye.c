@@ -1,4 +1,3 @@
-/* What a view sees, in arithmetic that every machine repeats bit for bit: see lod/eye.h. */
 #include "lod/eye.h"
 
 #include <assert.h>
@@ -13,7 +12,8 @@ static void cross(const double a[3], const double b[3], double out[3])
 	out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Scales to unit length; the components are first divided by the largest, so that neither 1e-200 nor 1e200 leaves the range. */
+/* Scales to unit length. The components are first divided by the largest, so that neither 1e-200 nor 1e200
+ * over- or underflows. */
 static bool normalize(double v[3])
 {
 	double largest = 0;
@@ -29,7 +29,7 @@ static bool normalize(double v[3])
 	return true;
 }
 
-/* sin(x)/x and cos(x) by their series, x in [0, pi/4]: no libm, whose last bit differs between machines. */
+/* sin(x)/x and cos(x) by their series, x in [0, pi/4]: the last bit of libm's differs between machines. */
 static double series_sinc(double x)
 {
 	double sum = 1, term = 1;
@@ -81,7 +81,8 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 	bool has_up = normalize(up);
 	cross(eye->forward, up, eye->right);
 	if (!has_up || lod_dot(eye->right, eye->right) < 1e-24) {
-		/* up says nothing: take the world axis least along the view, Z first, so that a level view stays level */
+		/* `up` is parallel to the view: take the world axis that is least along it, Z first, so that
+		 * a level view stays level */
 		int axis = fabs(eye->forward[2]) < 0.9 ? 2 : 1;
 		for (int i = 0; i < 3; i++)
 			up[i] = i == axis;
@@ -123,7 +124,7 @@ void lod_place_point(const struct lod_place *place, const float p[3], double wor
 bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radius)
 {
 	double from_eye[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	/* a little more than the radius: a plant that only rounding keeps out is drawn */
+	/* slightly more than the radius: a plant that is out of view only by rounding is drawn */
 	double reach = radius * (1.0 + 1e-9);
 	for (int i = 0; i < 4; i++)
 		if (lod_dot(eye->side[i], from_eye) < -reach)
@@ -131,8 +132,8 @@ bool lod_eye_sees(const struct lod_eye *eye, const double center[3], double radi
 	return lod_dot(eye->forward, from_eye) > -reach;
 }
 
-/* Factor on a squared distance, from 2^(-1/4) up to, not including, 2^(1/4). The hash times an odd number modulo 2^16 is a permutation that is
- * even in any range of hashes: plants in one share of a cut are blurred like all others. */
+/* Factor on a squared distance, in [2^(-1/4), 2^(1/4)). Times an odd number modulo 2^16 the hash is permuted
+ * so that any range of hashes is spread evenly: plants in one share of a cut are blurred like all others. */
 static double blur(uint32_t hash)
 {
 	const double least = 0.84089641525371454303, most = 1.18920711500272106672;
@@ -146,7 +147,7 @@ uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double sc
 	if (!(square > 0))
 		return 0;
 	int exponent;
-	double mantissa = frexp(square, &exponent);              /* exact; square = mantissa * 2^exponent, mantissa in [1/2, 1) */
+	double mantissa = frexp(square, &exponent);              /* exact: square = mantissa * 2^exponent */
 	int band = 2 * (exponent - 1) + 80 + (mantissa >= 0.70710678118654752440 ? 1 : 0);
 	return (uint8_t)(band < 0 ? 0 : band >= (int)ECO_BANDS ? (int)ECO_BANDS - 1 : band);
 }

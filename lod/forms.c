@@ -1,4 +1,3 @@
-/* The way through a ladder of forms: see lod/forms.h. */
 #include "lod/forms.h"
 
 #include <assert.h>
@@ -44,7 +43,8 @@ bool lod_forms_find(struct lod_forms *forms, const struct eco_scene *scene, cons
 	return true;
 }
 
-/* Triangles of the first `elements`. Which of a chunk's have more than others is not known here: they are taken to be spread evenly. */
+/* Triangles of the first `elements`. Elements of a chunk may differ in triangles; here they are spread evenly
+ * over it. */
 static uint64_t triangles_of(const struct lod_forms *forms, uint32_t elements)
 {
 	const struct eco_list *list = forms->triangles;
@@ -78,7 +78,8 @@ uint64_t lod_forms_vertices(const struct lod_forms *forms, const struct lod_form
 	return s->f ? all - cost_of(forms, s->stage, s->f) + cost_of(forms, s->stage + 1, s->f) : all;
 }
 
-/* The same on average, for elements of the region: each as dear as the ladder's own are. Exact where the ladder holds all of them. */
+/* The mean cost of `elements` of the region, at the ladder's own cost an element. Exact if the ladder holds
+ * the whole region. */
 static double region_cost(const struct lod_forms *forms, uint32_t form, double elements)
 {
 	if (forms->own == forms->total)
@@ -86,7 +87,7 @@ static double region_cost(const struct lod_forms *forms, uint32_t form, double e
 	return (double)cost_of(forms, form, forms->own) * elements / forms->own;
 }
 
-/* Most elements that may be drawn as triangles instead of as something of `unit` vertices, for so many more. */
+/* The most elements that turn into triangles, from a form of `unit` vertices, for at most `vertices` more. */
 static uint32_t triangles_afford(const struct lod_forms *forms, uint32_t unit, uint64_t vertices)
 {
 	const struct eco_list *list = forms->triangles;
@@ -109,8 +110,8 @@ static uint32_t triangles_afford(const struct lod_forms *forms, uint32_t unit, u
 	return elements;
 }
 
-/* Most elements of the region, up to `most`, for which turning them from one form into another (`from` of ECO_NONE: nothing) costs
- * no more than `vertices`. */
+/* The most elements of the region, at most `most`, that turn from one form into another (`from` ECO_NONE:
+ * from nothing) for at most `vertices` more. */
 static double region_afford(const struct lod_forms *forms, uint32_t from, uint32_t to, double vertices, double most)
 {
 	if (forms->own != forms->total || forms->each) {
@@ -124,8 +125,9 @@ static double region_afford(const struct lod_forms *forms, uint32_t from, uint32
 	return count < most ? count : most;
 }
 
-/* The region's state at a sample of the curve, reduced to what is the ladder's own. A region in parts has fractions of elements: rounded,
- * the few of a small share would be too few or too dear, and the ladder would begin in another form than the rest of its plant. */
+/* The region's state at a sample of the curve, reduced to the ladder's own elements. A region in parts has
+ * fractions of elements: rounding them would make a small share too small or too dear, and the ladder would
+ * begin in another form than the rest of its plant. */
 static struct lod_forms_state state_at(const struct lod_forms *forms, double share, double reach)
 {
 	bool whole = forms->own == forms->total;
@@ -134,7 +136,7 @@ static struct lod_forms_state state_at(const struct lod_forms *forms, double sha
 	vertices = whole ? (double)(uint64_t)(vertices + 0.5) : vertices;
 	e = whole ? (double)(uint32_t)(e + 0.5) : e;
 	e = e < forms->total ? e : forms->total;
-	if (region_cost(forms, last, e) < vertices)          /* too few elements to draw so much */
+	if (region_cost(forms, last, e) < vertices)          /* too few elements for so many vertices */
 		e = region_afford(forms, ECO_NONE, last, vertices, forms->total);
 	if (region_cost(forms, 0, e) > vertices)
 		e = region_afford(forms, ECO_NONE, 0, vertices, forms->total);
@@ -149,7 +151,7 @@ static struct lod_forms_state state_at(const struct lod_forms *forms, double sha
 	return s.e ? s : (struct lod_forms_state){ 0, 0, 0 };
 }
 
-/* Never less of anything than before. */
+/* Never fewer elements than before, nor coarser ones. */
 static struct lod_forms_state ascend(struct lod_forms_state from, struct lod_forms_state to)
 {
 	if (to.stage < from.stage)
@@ -162,7 +164,7 @@ static struct lod_forms_state ascend(struct lod_forms_state from, struct lod_for
 
 /* ---- Legs ---- */
 
-/* The state k steps along a leg within one stage. */
+/* The state after k steps along a leg within one stage. */
 static struct lod_forms_state along(const struct lod_forms_leg *leg, uint64_t k)
 {
 	uint64_t e = leg->to.e - leg->from.e, f = leg->to.f - leg->from.f, steps = e + f;
@@ -176,7 +178,8 @@ static uint64_t leg_steps(const struct lod_forms_leg *leg)
 	return (uint64_t)(leg->to.e - leg->from.e) + (leg->to.f - leg->from.f);
 }
 
-/* Where a leg leads into the next stage it first makes all it draws the finer form: this many elements. */
+/* A leg into the next stage first turns all drawn elements into the finer form: the number of elements at
+ * that point. */
 static uint32_t crossing(const struct lod_forms *forms, const struct lod_forms_leg *leg)
 {
 	double left = (double)cost_of(forms, leg->from.stage + 1, leg->from.e) - (double)leg->vertices[0];
@@ -187,7 +190,7 @@ static uint32_t crossing(const struct lod_forms *forms, const struct lod_forms_l
 	return leg->from.e + (uint32_t)(t * (leg->to.e - leg->from.e));
 }
 
-/* Legs from nothing to everything, one after the other; those that cross a stage come in parts. */
+/* Legs from nothing to full detail, one after the other; a leg across stages comes in parts. */
 struct walk { const struct lod_forms *forms; uint32_t sample; struct lod_forms_leg whole, leg; };
 
 static void begin(struct walk *walk, const struct lod_forms *forms)
@@ -220,7 +223,7 @@ static void next_sample(struct walk *walk)
 	walk->sample++;
 }
 
-/* The next leg; false at the end. */
+/* Advances to the next leg; false at the end. */
 static bool step(struct walk *walk)
 {
 	const struct lod_forms *forms = walk->forms;
@@ -253,7 +256,7 @@ static bool step(struct walk *walk)
 	return true;
 }
 
-/* ---- Asked about ---- */
+/* ---- Questions ---- */
 
 uint32_t lod_forms_legs_bound(const struct lod_forms *forms)
 {
@@ -272,7 +275,7 @@ void lod_forms_keep(struct lod_forms *forms, struct lod_forms_leg *legs)
 		if (count > 0)
 			ascends = ascends && walk.leg.vertices[1] >= legs[count - 1].vertices[1] && walk.leg.share[1] >= legs[count - 1].share[1];
 	}
-	if (ascends) {                       /* what does not cannot be bisected */
+	if (ascends) {                       /* bisection needs ascending legs */
 		forms->legs = legs;
 		forms->leg_count = count;
 	}
@@ -283,7 +286,7 @@ static bool ends_above(const struct lod_forms_leg *leg, uint64_t vertices, doubl
 	return leg->vertices[1] > vertices || leg->share[1] > share;
 }
 
-/* The first leg that ends above so many vertices or above such a share, or the last. */
+/* The first leg that ends above `vertices` or above `share`, or the last leg. */
 static struct lod_forms_leg leg_past(const struct lod_forms *forms, uint64_t vertices, double share)
 {
 	if (forms->leg_count) {
@@ -314,8 +317,8 @@ static bool draws_within(const struct lod_forms *forms, const struct lod_forms_l
 	return lod_forms_vertices(forms, &s) <= vertices;
 }
 
-/* Steps along the leg that draw no more than `vertices`. Where all elements cost the same that is a line, but for rounding: so first it is
- * looked at on both sides of where it should be. */
+/* Steps along the leg that draw at most `vertices`. If all elements cost the same they are linear in
+ * `vertices` but for rounding, so the search first brackets the expected place. */
 static uint64_t steps_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t vertices)
 {
 	uint64_t low = 0, high = leg_steps(leg) + 1, length = leg->vertices[1] - leg->vertices[0];
@@ -339,8 +342,8 @@ static struct lod_forms_state floor_once(const struct lod_forms *forms, uint64_t
 	return along(&leg, steps_within(forms, &leg, vertices));
 }
 
-/* Where elements differ in their triangles a step may cost less than nothing, and bisection finds one of several places: on to one that is
- * found again from what it costs. */
+/* If elements differ in triangles a step may lower the cost, and bisection finds one of several places. The
+ * loop goes on to a state that is found again from its own cost. */
 struct lod_forms_state lod_forms_floor(const struct lod_forms *forms, uint64_t vertices)
 {
 	struct lod_forms_state s = floor_once(forms, vertices);
@@ -373,7 +376,7 @@ uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices)
 	return is_floor(forms, leg.vertices[1]) ? leg.vertices[1] : lod_forms_next(forms, leg.vertices[1]);
 }
 
-/* The first leg that ends at `vertices` or above, or the last. */
+/* The first leg that ends at or above `vertices`, or the last. */
 static struct lod_forms_leg leg_up_to(const struct lod_forms *forms, uint64_t vertices)
 {
 	if (forms->leg_count)

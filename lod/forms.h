@@ -1,17 +1,19 @@
-/* Ladders of forms: the elements of one list in several forms, each cheaper than the next: points, lines, simple ones, the triangles
- * themselves. Elements [0,f) are drawn in one form and [f,e) in the one before it.
+/* Ladders of forms: the elements of one list in several forms, each cheaper than the next: points, lines,
+ * simple triangles, the triangles themselves. Elements [0, f) are drawn in one form and [f, e) in the form
+ * before it.
  *
- * A state is (stage, e, f). The curve's samples say which states are best (`reach` gives e, the sample's vertices give stage
- * and f); between two samples a leg leads from state to state, e and f growing in proportion, one element at a time. What a ladder
- * can draw are the states on its legs: their vertices ascend, so the greatest that a budget allows is found by bisection, and no
- * element that was drawn is ever missing in a larger amount, nor in a coarser form.
+ * A state is (stage, e, f). The curve's samples say which states are best (`reach` gives e, the sample's
+ * vertices give stage and f). Between two samples a leg leads from state to state: e and f grow in
+ * proportion, one element at a time. A ladder draws the states on its legs. Their vertices ascend, so
+ * bisection finds the greatest within a budget, and a larger number of vertices never drops an element nor
+ * draws it in a coarser form.
  *
- *   lod_forms_find(&forms, scene, ladder)       false: it has none
- *   lod_forms_floor(&forms, vertices) ...       walks from the curve's first sample to the leg that is asked for
+ *   lod_forms_find(&forms, scene, ladder)       false: the ladder has levels
+ *   lod_forms_floor(&forms, vertices) ...       walks from the curve's first sample to the leg
  *   lod_forms_keep(&forms, legs)                from then on legs are found by bisection
  *
- * The ladders of a plant's cells share the curve of the whole: a state is that of the region's elements, of which the whole-plant
- * list holds the first `before`, and the ladder what is left. */
+ * The ladders of a plant's cells share the curve of the whole. A state counts the elements of a cell's
+ * region; the whole-plant list holds the first `before` of them, the ladder holds the rest. */
 #ifndef LOD_FORMS_H
 #define LOD_FORMS_H
 
@@ -27,33 +29,35 @@ struct lod_forms {                   /* of one ladder */
 	const struct eco_scene *scene;
 	const struct eco_ladder *ladder;
 	const struct eco_list *triangles;
-	uint32_t list[LOD_FORMS_MAX], count;     /* coarsest first; the last are the triangles */
-	uint32_t unit[LOD_FORMS_MAX];    /* vertices of an element, of all forms but the last */
-	uint32_t each;               /* triangles of an element where all have the same number, else 0 */
+	uint32_t list[LOD_FORMS_MAX], count;     /* coarsest first; the triangles are last */
+	uint32_t unit[LOD_FORMS_MAX];    /* vertices of an element, for all forms but the last */
+	uint32_t each;               /* triangles of an element if all have as many, else 0 */
 	uint32_t own, before, total; /* elements: in the lists, in the whole-plant list, in the region */
-	const struct lod_forms_leg *legs;  uint32_t leg_count;     /* the caller's, where they are kept */
+	const struct lod_forms_leg *legs;  uint32_t leg_count;     /* the caller's, if kept */
 };
 
-/* False for ladders of levels. Keeps no legs. */
+/* False for a ladder of levels. Keeps no legs. */
 bool lod_forms_find(struct lod_forms *forms, const struct eco_scene *scene, const struct eco_ladder *ladder);
 
-/* Fills `legs`, which has lod_forms_legs_bound, and uses them while `forms` lives. Answers are the same. */
+/* Fills `legs` (lod_forms_legs_bound of them) and uses them while `forms` lives. Answers are the same. */
 uint32_t lod_forms_legs_bound(const struct lod_forms *forms);
 void lod_forms_keep(struct lod_forms *forms, struct lod_forms_leg *legs);
 
 uint64_t lod_forms_vertices(const struct lod_forms *forms, const struct lod_forms_state *state);
 /* Primitives of the first `elements` in a form. */
 uint64_t lod_forms_range_end(const struct lod_forms *forms, uint32_t form, uint32_t elements);
-/* The greatest state of no more than `vertices`. */
+/* The greatest state of at most `vertices`. */
 struct lod_forms_state lod_forms_floor(const struct lod_forms *forms, uint64_t vertices);
-/* Vertices of the smallest above, or UINT64_MAX. */
+/* Vertices of the smallest state above, or UINT64_MAX. */
 uint64_t lod_forms_next(const struct lod_forms *forms, uint64_t vertices);
-/* Where on the curve an amount is; the greatest amount that comes to no more than `share`. */
+/* The share at which a number of vertices is, and the greatest number of vertices whose share is at most
+ * `share`. */
 double lod_forms_share(const struct lod_forms *forms, uint64_t vertices);
-/* Where on the curve an amount begins: less than lod_forms_share where a whole-plant list has no more elements and cells go on. */
+/* The share at which it begins: less than lod_forms_share where a whole-plant list has no more elements and
+ * cells go on. */
 double lod_forms_first_share(const struct lod_forms *forms, uint64_t vertices);
 uint64_t lod_forms_of_share(const struct lod_forms *forms, double share);
-/* The smallest amount with all elements in some form, or UINT64_MAX. */
+/* The fewest vertices that draw all elements in some form, or UINT64_MAX. */
 uint64_t lod_forms_all_drawn(const struct lod_forms *forms);
 
 #endif

@@ -11,7 +11,7 @@ static double edge_of(float area_factor)
 	return area_factor == 1 ? 1 : sqrt((double)area_factor);
 }
 
-/* Value of an attribute that an element has at most one of. */
+/* Value of an attribute that an element has at most once, or `without`. */
 static uint32_t extra_of(const struct eco_list *list, const int32_t *extra, enum eco_attr attribute, uint32_t without)
 {
 	return list->attributes & attribute && extra ? (uint32_t)extra[eco_list_extra_at(list, attribute)] : without;
@@ -22,7 +22,7 @@ static double metres(const struct eco_list *list, int axis, int32_t value)
 	return list->grid_origin[axis] + value * list->grid_step[axis];
 }
 
-/* Corner of an element, moved away from the element's centre (the mean of its corners) by the scale of edges. */
+/* A corner, moved away from the element's centre (the mean of its corners) by the factor of edges. */
 static void put_corner(const struct target *t, float *to, const int32_t *corner, const double center[3])
 {
 	for (int a = 0; a < 3; a++) {

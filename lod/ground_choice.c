@@ -13,7 +13,7 @@ struct search {
 	const struct lod_eye *eye;
 	double origin[2], step[2];       /* of the grid of samples */
 	double border_cosine;        /* of the angle between the view's axis and its corners */
-	struct entry *heap;          /* the entry that shows most on top */
+	struct entry *heap;          /* the entry with the largest error on the screen on top */
 	uint32_t count, most;
 	uint32_t *done, done_count;      /* tiles that cannot be refined */
 	double error_px;
@@ -28,12 +28,12 @@ static void bounds(const struct search *s, const struct eco_ground_tile *tile, d
 	high[0] = s->origin[0] + x.high * s->step[0];
 	low[1] = s->origin[1] + y.low * s->step[1];
 	high[1] = s->origin[1] + y.high * s->step[1];
-	/* what is drawn may be off by the error */
+	/* the drawn ground may be off by the error */
 	low[2] = (double)tile->low_m - (double)tile->error_m;
 	high[2] = (double)tile->high_m + (double)tile->error_m;
 }
 
-/* Largest and smallest value of dot(axis, p - eye) over the box. */
+/* The largest and, below, the smallest value of dot(axis, p - eye) over the box. */
 static double farthest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
 {
 	double sum = 0;
@@ -60,7 +60,7 @@ static bool sees(const struct lod_eye *eye, const double low[3], const double hi
 	return farthest(eye, eye->forward, low, high) > 0;
 }
 
-/* How many pixels high the error can be: at the least depth that a visible point of the box can have. */
+/* The height of the error in pixels, at the least depth that a visible point of the box can have. */
 static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3], const double high[3])
 {
 	const struct lod_eye *eye = s->eye;
@@ -79,7 +79,7 @@ static double shown_px(const struct search *s, const struct eco_ground_tile *til
 	return depth > 0 ? (double)tile->error_m / (depth * eye->pixel_rad) : INFINITY;
 }
 
-/* Greater first; of equals the lower tile. */
+/* The greater first; among equals the lower tile. */
 static bool before(const struct entry *a, const struct entry *b)
 {
 	return a->px != b->px ? a->px > b->px : a->tile < b->tile;
@@ -195,7 +195,8 @@ static int by_key(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-/* How many levels coarser the tile is that is drawn at (column, row) of `level`; 0: none that is coarser. */
+/* The number of levels by which the tile drawn at (column, row) of `level` is coarser; 0 if none is
+ * coarser. */
 static uint8_t coarser_at(const uint64_t *keys, uint32_t count, uint8_t level, uint32_t column, uint32_t row)
 {
 	for (uint8_t up = 1; level + up < ECO_GROUND_LEVELS; up++) {
@@ -229,7 +230,7 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 	return true;
 }
 
-/* The nearest multiple of 2^levels, the upper one of two; the last sample is everybody's. */
+/* The nearest multiple of 2^levels, of two the upper; all tiles share the last sample. */
 static uint32_t snapped(uint32_t i, uint8_t levels, uint32_t inner)
 {
 	uint32_t at = (i + (1u << levels) / 2) >> levels << levels;

@@ -1,4 +1,5 @@
-/* The candidate with the greatest key first, of equal keys the one with the least id: the same sequence on every machine. */
+/* A binary heap: the greatest key first, among equal keys the least id, so that every machine pops the same
+ * sequence. */
 #ifndef LOD_HEAP_H
 #define LOD_HEAP_H
 
@@ -12,7 +13,8 @@ static inline bool lod_heap_before(struct lod_heap_item a, struct lod_heap_item 
 	return a.key != b.key ? a.key > b.key : a.id < b.id;
 }
 
-/* Puts right a heap of `count` whose item `at` may have become worse. Logarithmic in count; nothing where at >= count. */
+/* Restores a heap of `count` items after item `at` may have become worse. Logarithmic in count; does nothing
+ * if at >= count. */
 static inline void lod_heap_sift(struct lod_heap_item *heap, uint32_t count, uint32_t at)
 {
 	for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
@@ -26,7 +28,7 @@ static inline void lod_heap_sift(struct lod_heap_item *heap, uint32_t count, uin
 	}
 }
 
-/* Makes a heap of any `count` candidates: the best is heap[0]. Linear. */
+/* Makes a heap of any `count` items: the best is heap[0]. Linear. */
 static inline void lod_heap_make(struct lod_heap_item *heap, uint32_t count)
 {
 	for (uint32_t i = count / 2; i-- > 0;)

@@ -1,8 +1,8 @@
-/* Ladders: vertices of an organ at an anchor -> cuts. Two kinds (struct eco_ladder):
+/* Ladders: a number of vertices of an organ at an anchor -> cuts. There are two kinds (struct eco_ladder):
  *
  *   forms    the elements of one list in several forms, each cheaper than the next: lod/forms.h
- *   levels   the first points or lines, then the triangles, or the levels of simplified wood one after the other. A level is skipped
- *            where it would not draw more vertices than what came before it, so a ladder always ascends. */
+ *   levels   points or lines first, then the triangles, or the levels of simplified wood one after the other.
+ *            A level is skipped if it draws no more vertices than the one before it, so a ladder ascends. */
 #include "lod/ladder.h"
 
 #include <assert.h>
@@ -14,7 +14,7 @@ static uint64_t primitives(const struct eco_scene *scene, uint32_t list)
 
 /* ---- Levels ---- */
 
-/* Triangles as levels: level i is [start, end). Without levels the whole list is one. */
+/* Triangles as levels: level i is [start, end). Without levels the whole list is one level. */
 static uint32_t level_count(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
 	return primitives(scene, ladder->triangles) == 0 ? 0 : ladder->level_count ? ladder->level_count : 1;
@@ -34,7 +34,7 @@ static uint64_t level_vertices(const struct eco_scene *scene, const struct eco_l
 	return 3u * (uint64_t)(end - first);
 }
 
-/* What is drawn before the first level: lines, or points. */
+/* The list that is drawn before the first level: lines, or points. */
 static uint32_t first_list(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
 	return primitives(scene, ladder->lines) ? ladder->lines : primitives(scene, ladder->points) ? ladder->points : ECO_NONE;
@@ -53,7 +53,8 @@ static uint64_t full_of(const struct eco_scene *scene, const struct eco_ladder *
 	return first_unit(scene, ladder) * primitives(scene, first_list(scene, ladder));
 }
 
-/* Vertices of lines or points that lie at or below `vertices`. Such as would cost as much as everything are not drawn. */
+/* The greatest number of vertices of lines or points at or below `vertices`. Lines or points beyond the cost
+ * of full detail are not drawn. */
 static uint64_t first_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
 {
 	uint64_t unit = first_unit(scene, ladder), all = unit * primitives(scene, first_list(scene, ladder));
@@ -86,7 +87,7 @@ static uint64_t levels_next(const struct eco_scene *scene, const struct eco_ladd
 	return UINT64_MAX;
 }
 
-/* ---- Both ---- */
+/* ---- Both kinds ---- */
 
 void lod_way_begin(struct lod_way *way, const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
@@ -130,7 +131,7 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 	if (n == 0)
 		return (struct eco_curve){ .share = (float)share, .scale = 1, .reach = 1 };
 	if (share <= curve[0].share) {
-		/* below one element there is nothing: the error goes to "all of it missing" */
+		/* below one element nothing is drawn: the error tends to "all of it is missing" */
 		double t = curve[0].share > 0 && share > 0 ? share / curve[0].share : 0;
 		return (struct eco_curve){ .share = (float)share, .scale = curve[0].scale, .reach = (float)(curve[0].reach * t),
 			.fp = (float)(curve[0].fp * t), .fn = (float)(1 + (curve[0].fn - 1) * t) };
@@ -187,7 +188,8 @@ double lod_way_share(const struct lod_way *way, uint64_t vertices)
 	if (way->has_forms)
 		return lod_forms_share(&way->forms, vertices);
 	double share = (double)vertices / (double)way->full, all = (double)primitives(way->scene, first_list(way->scene, ladder));
-	if (level_count(way->scene, ladder) == 0 && ladder->total > all)     /* the largest lines of many */
+	if (level_count(way->scene, ladder) == 0 && ladder->total > all)     /* only the largest lines are
+	                                                                      * stored */
 		share *= all / ladder->total;
 	return share < 1 ? share : 1;
 }
@@ -214,7 +216,7 @@ double lod_way_density(const struct lod_way *way, uint64_t vertices)
 
 /* ---- Cuts ---- */
 
-/* The smallest share from which on the curve reaches `reach`. */
+/* The smallest share at which the curve attains `reach`. */
 static double share_of_reach(const struct eco_scene *scene, const struct eco_ladder *ladder, double reach)
 {
 	const struct eco_curve *curve = scene->curves + ladder->curve_first;
@@ -234,7 +236,8 @@ static float scale_at(const struct lod_way *way, uint64_t vertices, double densi
 		return 1;
 	density = density < 1 ? density : 1;
 	double share = way->has_forms && vertices < way->full ? lod_forms_first_share(&way->forms, vertices) : lod_way_share(way, vertices);
-	if (density > lod_way_density(way, vertices)) {      /* cells show more: this list is scaled as they are */
+	if (density > lod_way_density(way, vertices)) {      /* the cells show more: this list is drawn at
+	                                                      * their scale */
 		double half = ladder->total ? 0.5 / ladder->total : 0, least = share_of_reach(way->scene, ladder, density - half);
 		share = share > least ? share : least;
 	}
@@ -281,7 +284,7 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 	return 0;
 }
 
-/* ---- Asked once ---- */
+/* ---- For a single question ---- */
 
 uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {

@@ -1,12 +1,12 @@
-/* Ladders: how many vertices of an organ at an anchor -> which cuts. Pure rules; see struct eco_ladder for the forms and ladder.c for
- * the way through them.
+/* Ladders: how many vertices of an organ at an anchor -> which cuts. Pure rules; struct eco_ladder has the
+ * lists, ladder.c the two kinds.
  *
- * A way is a ladder made ready to be asked. lod_way_begin walks nowhere yet; each question then walks along the ladder's curve
- * (about a microsecond a sample). Who asks often keeps the legs of the walk, and the same questions are answered by bisection:
+ * A way is a ladder prepared for questions. Each question walks along the ladder's curve (about a microsecond
+ * a sample). A caller with many questions keeps the legs of the walk, and bisection gives the same answers:
  *
  *   lod_way_begin(&way, scene, ladder);
  *   legs = malloc(lod_way_legs_bound(&way) * sizeof *legs);
- *   lod_way_keep(&way, legs);                       once; never changes then, so threads may share it
+ *   lod_way_keep(&way, legs);                       once; then constant, so threads may share it
  *   lod_way_floor(&way, vertices) ...
  *
  * lod_ladder_floor and the others begin a way for one question. */
@@ -20,28 +20,28 @@ struct lod_way {
 	const struct eco_ladder *ladder;
 	bool has_forms;
 	struct lod_forms forms;
-	uint64_t full;               /* vertices of everything */
-	uint64_t stage_end;          /* where it is kept, else UINT64_MAX */
+	uint64_t full;               /* vertices of full detail */
+	uint64_t stage_end;          /* if kept, else UINT64_MAX */
 };
 void lod_way_begin(struct lod_way *way, const struct eco_scene *scene, const struct eco_ladder *ladder);
-/* `legs` may be NULL where the bound is 0; they must outlive the way. */
+/* `legs` may be NULL if the bound is 0; they must outlive the way. */
 uint32_t lod_way_legs_bound(const struct lod_way *way);
 void lod_way_keep(struct lod_way *way, struct lod_forms_leg *legs);
 
-uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder);   /* vertices of everything */
+uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder); /* of full detail */
 
-/* Greatest vertex count that a cut set of the ladder can draw and that is not above `vertices`. */
+/* The greatest vertex count, not above `vertices`, that a set of cuts of the ladder draws. */
 uint64_t lod_ladder_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 uint64_t lod_way_floor(const struct lod_way *way, uint64_t vertices);
-/* Smallest such count above `vertices`, or UINT64_MAX at the end. */
+/* The smallest such count above `vertices`, or UINT64_MAX at the end. */
 uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
 
-/* The cut set that draws exactly `vertices` (a value that floor returns): writes at most 2 cuts with list, first, end and scale set
- * and the rest zero; returns their number. Draws `vertices` to the primitive. `density` is the share of this region's elements (or
- * lines) that the picture shows in any form, coarse list included, in (0,1]: what is left stands for 1/density as much. It is
- * lod_ladder_density, but for a whole-plant list beside cells that show more than it holds: then it is theirs. `above`: as
- * lod_ladder_curve_seen; of lod_ladder_cuts 0. */
+/* The cuts that draw exactly `vertices` (a value that floor returns), to the primitive: writes at most 2 cuts
+ * with list, first, end and scale, the rest zero; returns their number. `density`, in (0, 1], is the share of
+ * the region's elements (or lines) that the picture shows in any form, the coarse list included: each is
+ * scaled to stand for 1 / density. It is lod_ladder_density, except for a whole-plant list beside cells that
+ * show more: there it is theirs. `above` is that of lod_ladder_curve_seen; lod_ladder_cuts takes 0. */
 #define LOD_LADDER_CUTS_MAX 2
 uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices, double density,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
@@ -49,23 +49,27 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_density(const struct lod_way *way, uint64_t vertices);
 
-/* Where this ladder alone does not suffice any more. Leaves: the amount at which all of a whole-plant list's elements are drawn while
- * there are more in cells (without cells: everything); while a plant's cells are not drawn, its whole-plant list cannot go beyond it,
- * as an eighth of the leaves in full detail would be less of a plant than the same leaves as points. Wood: the end of the lines. */
+/* The end of the first stage, beyond which this ladder alone does not suffice. Leaves: the vertices at which
+ * a whole-plant list draws all its elements while the cells hold more (without cells: full detail). Unless
+ * cells are drawn the list stops there, since an eighth of the leaves in full detail shows less of a plant
+ * than the same leaves as points. Wood: the end of the lines. */
 uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder);
 uint64_t lod_way_stage_end(const struct lod_way *way);
 
-/* Share of the region's full detail that `vertices` of this ladder come to, together with what the whole-plant list shows of the region
- * (ladder->before): what the curve is sampled over. A whole-plant list of a plant with cells has a share only together with them. */
+/* The share (lambda) of the region's full detail that `vertices` of this ladder amount to, together with the
+ * region's elements in the whole-plant list (ladder->before). Curves are sampled over it. The whole-plant
+ * list of a plant with cells has a share only together with the cells. */
 double lod_ladder_share(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_share(const struct lod_way *way, uint64_t vertices);
-/* The greatest amount that comes to no more than `share`. */
+/* The greatest number of vertices whose share is at most `share`. */
 uint64_t lod_ladder_vertices(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
 uint64_t lod_way_vertices(const struct lod_way *way, double share);
 
-/* Interpolates the curve linearly at `share` (clamped; a ladder without a curve is exact: scale 1, no error). */
+/* The curve at `share`, interpolated linearly and clamped; a ladder without a curve has scale 1 and no
+ * error. */
 struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
-/* The same for what is seen so far from above (lod_seen_above): 0 is the curve from all around, 1 the one from above, if there is one. */
+/* The same, seen from above by `above` (lod_seen_above): 0 takes the curve from all around, 1 the curve from
+ * above if there is one. */
 struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder, double share, double above);
 
 #endif

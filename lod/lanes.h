@@ -1,5 +1,6 @@
-/* Four floats or integers at a time, in GCC's and Clang's vector types: SSE2 or NEON where there is one, plain code elsewhere, the
- * same bits everywhere (IEEE operations lane by lane, nothing fused, no approximations). */
+/* Four floats or integers at a time, in the vector types of GCC and Clang: SSE2 or NEON where there is one,
+ * plain code elsewhere. The results are the same bits everywhere: IEEE operations lane by lane, nothing
+ * fused, no approximations. */
 #ifndef LOD_LANES_H
 #define LOD_LANES_H
 
@@ -11,7 +12,8 @@
 
 typedef float lod_f4 __attribute__((vector_size(16)));
 typedef int32_t lod_i4 __attribute__((vector_size(16)));
-typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that may wrap in lanes nobody reads */
+typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that may wrap in lanes that are not
+                                                              * read */
 
 static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
 static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
@@ -43,7 +45,7 @@ static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b)
 
 static inline lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
 
-/* One bit a lane: its sign. */
+/* The sign of each lane, a bit a lane. */
 static inline unsigned lod_i4_bits(lod_i4 mask)
 {
 #ifdef __SSE2__
@@ -53,8 +55,8 @@ static inline unsigned lod_i4_bits(lod_i4 mask)
 #endif
 }
 
-/* `middle` + the nearest integer, ties to even, for |a| < 2^22 (else something): adding 1.5 * 2^23 leaves the integer in the low
- * bits of the float. */
+/* `middle` + the nearest integer, ties to even, for |a| < 2^22 (otherwise arbitrary): adding 1.5 * 2^23
+ * leaves the integer in the low bits of the float. */
 static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
 {
 	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f)) + ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
@@ -62,7 +64,7 @@ static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
 
 static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
 
-/* Rows become columns. */
+/* Transposes in place. */
 static inline void lod_f4_transpose(lod_f4 r[4])
 {
 	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);

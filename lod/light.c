@@ -22,7 +22,8 @@ const uint16_t lod_light_of[256] = {
 uint8_t lod_light_byte(double light)
 {
 	uint32_t low = 0, high = 255;
-	while (low < high) {         /* the least byte whose middle to the next one is not below the light */
+	while (low < high) {         /* the least byte such that the midpoint to the next byte is not below
+	                              * the light */
 		uint32_t middle = (low + high) / 2;
 		if (2 * light > (double)lod_light_of[middle] + lod_light_of[middle + 1])
 			low = middle + 1;

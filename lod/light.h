@@ -1,5 +1,8 @@
-/* Colours as bytes are sRGB; means of colours are means of light. The table is rounded from the standard's formula (IEC 61966-2-1), so
- * that no libm decides a byte: sRGB byte -> light in 1/65535. It rises strictly, so a byte survives the way there and back. */
+/* sRGB bytes and light. A mean of colours is a mean of light, not of bytes. The table is rounded from the
+ * standard's formula (IEC 61966-2-1), so that no libm decides a byte. It rises strictly, so a byte survives
+ * the way to light and back.
+ *
+ *   lod_light_of[byte]         light in 1/65535 */
 #ifndef LOD_LIGHT_H
 #define LOD_LIGHT_H
 
@@ -7,10 +10,10 @@
 
 extern const uint16_t lod_light_of[256];
 
-/* The byte whose light is nearest; `light` in 1/65535, beyond the ends clamped. */
+/* The byte whose light is nearest; `light` is in 1/65535 and clamped. */
 uint8_t lod_light_byte(double light);
 
-/* A sum of colours by weight, and its mean. */
+/* A sum of colours by weight. */
 struct lod_light { double sum[3], weight; };
 
 static inline void lod_light_add(struct lod_light *light, const uint8_t rgb[3], double weight)
@@ -20,7 +23,7 @@ static inline void lod_light_add(struct lod_light *light, const uint8_t rgb[3], 
 	light->weight += weight;
 }
 
-/* Leaves rgb as it is where nothing was added. */
+/* The mean of a sum; leaves rgb as it is if nothing was added. */
 void lod_light_mean(const struct lod_light *light, uint8_t rgb[3]);
 
 #endif

@@ -1,10 +1,11 @@
-/* What searches say when they end. A search has a tolerance, within which it has found what it looks for, and a bound of tries, so that it ends
- * whatever it is given. Where it ends at the bound, its result is sound and no more than that: so it is counted, and said in a pack's META
- * (`ecopack info --json`), of plans by ECO_TRACE=plan (lod_planner_stats.converged).
+/* Searches and how they end. A search has a tolerance, within which it has found its optimum, and a bound on
+ * tries, so that it always ends. A result at the bound is valid, but perhaps not the optimum, and is counted
+ * as not converged: in a pack's META (`ecopack info --json`, `searches`), and for plans in lod_planner_stats
+ * and ECO_TRACE=plan.
  *
- * What makes a fixed number of passes looks for nothing that it could miss, and is not counted: orders are picked in one pass and looked at again in
- * up to four (rank_refine.c), colours are cut into boxes once (palette.c), levels of wood are simplified once, to a number of triangles or a
- * distance, whichever comes first (level.c). Ground ends at its tolerance or at its most tiles, and says how far off it is (ground.h). */
+ * Work with a fixed number of passes is not counted: orders are picked in one pass and refined in up to four
+ * (rank_refine.c), colours are cut into boxes once (palette.c), levels of wood are simplified once (level.c).
+ * Ground ends at its tolerance or at its bound on tiles, and states its error (ground_choice.h). */
 #ifndef LOD_SOLVER_H
 #define LOD_SOLVER_H
 
@@ -12,8 +13,10 @@
 #include <stdint.h>
 
 enum lod_solver {
-	LOD_SOLVER_GRID,             /* bits of a plant's grid: full detail within LOD_GRID_LOSS of the model, or more bits do not help; bound: 18 bits */
-	LOD_SOLVER_SCALE,            /* scale of a sample of a curve: those beside it are worse; bound: 1/4 to 8 times Cook's */
+	LOD_SOLVER_GRID,             /* bits of a plant's grid: within LOD_GRID_LOSS of the model, or more
+	                              * bits do not help; bound: 18 */
+	LOD_SOLVER_SCALE,            /* scale of a curve's sample: its neighbours are worse; bound: 1/4 to 8
+	                              * times Cook's */
 	LOD_SOLVER_COUNT
 };
 extern const char *const lod_solver_names[LOD_SOLVER_COUNT];

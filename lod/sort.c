@@ -1,6 +1,6 @@
 #include "lod/sort.h"
 
-/* Least significant byte first; passes in which all keys agree are left out. */
+/* Radix sort, least significant byte first; a pass in which all keys agree is left out. */
 void lod_sort(struct lod_arena *arena, struct lod_keyed *items, uint32_t count)
 {
 	struct lod_arena_piece *mark = arena->last;

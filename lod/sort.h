@@ -22,7 +22,7 @@ static inline uint64_t lod_sort_key(double value)
 	return bits >> 63 ? ~bits : bits | UINT64_C(1) << 63;
 }
 
-/* A well mixed hash of a number: the source of all "randomness" in lod/. */
+/* A well mixed hash of a number: all pseudo-random choices in lod/ come from it. */
 static inline uint64_t lod_mix(uint64_t x)
 {
 	return eco_mix_next(&x);

@@ -1,4 +1,4 @@
-/* Three doubles, and the one angle that libm must not decide. */
+/* Vectors of three doubles, and the arc cosine, which libm must not decide. */
 #ifndef LOD_VECTOR_H
 #define LOD_VECTOR_H
 
@@ -27,7 +27,8 @@ static inline struct lod_v3 lod_v3_unit(struct lod_v3 a) {
 	return length > 0 ? lod_v3_scale(a, 1 / length) : (struct lod_v3){ 0, 0, 0 };
 }
 
-/* Arc cosine within 1e-4 (Abramowitz and Stegun 4.4.45): libm's may differ in the last bit from machine to machine. */
+/* Arc cosine within 1e-4 (Abramowitz and Stegun 4.4.45): the last bit of libm's may differ from machine to
+ * machine. */
 static inline double lod_arc_cosine(double c)
 {
 	double x = c < 0 ? -c : c;
