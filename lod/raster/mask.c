@@ -1,15 +1,16 @@
-/* A triangle is looked at by rows of texels: where it meets a row is an interval, as it is convex, and its ends lie on edges. An interval
- * is looked at 64 texels at once. */
+/* A triangle is tested row by row of texels: it is convex, so it meets a row in an interval whose ends lie on
+ * edges. An interval is tested 64 texels at once. */
 #include "lod/raster/mask.h"
 
 #include <math.h>
 
 #include "ecofiles/format/list.h"
 
-#define ROWS_MOST 65536.0        /* of one triangle; more count as visible */
-#define ROW 4u                   /* what a row costs, in words */
+#define ROWS_MOST 65536.0        /* of one triangle; one with more counts as visible */
+#define ROW 4u                   /* cost of a row, in words */
 #define ROUNDING 0.0625          /* texels */
-#define TURNED (2.0 / ECO_UV_ONE)        /* of the image: so much a turned diagonal moves coordinates (element.c) */
+#define TURNED (2.0 / ECO_UV_ONE)        /* of the image: a turned diagonal moves coordinates by as much
+                                          * (element.c) */
 
 void lod_mask_open(struct lod_mask *mask, const struct eco_image *image, struct lod_arena *arena)
 {
@@ -30,7 +31,7 @@ static uint32_t wrap(double texel, uint32_t size)
 	return inside >= 0 && inside < size ? (uint32_t)inside : 0;
 }
 
-/* Is any bit of [from, end) set? from < end. */
+/* Whether any bit of [from, end) is set; from < end. */
 static bool any_bit(const uint64_t *row, uint32_t from, uint32_t end)
 {
 	uint32_t first = from / 64, last = (end - 1) / 64;
@@ -54,7 +55,7 @@ static bool any_between(const struct lod_mask *mask, double y, double low, doubl
 	return any_bit(row, from, mask->width) || any_bit(row, 0, count - (mask->width - from));
 }
 
-/* Where the triangle is between the heights y[0] and y[1]: low > high if nowhere. */
+/* The extent of the triangle between the heights y[0] and y[1]; low > high if it has none there. */
 static void meet(double p[3][2], const double y[2], double *low, double *high)
 {
 	*low = INFINITY;

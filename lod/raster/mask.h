@@ -1,8 +1,7 @@
-/* Which texels of a cut-out are opaque, one bit each: does a triangle show anything at all?
+/* The opaque texels of a cut-out, one bit each: does a triangle show anything at all?
  *
  *   lod_mask_open(&mask, image, &arena);                         once an image
- *   if (lod_mask_hidden(&mask, uv, &work)) ...                   for each triangle
- */
+ *   if (lod_mask_hidden(&mask, uv, &work)) ...                   for each triangle */
 #ifndef LOD_MASK_H
 #define LOD_MASK_H
 
@@ -20,9 +19,10 @@ struct lod_mask {
 /* Memory comes from `arena`; the image is not needed afterwards. */
 void lod_mask_open(struct lod_mask *mask, const struct eco_image *image, struct lod_arena *arena);
 
-/* True only if no sample of the triangle reads an opaque texel: nearest texels, wrapping, as all renderers look alpha up. Texels that
- * it touches only by rounding count as read. uv as in struct lod_mesh. `*work`, zero at first, adds up what has been looked at for all
- * triangles of a model; once it is more than LOD_MASK_WORK every triangle counts as visible, so that no file takes long. */
+/* True only if no sample of the triangle reads an opaque texel (nearest, wrapping, as all renderers read
+ * alpha). Texels that it touches only by rounding count as read. uv as in struct lod_mesh. `*work`, zero at
+ * first, sums the work for all triangles of a model; beyond LOD_MASK_WORK every triangle counts as visible,
+ * so that no file takes long. */
 #define LOD_MASK_WORK (UINT64_C(1) << 28)
 bool lod_mask_hidden(const struct lod_mask *mask, const int32_t uv[6], uint64_t *work);
 

@@ -1,8 +1,9 @@
-/* The rasteriser's object: buffers, camera, coarse depth, merging. See raster.h for what it promises, raster_draw.c and raster_fill.c
- * for how triangles become pixels.
+/* The rasteriser's object: buffers, camera, coarse depth, merging. raster.h has the contract, raster_draw.c
+ * and raster_fill.c turn triangles into pixels.
  *
- * Positions are doubles until the eye has been subtracted: once per object the difference of its place and the eye is taken in
- * double and folded into one 3 x 4 float matrix, so that a plant 500 km from the origin is drawn as finely as one beside it. */
+ * Positions are doubles until the eye is subtracted: once an object, the difference of its place and the eye
+ * is taken in double and folded into one 3 x 4 float matrix. So a plant 500 km from the origin is drawn as
+ * exactly as one beside it. */
 #include "lod/raster/raster.h"
 
 #include <assert.h>
@@ -130,7 +131,7 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 
 /* ---- Coarse depth ---- */
 
-/* The least depth in a block. Depths only grow, so an older value stays a lower bound. */
+/* The least depth in a block. Depths only grow, so an older value remains a lower bound. */
 static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by)
 {
 	struct lod_raster_state *state = raster->state;
@@ -154,8 +155,8 @@ static float block_refresh(struct lod_raster *raster, uint32_t bx, uint32_t by)
 	return state->block[block] = least;
 }
 
-/* Where a sphere's silhouette meets the plane of the forward axis and another one, as slopes on the image plane: the tangents from
- * the eye. `z` > r. */
+/* The tangents from the eye to a sphere, as slopes on the image plane, in the plane of the forward axis and
+ * another axis. `z` > r. */
 static void sphere_slopes(double x, double z, double r, double slope[2])
 {
 	double t = sqrt(x * x + z * z - r * r);
@@ -163,7 +164,7 @@ static void sphere_slopes(double x, double z, double r, double slope[2])
 	slope[1] = (x * t + r * z) / (z * t - r * x);
 }
 
-/* Pixels of [0, size) that [low, high] (pixels) may touch with a pixel to spare; false if none. */
+/* Pixels of [0, size) that [low, high] (pixels) may touch, with a pixel to spare; false if there are none. */
 static bool pixel_range(double low, double high, uint32_t size, uint32_t range[2])
 {
 	low -= 1.5, high += 1.5;
@@ -199,7 +200,7 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 		y += d[i] * eye->up[i];
 		z += d[i] * eye->forward[i];
 	}
-	/* Room for the floats that drawing uses. */
+	/* Room for the rounding of the floats that drawing uses. */
 	radius += 4e-6 * (fabs(x) + fabs(y) + fabs(z) + 64 * radius);
 	if (z + radius < raster->state->near_m)
 		return true;

@@ -1,26 +1,32 @@
-/* A small deterministic software rasteriser: coverage with depth, cut-outs and owners. Curves are measured with it while a pack is
- * built, pictures are scored with it, and the full-detail reference can be drawn with it.
+/* A small deterministic software rasteriser: coverage with depth, cut-outs and owners. Building a pack
+ * measures curves with it; benchmarks and the client score pictures with it and draw the full-detail
+ * reference.
  *
- *   lod_raster_init(&r, &options, &error);           sizes, and what to keep beside depth; then lod_raster_clear for each picture
+ *   lod_raster_init(&r, &options, &error);           once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
- *   lod_raster_object(&r, &place);                   object -> world, for what follows
+ *   lod_raster_object(&r, &place);                   object -> world, for the batches that follow
  *   lod_raster_triangles / _lines / _points          filled by GL's rules
  *
- * Agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles clipped at the near
- * plane, both sides drawn, depth tested per pixel (nearer wins; of equal depths the smaller owner, or ground where owners are not
- * kept, and of one owner the first). All coverage decisions after the snapping are integer; depth, cover and owner of a picture do
- * not depend on the order of drawing. Not thread-safe per object; different objects are independent.
+ * It agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles
+ * clipped at the near plane, both sides drawn, depth tested per pixel. The nearer sample wins; at equal
+ * depths the smaller owner wins (or ground where owners are not kept), and within one owner the first. All
+ * coverage decisions after the snapping are integer. Depth, cover and owner of a picture do not depend on the
+ * order of drawing. An object is not thread-safe; different objects are independent.
  *
- * What a client that draws the same by other means must compute (v(p) = metres along right, up, forward from the eye, of an object
- * point; W x H pixels; depth is w = forward; whatever has w < near_m is clipped, for points: not drawn):
- *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left; rounded to 1/256
- *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|: the quad a-o, b-o, b+o, a+o
- *             (two triangles); nothing where |o| is 0
- *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its centre: the pixels whose centres
- *             lie in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at the depth of the centre. May be none.
- *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the image's top left; opaque where
- *             alpha >= 128; u, v perspective-correct
- * `scale` is that of the place. Samples are compared by 1/w, linear on the screen; nothing lies nearer than its primitive's corners. */
+ * A client that draws the same by other means computes the following. v(p) is an object point in metres along
+ * right, up and forward from the eye; the picture has W x H pixels; depth is w = forward; everything with w <
+ * near_m is clipped, points are then not drawn.
+ *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left;
+ *             rounded to 1/256
+ *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|:
+ *             the quad a-o, b-o, b+o, a+o (two triangles); nothing if |o| is 0
+ *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its
+ *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
+ *             the depth of the centre. There may be none.
+ *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
+ *             image's top left; opaque from alpha 128 on; u, v perspective-correct
+ * `scale` is that of the place. Samples are compared by 1/w, which is linear on the screen; no sample lies
+ * nearer than the corners of its primitive. */
 #ifndef LOD_RASTER_H
 #define LOD_RASTER_H
 
@@ -32,15 +38,15 @@
 
 struct lod_raster {
 	uint32_t width, height;
-	float *depth;                /* reciprocal of view distance: 0 empty, greater is nearer; row 0 at the top */
-	uint64_t *owner;             /* of the nearest plant sample; 0 nothing or ground; NULL if not asked for */
-	uint8_t *cover;              /* 255 where a plant is nearest, else 0 (ground is nearest, or nothing) */
+	float *depth;                /* 1 / view distance: 0 empty, greater is nearer; row 0 at the top */
+	uint64_t *owner; /* of the nearest plant sample; 0: nothing or ground; NULL if not asked for */
+	uint8_t *cover;              /* 255 if a plant is nearest, 0 if ground or nothing is */
 	uint8_t *rgb;                /* 3 per pixel, or NULL; flat colours, no shading */
 	/* private */
 	struct lod_raster_state *state;
 };
-/* silhouette: of a picture without ground only `cover` is wanted (depth is not: it becomes infinite where something covers). Then what is
- * covered is not looked at again, which in a dense crown is nearly everything. */
+/* silhouette: only `cover` of a picture without ground is wanted. Depth becomes infinite at covered pixels,
+ * so they are not tested again; in a dense crown nearly all samples fall on such pixels. */
 struct lod_raster_options { uint32_t width, height; bool owner, rgb, silhouette; };
 enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error);
 void lod_raster_free(struct lod_raster *raster);
@@ -48,39 +54,44 @@ void lod_raster_clear(struct lod_raster *raster);
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m);
 void lod_raster_object(struct lod_raster *raster, const struct lod_place *place);
 
-/* One batch: all of one list's range. Positions in object space. */
+/* One batch: a range of one list. Positions are in object space. */
 struct lod_raster_batch {
 	uint32_t count;              /* triangles, lines or points */
 	const float *position;       /* 3 per vertex; triangles: 3 vertices each, lines: 2, points: 1 */
 	const float *uv;             /* triangles only, 2 per vertex, or NULL */
-	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are not there; NULL: opaque */
+	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
+	                                   * NULL: opaque */
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* points: area of the square in object units^2 */
 	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
 	const uint8_t *rgb;          /* 3 per primitive or NULL */
-	uint64_t owner;              /* 0 draws ground: it hides, and is not covered */
+	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch);
 
-/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground too), or outside the picture.
- * Exact in the sense that skipping what lies inside it changes no pixel; so the sphere must hold all that would be drawn, grown by
- * its scale: half a line's width, and 0.71 sqrt(area) around points. Objects may be up to a thousand radii across. */
+/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground
+ * included), or outside the picture. Leaving out the contents of such a sphere changes no pixel. The sphere
+ * must hold all that would be drawn, grown by the scale: half a line's width, and 0.71 sqrt(area) around
+ * points. Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
-/* Draws one finished picture into another of the same size and options, by the same rule as drawing. So threads may share out a
- * scene in any way, each with a raster of its own and skipping what that hides: merged, they give the picture of one. (Colours too,
- * unless one owner has samples of different colours at equal depth: those keep `into`.) */
+/* Merges one finished picture into another of the same size and options by the rule of drawing. Threads may
+ * share a scene in any way, each with its own raster and its own hiding; the merged picture is that of one
+ * thread. (An exception are colours: if one owner has samples of different colours at equal depth, those of
+ * `into` stay.) */
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
 
 /* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.
- *   precision  tp / (tp + fp); nothing covered: 1, as nothing was claimed wrongly
- *   recall     tp / (tp + fn); nothing to cover: 1, as nothing was missed
- *   q          1 - sqrt((1-P)^2 + (1-R)^2), in [1 - sqrt 2, 1]; except that where one of the two masks is empty and the other is not,
- *              P or R is 0 and the other 1, so that q is 0; both empty: 1
- *   skill      (q - q_on) / (1 - q_on), q_on the q of "every pixel covered": what is won over a plain green card; NaN where q_on is 1
- *   owner_q    q with only those true positives whose owners match (eco_owner_match), over the same denominators */
+ *   precision  tp / (tp + fp); 1 if nothing is covered, as nothing was claimed wrongly
+ *   recall     tp / (tp + fn); 1 if the reference covers nothing, as nothing was missed
+ *   q          1 - sqrt((1-P)^2 + (1-R)^2), in [1 - sqrt 2, 1]; if just one of the two masks is empty, one
+ *              of P and R is 0 and the other 1, so q is 0; if both are empty, q is 1
+ *   skill      (q - q_on) / (1 - q_on), where q_on is the q of a picture with every pixel covered: the gain
+ *              over a plain green card; NaN if q_on is 1
+ *   owner_q    q with only the true positives whose owners match (eco_owner_match), over the same
+ *              denominators */
 struct lod_score {
 	uint64_t tp, fp, fn, tp_owner, pixels;
 	double precision, recall, q, skill, owner_q;

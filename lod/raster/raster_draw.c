@@ -1,11 +1,13 @@
-/* Drawing batches: object space to corners on the 1/256 pixel grid.
+/* Drawing batches: from object space to corners on the grid of 1/256 pixel.
  *
- * A scene of trees is hundreds of millions of triangles smaller than a pixel, nearly all of which cover no pixel centre. So four
- * triangles at a time are transformed, projected and snapped, and those whose snapped bounding box holds no centre end there,
- * before any set-up. What crosses the near plane or leaves the guard band is rare and takes a slow path that clips in doubles.
+ * A scene of trees is hundreds of millions of triangles smaller than a pixel, and nearly all of them cover no
+ * pixel centre. So four triangles at a time are transformed, projected and snapped; those whose snapped
+ * bounding box holds no centre end there, before any set-up. Triangles that cross the near plane or leave the
+ * guard band are rare and take a slow path that clips in doubles.
  *
- * Both paths do the same float operations in the same order on a corner, so an edge shared by a fast and a clipped triangle has the
- * same snapped corners in both; a clipping point is computed from the inner end of an edge to the outer, whichever triangle asks. */
+ * Both paths do the same float operations in the same order on a corner, so an edge between a fast and a
+ * clipped triangle has the same snapped corners in both. A clipping point is computed from the inner end of
+ * an edge to the outer, for either triangle of the edge. */
 #include <assert.h>
 #include <math.h>
 
@@ -23,7 +25,8 @@ struct screen {                      /* the four-wide constants of a batch */
 	lod_i4 middle_x, middle_y, width, height;
 };
 
-struct lanes { unsigned small, large, clip; };       /* which of four triangles goes where; a bit each, none twice */
+struct lanes { unsigned small, large, clip; };       /* which path each of four triangles takes: a bit each,
+                                                      * no bit twice */
 
 static void screen_make(struct screen *screen, const struct lod_raster *raster, const float (*matrix)[4])
 {
@@ -41,7 +44,7 @@ static inline lod_f4 row_dot(const lod_f4 row[4], const lod_f4 p[3])
 	return row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
 }
 
-/* The same for one, operation for operation. */
+/* The same for one point, operation for operation. */
 static void transform(const float (*matrix)[4], const float p[3], float out[3])
 {
 	for (int i = 0; i < 3; i++)
@@ -62,7 +65,8 @@ static inline void load_four(const float *p, lod_f4 c[9])
 static inline lod_f4 f4_min3(const lod_f4 a[3]) { return lod_f4_min(lod_f4_min(a[0], a[1]), a[2]); }
 static inline lod_f4 f4_max3(const lod_f4 a[3]) { return lod_f4_max(lod_f4_max(a[0], a[1]), a[2]); }
 
-/* The pixels whose centres lie in [low, high] (from the middle). Rounding is monotone: snapping the least gives the least. */
+/* The pixels with centres in [low, high] (from the middle). Rounding is monotone, so snapping the least
+ * corner gives the least. */
 static inline void centres(lod_f4 low, lod_f4 high, lod_i4 middle, lod_i4 *first, lod_i4 *last)
 {
 	*first = lod_i4_add(lod_f4_round(low, middle), LOD_SUBPIXEL / 2 - 1) >> 8;
@@ -100,7 +104,7 @@ static inline struct lanes project_four(const struct screen *screen, const lod_f
 	return lanes;
 }
 
-/* ---- The slow path: Sutherland-Hodgman in homogeneous coordinates against the near plane and the guard band. ---- */
+/* ---- The slow path: Sutherland-Hodgman in homogeneous coordinates, near plane and guard band ---- */
 
 struct vertex { double x, y, w, u, v; };
 #define PLANES 5
@@ -190,7 +194,7 @@ static void draw_lane(const struct lod_paint *paint, const struct soup *soup, co
 	lod_fill_triangle(paint, corners);
 }
 
-/* One by one: those that are not all small and plain. */
+/* Draws triangle by triangle, for lanes that are not all small and plain. */
 static void draw_each(struct lod_paint *paint, const struct soup *soup, const struct lod_four *four, struct lanes lanes,
 	uint32_t first)
 {
@@ -208,7 +212,7 @@ static void draw_each(struct lod_paint *paint, const struct soup *soup, const st
 	}
 }
 
-/* Those of four triangles whose boxes are not covered all over. */
+/* Those of four triangles whose boxes have an uncovered pixel. */
 static unsigned uncovered(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes)
 {
 	struct lod_raster *raster = (struct lod_raster *)paint->raster;
@@ -279,7 +283,8 @@ void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_bat
 
 #define LINES_AT_ONCE 32u
 
-/* The quad of a line in view space as two triangles; false if it has none (no length, seen end on, or not finite). */
+/* The quad of a line in view space as two triangles; false if there is none (no length, seen end on, or not
+ * finite). */
 static bool line_quad(const struct lod_raster_state *state, const float *ends, float width, float soup[18])
 {
 	float a[3], b[3];
@@ -332,7 +337,8 @@ void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *
 
 static inline void load_points(const float *p, lod_f4 c[3])
 {
-	lod_f4 a = lod_f4_load(p), b = lod_f4_load(p + 4), d = lod_f4_load(p + 8);    /* x y z x  y z x y  z x y z */
+	/* Three loads hold x y z x, y z x y, z x y z. */
+	lod_f4 a = lod_f4_load(p), b = lod_f4_load(p + 4), d = lod_f4_load(p + 8);
 	lod_f4 xy_high = __builtin_shufflevector(b, d, 2, 3, 5, 6), yz_low = __builtin_shufflevector(a, b, 1, 2, 4, 5);
 	c[0] = __builtin_shufflevector(a, xy_high, 0, 3, 4, 6);
 	c[1] = __builtin_shufflevector(yz_low, xy_high, 0, 2, 5, 7);
@@ -346,7 +352,7 @@ static inline lod_f4 guarded(lod_f4 at)
 
 struct four_boxes { lod_i4 x0, y0, x1, y1; lod_f4 z; unsigned draw; };
 
-/* Half-open boxes: a box that begins where another ends shares no pixel with it. */
+/* Half-open boxes: a box that begins at the end of another shares no pixel with it. */
 static inline lod_i4 box_holds_centre(lod_i4 low, lod_i4 high, lod_i4 size)
 {
 	lod_i4 first = (low + (LOD_SUBPIXEL / 2 - 1)) >> 8, end = (high + (LOD_SUBPIXEL / 2 - 1)) >> 8;
@@ -380,7 +386,7 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
 		const float *position = batch->position + 3 * (size_t)first;
 		uint32_t here = batch->count - first < 4 ? batch->count - first : 4;
 		float padded[12] = { 0 };
-		lod_f4 side = lod_f4_all(1);         /* of the square, over that of `area` */
+		lod_f4 side = lod_f4_all(1);         /* of the square, relative to that of `area` */
 		for (uint32_t i = 0; batch->size && i < here; i++)
 			side[i] = sqrtf(batch->size[first + i]);
 		if (here < 4)

@@ -1,31 +1,34 @@
-/* Filling: from corners on the 1/256 pixel grid to pixels, in integers. Any triangle; see raster_small.c for the usual ones.
+/* Filling: from corners on the grid of 1/256 pixel to pixels, in integers. For any triangle; raster_small.c
+ * has the small ones.
  *
- * A pixel is inside where its centre lies on the inner side of all three edges; a centre on an edge belongs to the triangle whose
- * top or left edge that is, so that neighbours share each pixel exactly once (top-left rule, as GL and Direct3D hardware do).
- * Inside is convex, so each row of a triangle is one span: found by stepping in narrow boxes and by exact
- * division in wide ones. Depth and uv are not decisions about coverage and use floating point, but
- * in one fixed order and, per triangle, independent of what else is drawn: any split of the work gives the same picture.
+ * A pixel is inside if its centre lies on the inner side of all three edges. A centre on an edge belongs to
+ * the triangle whose top or left edge it is, so that neighbours share each pixel exactly once (top-left rule,
+ * as in GL and Direct3D). A triangle is convex, so each of its rows is one span: found by stepping in narrow
+ * boxes and by exact division in wide ones. Depth and uv are floating point, but computed in one fixed order
+ * and, for a triangle, independently of anything else drawn: any split of the work gives the same picture.
  *
- * Depth is 1/w, linear on the screen, and clamped to the range of the corners: slivers have gradients that are mostly rounding,
- * and the coarse depth behind lod_raster_hides relies on no sample being nearer than its triangle's nearest corner. */
+ * Depth is 1/w, linear on the screen, and clamped to the range of the corners: gradients of slivers are
+ * mostly rounding, and the coarse depth behind lod_raster_hides relies on no sample being nearer than its
+ * triangle's nearest corner. */
 #include "lod/raster/raster_state.h"
 
 #define NARROW 12                    /* pixels; up to here stepping beats dividing */
 
-struct edge { int64_t at, step_x, step_y; };     /* value at the box's first pixel centre, >= 0 inside; steps of one pixel */
+struct edge { int64_t at, step_x, step_y; };     /* value at the box's first pixel centre, >= 0 inside; change
+                                                  * per pixel */
 
-struct slope {                       /* depth over the box: at the first centre, per pixel; clamped to [low, high] */
+struct slope { /* depth over the box: at the first centre, per pixel; clamped to [low, high] */
 	double at, step_x, step_y;
 	float low, high;
 };
 
-struct texture {                     /* perspective-correct uv: corner values times 1/w, weighted by the edge functions */
+struct texture { /* perspective-correct uv: corner values times 1/w, weighted by the edge functions */
 	const struct eco_image *image;
 	double u[3], v[3], z[3];
-	int64_t bias[3];                 /* what the top-left rule took from each edge function */
+	int64_t bias[3];                 /* subtracted from each edge function by the top-left rule */
 };
 
-/* Four pixels at once, all of them nearer. */
+/* Paints four pixels of which all are nearer. */
 static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 {
 	const struct lod_raster *raster = paint->raster;
@@ -37,7 +40,7 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 		raster->rgb[k] = paint->rgb ? paint->rgb[(k - 3 * i) % 3] : 0;
 }
 
-/* Pixels [first, end) of row y; `left` is the column where the slope's row value `base` holds. */
+/* Paints pixels [first, end) of row y; `left` is the column at which the depth is `base`. */
 static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base, float step,
 	const struct slope *slope)
 {
@@ -68,11 +71,11 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 		lod_mark_stale(paint, y, first, end);
 }
 
-/* Texel that a wrapped coordinate falls on. Coordinates that are no number or absurdly large read texel 0. */
+/* The texel at a wrapped coordinate. NaN and absurdly large coordinates read texel 0. */
 static uint32_t wrap_texel(double at, uint32_t size)
 {
 	double scaled = at * size;
-	if (scaled >= 0 && scaled < size)        /* nearly all, and no division */
+	if (scaled >= 0 && scaled < size)        /* nearly always, and without a division */
 		return (uint32_t)scaled;
 	if (!(scaled > -9e15 && scaled < 9e15))
 		return 0;
@@ -115,7 +118,7 @@ static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_
 		lod_mark_stale(paint, y, first, end);
 }
 
-/* Narrows columns [*first, *end) to those where at + column * step >= 0. */
+/* Narrows columns [*first, *end) to those with at + column * step >= 0. */
 static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, int64_t *end)
 {
 	if (at < 0) {
@@ -146,7 +149,7 @@ static inline void find_span(const int64_t at[3], const struct edge edges[3], in
 	*end = k;
 }
 
-/* The edge function of a -> b at (x, y), less one where a centre on the edge does not belong to the triangle. */
+/* The edge function of a -> b at (x, y), less one if a centre on the edge does not belong to the triangle. */
 static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x, int64_t y)
 {
 	int64_t dx = (int64_t)b->x - a->x, dy = (int64_t)b->y - a->y;
@@ -169,7 +172,7 @@ static inline struct slope slope_make(const struct lod_corner *a, const struct l
 	return slope;
 }
 
-/* Weight i belongs to corner i, so it is the edge opposite to it. */
+/* Weight i belongs to corner i: it is the edge function of the opposite edge. */
 static void texture_make(struct texture *texture, const struct eco_image *image, const struct lod_corner *const corner[3])
 {
 	texture->image = image;

@@ -1,27 +1,30 @@
-/* Filling small triangles, four at a time: what nearly all of a plant's triangles are.
+/* Filling small triangles, four at a time; nearly all triangles of a plant are small.
  *
- * In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24, so single floats hold them
- * exactly and the coverage is that of the integer path (which the tests compare). Edges and depth are set up for four triangles
- * in lanes; those that cover none of their pixels end there; then, for each that is left, a row of four pixels is three additions
- * and a sign mask, without a branch that depends on the shape.
+ * In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24, so
+ * single floats hold it exactly and the coverage is that of the integer path (the tests compare them). Edges
+ * and depth are set up for four triangles in lanes; a triangle that covers none of its pixels ends there; for
+ * the others a row of four pixels takes three additions and a sign mask, without a branch that depends on the
+ * shape.
  *
  *   edge functions at any pixel of the box: |dx| |y - y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2 < 2^24 */
 #include "lod/raster/raster_state.h"
 
-struct setup {                       /* a lane a triangle; as float arrays so that lanes can be read one by one */
+struct setup {                       /* one triangle a lane; float arrays, so that single lanes can be read */
 	float edge[3][4], step_x[3][4], step_y[3][4];
 	float z[4], z_step_x[4], z_step_y[4], low[4], high[4];
 };
 
 static inline lod_f4 to_float(lod_i4 v) { return __builtin_convertvector(v, lod_f4); }
 
-/* The edge function of a -> b at the origin, less one where a centre on the edge does not belong to the triangle. */
+/* The edge function of a -> b at the origin, less one if a centre on the edge does not belong to the
+ * triangle. */
 static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay, lod_f4 bx, lod_f4 by)
 {
 	const lod_f4 zero = lod_f4_all(0), one = lod_f4_all(1), subpixel = lod_f4_all(LOD_SUBPIXEL);
 	lod_f4 dx = bx - ax, dy = by - ay;
 	lod_i4 owned = (dy < zero) | ((dy == zero) & (dx > zero));
-	lod_f4 at = dy * ax - dx * ay - lod_f4_select(owned, zero, one) + zero;      /* + 0: never -0, whose sign would count */
+	/* Adding 0 avoids -0, whose sign would count. */
+	lod_f4 at = dy * ax - dx * ay - lod_f4_select(owned, zero, one) + zero;
 	lod_f4_store(setup->edge[i], at);
 	lod_f4_store(setup->step_x[i], (zero - dy) * subpixel);
 	lod_f4_store(setup->step_y[i], dx * subpixel);
@@ -41,7 +44,7 @@ static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_
 	lod_f4_store(setup->high, lod_f4_max(lod_f4_max(z[0], z[1]), z[2]));
 }
 
-/* Fills *setup, relative to the first pixel centre of each box; returns the lanes that may cover something. */
+/* Fills *setup relative to the first pixel centre of each box; returns the lanes that may cover a pixel. */
 static inline unsigned setup_four(struct setup *setup, const struct lod_four *four)
 {
 	lod_u4 centre_x = (lod_u4)four->first_x * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
@@ -79,7 +82,7 @@ static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint
 		lod_mark_stale(paint, y, x + (unsigned)__builtin_ctz(painted), x + 32 - (unsigned)__builtin_clz(painted));
 }
 
-/* Four columns of one lane's box, from pixel `column` of it. */
+/* Four columns of one lane's box, from its pixel `column` on. */
 static inline void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane, uint32_t x, uint32_t y,
 	uint32_t column, uint32_t height)
 {

@@ -1,4 +1,5 @@
-/* Inside of the rasteriser, shared by raster.c (objects, cameras, what feeds it) and raster_fill.c (what fills pixels). */
+/* The inside of the rasteriser, shared by raster.c (objects, cameras), raster_draw.c (batches) and
+ * raster_fill.c (pixels). */
 #ifndef LOD_RASTER_STATE_H
 #define LOD_RASTER_STATE_H
 
@@ -7,9 +8,9 @@
 #include "lod/lanes.h"
 #include "lod/raster/raster.h"
 
-/* Window coordinates are integers in 1/256 pixel. Those of vertices are counted from the picture's middle while they are floats:
- * within LOD_GUARD every float rounds safely to an integer below 2^22, and no edge function passes 2^48. Triangles that
- * reach further are clipped there, far outside the largest picture. */
+/* Window coordinates are integers in 1/256 pixel. While they are floats they are counted from the picture's
+ * middle: within LOD_GUARD every float rounds safely to an integer below 2^22, and no edge function exceeds
+ * 2^48. Triangles that reach further are clipped there, far outside the largest picture. */
 #define LOD_SUBPIXEL 256
 #define LOD_GUARD 4096000.0f         /* 16,000 pixels */
 #define LOD_BLOCK_SHIFT 3            /* coarse depth: blocks of 8 x 8 pixels */
@@ -19,17 +20,17 @@ struct lod_raster_state {
 	struct lod_place place;
 	double near_m;
 	float near_w;
-	float clip[3][4];                /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */
+	float clip[3][4]; /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */
 	float view[3][4];                /* object -> right, up, forward; metres from the eye */
 	float project[3][4];             /* view -> as clip */
-	float focal;                     /* 1/256 pixels that one metre at distance 1 is high */
+	float focal;                     /* height of one metre at distance 1, in 1/256 pixels */
 	uint32_t blocks_x, blocks_y;
 	float *block;                    /* lower bound of the depths in a block; exact where not stale */
 	uint8_t *stale;
 	bool silhouette;
 };
 
-/* Where and as what pixels are painted; one per batch. */
+/* The pixels that a batch paints. */
 struct lod_paint {
 	const struct lod_raster *raster;
 	const struct eco_image *cutout;
@@ -41,21 +42,23 @@ struct lod_paint {
 
 struct lod_corner { int32_t x, y; float z, u, v; };      /* x, y in 1/256 pixel from the top left; z = 1/w */
 
-/* Four triangles, a lane each, an index a corner; as lod_corner. first, last: pixels whose centres lie in the bounding box. */
+/* Four triangles, one a lane; arrays are indexed by corner, as lod_corner. first, last: pixels with centres
+ * in the bounding box. */
 struct lod_four { lod_i4 x[3], y[3]; lod_f4 z[3]; lod_i4 first_x, last_x, first_y, last_y; };
 #define LOD_SMALL 8                  /* pixels */
 
-/* The triangle of three corners, either way round, by the top-left rule. */
+/* Fills the triangle of three corners, wound either way, by the top-left rule. */
 void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3]);
-/* Those lanes of four, without cutout, whose boxes are at most LOD_SMALL pixels wide and high and lie inside the picture. */
+/* Fills those lanes of four, without a cut-out, whose boxes are at most LOD_SMALL pixels wide and high and
+ * inside the picture. */
 void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes);
-/* The box [x0, x1) x [y0, y1) (1/256 pixel) at depth z. */
+/* Fills the box [x0, x1) x [y0, y1) (1/256 pixel) at depth z. */
 void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z);
 
 /* True if all pixels of columns x[0] to x[1] and rows y[0] to y[1] are certainly nearer than 1/nearest. */
 bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest);
 
-/* First pixel whose centre is at or after `at`, and last one whose centre is at or before it. */
+/* The first pixel with its centre at or after `at`, and the last with its centre at or before it. */
 static inline int32_t lod_pixel_from(int32_t at) { return (at + LOD_SUBPIXEL / 2 - 1) >> 8; }
 static inline int32_t lod_pixel_to(int32_t at) { return (at - LOD_SUBPIXEL / 2) >> 8; }
 
@@ -64,13 +67,14 @@ static inline float lod_depth_clamp(float z, float low, float high)
 	return z < low ? low : z > high ? high : z;
 }
 
-/* The nearer sample wins, and of equal ones the smaller owner: an order, so that a picture is the same whatever is drawn first. */
+/* The nearer sample wins, of equal ones the smaller owner: a total order, so the order of drawing does not
+ * matter. */
 static inline bool lod_sample_wins(float z, uint64_t owner, float z_there, uint64_t owner_there)
 {
 	return z > z_there || (z == z_there && z > 0 && owner < owner_there);
 }
 
-/* Paints pixel i if it wins over what is there. */
+/* Paints pixel i if the sample wins over the one there. */
 static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, float z)
 {
 	const struct lod_raster *raster = paint->raster;
@@ -90,7 +94,7 @@ static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, floa
 	return true;
 }
 
-/* Pixels [first, end) of row y have come nearer. */
+/* Pixels [first, end) of row y have become nearer. */
 static inline void lod_mark_stale(const struct lod_paint *paint, uint32_t y, uint32_t first, uint32_t end)
 {
 	struct lod_raster_state *state = paint->raster->state;

@@ -1,5 +1,6 @@
-/* Precision and Recall of covered pixels (Neubert 2011, section 2.2, equations 1 and 4), with two companions that a few large blobs
- * cannot win: skill (against covering everything) and the same score with owners. raster.h states the conventions. */
+/* Precision and Recall of covered pixels (Neubert 2011, section 2.2, equations 1 and 4), with two companions
+ * that a few large blobs cannot win: skill (relative to covering everything) and the score with owners.
+ * raster.h has the conventions. */
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +17,7 @@ static double quality(double precision, double recall)
 	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
 }
 
-/* Eight pixels at a time: in each byte 1 where it is not 0. */
+/* Eight bytes at a time: 1 in each byte that is not 0. */
 static uint64_t set_bytes(const uint8_t *at)
 {
 	const uint64_t low = UINT64_C(0x7f7f7f7f7f7f7f7f);
@@ -37,7 +38,8 @@ static void count_row(struct lod_score *score, const uint8_t *cover, const uint8
 	uint32_t both = 0, covered = 0, wanted = 0, x = 0;
 	while (width - x >= 8) {
 		uint64_t boths = 0, covers = 0, wants = 0;
-		for (uint32_t most = 255; most && width - x >= 8; most--, x += 8) {      /* so many fit a byte */
+		/* So many counts fit a byte. */
+		for (uint32_t most = 255; most && width - x >= 8; most--, x += 8) {
 			uint64_t a = set_bytes(cover + x), b = set_bytes(reference + x);
 			boths += a & b;
 			covers += a;

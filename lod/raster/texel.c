@@ -31,11 +31,11 @@ void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3])
 #define BLOCKS_MAX (1u << 21)
 #define ROWS_MIN 64
 #define ROWS_MAX 1024
-#define SAMPLES 64                   /* of what is a line in the texture */
-#define LEAST 1e-6                   /* share that is nothing */
-#define SEEN 1024u                   /* answers kept; a power of two */
+#define SAMPLES 64                   /* of a triangle that is a line in the texture */
+#define LEAST 1e-6                   /* a share below counts as nothing */
+#define SEEN 1024u                   /* cached answers; a power of two */
 
-struct lod_texel_sum { double light[3], opaque, all; };     /* whole numbers in a row's sums: exact */
+struct lod_texel_sum { double light[3], opaque, all; };     /* whole numbers in the sums of a row: exact */
 struct lod_texel_seen { int32_t uv[6]; uint8_t rgb[3]; bool used; double share; };
 
 static void add_texel(const struct lod_texels *texels, struct lod_texel_sum *sum, const uint8_t *texel)
@@ -88,7 +88,8 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 		texels->rgb[k] = all.opaque > 0 ? lod_light_byte(all.light[k] / all.opaque) : 255;
 }
 
-/* Adds what lies before x, from 0 on, in a row that repeats for ever; blocks that x cuts count in part. */
+/* Adds `times` the sum of texels in [0, x) of an endlessly repeating row; blocks that x cuts count in
+ * part. */
 static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to, const struct lod_texel_sum *row, double x, double times)
 {
 	double width = texels->width, turns = floor(x / width), rest = x - turns * width;
@@ -99,7 +100,7 @@ static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to
 	add_sum(to, &row[i + 1], times * part);
 }
 
-/* Where the triangle's outline crosses the height y. */
+/* The interval in which the triangle's outline crosses the height y. */
 static void cross(double p[3][2], double y, double *low, double *high)
 {
 	*low = INFINITY;
@@ -135,7 +136,7 @@ static void sum_rows(const struct lod_texels *texels, const int32_t uv[6], struc
 	}
 }
 
-/* For triangles that are a line or a point in the texture: along their longest side. */
+/* For triangles that are a line or a point in the texture: samples their longest side. */
 static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *mean)
 {
 	int from = 0;
@@ -171,7 +172,7 @@ static struct lod_texel_seen *look_up(struct lod_texels *texels, const int32_t u
 		mean = (struct lod_texel_sum){ .all = 0 };
 		sum_line(texels, uv, &mean);
 	}
-	/* Differences of large sums leave a little where there is nothing. */
+	/* Differences of large sums leave a small rest where there is nothing. */
 	bool any = mean.opaque > LEAST * mean.all;
 	*seen = (struct lod_texel_seen){ .used = true, .share = any ? fmin(mean.opaque / mean.all, 1) : 0 };
 	memcpy(seen->uv, uv, sizeof seen->uv);
