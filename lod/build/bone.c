@@ -7,8 +7,8 @@
 #include "lod/build/tube.h"
 
 #define SIMILAR 1.6              /* widths that may differ along one line */
-#define RING_SLACK 1.25          /* by which a line may be wider than its widest ring */
-#define CHAIN_MAX 64u            /* joints that one line may pass over */
+#define RING_SLACK 1.25          /* how much wider than its widest ring a line may be */
+#define CHAIN_MAX 64u            /* joints that one line may skip */
 
 static double distance_to(struct lod_v3 p, struct lod_v3 a, struct lod_v3 b)
 {
@@ -23,8 +23,8 @@ static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone
 	return lod_v3_distance(tube->joints[b->joint[0]].place, tube->joints[b->joint[1]].place);
 }
 
-/* Width of area over a length: a tube's diameter, or a strip's width. At most about what the rings say, since the area of a swelling,
- * a cap or a fork may come with next to no length. */
+/* Width from area and length: a tube's diameter, or a strip's width. Limited by the rings, since the area of
+ * a swelling, a cap or a fork may have next to no length. */
 static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint32_t bones, double area, double length, bool strip)
 {
 	double ring = 0;
@@ -34,7 +34,8 @@ static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint3
 	return length > 0 ? fmin(area / (strip ? length : LOD_PI * length), most) : most;
 }
 
-/* May one line replace the joints of chain[0 .. bones]? Nothing passes by more than half its radius, and widths are similar. */
+/* Whether one line may replace the joints of chain[0 .. bones]: each is within half its radius of the line,
+ * widths are similar. */
 static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
 {
 	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
@@ -45,7 +46,9 @@ static bool straight(const struct lod_tube *tube, const uint32_t *chain, const u
 		double ring = fmax(tube->joints[chain[i]].ring, tube->joints[chain[i + 1]].ring) / (strip ? 1 : LOD_PI);
 		if (bones > 1 && lod_v3_distance(a, b) < 0.5 * length)
 			return false;
-		if (length < ring)           /* shorter than wide: rings that tilt make its length, and so its width, a matter of chance */
+		/* A bone shorter than wide has a length, and so a width, that the tilt of its rings
+		 * decides. */
+		if (length < ring)
 			width = ring;
 		low = fmin(low, width);
 		high = fmax(high, width);
@@ -85,7 +88,7 @@ static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t 
 	*add(lines) = (struct lod_bone){ .end = { a, b }, .width = width, .component = component };
 }
 
-/* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as they may be. */
+/* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as possible. */
 static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t component, uint32_t start, uint32_t next, bool strip)
 {
 	uint32_t chain[CHAIN_MAX + 2] = { start }, bone[CHAIN_MAX + 1], n = 0;
@@ -125,7 +128,7 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 		open += tube->joints[j].open > 0;
 	}
 	bool strip = open > 0.5 * rings;
-	/* Chains start at ends and forks; what is left afterwards are closed loops. */
+	/* Chains start at ends and forks; the remaining bones form closed loops. */
 	for (int loops = 0; loops < 2; loops++)
 		for (uint32_t b = 0; b < tube->bone_count; b++)
 			for (int k = 0; k < 2; k++) {
@@ -135,7 +138,8 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 			}
 }
 
-/* Each vertex counts for the nearest of the lines through its piece; lines from `own` on are this component's. */
+/* Error and colour: each vertex counts for the nearest line through its piece; lines from `own` on are this
+ * component's. */
 static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own, const struct lod_organs *organs, struct lod_arena *arena)
 {
 	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
@@ -177,13 +181,13 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 
 /* ---- Things ---- */
 
-/* A triangle's area, with a trace for one that has none, so that sums of areas divide. */
+/* A triangle's area, never 0, so that sums of areas divide. */
 static double area_of(const struct lod_mesh *mesh, uint32_t t)
 {
 	return lod_v3_length(lod_mesh_area_normal(mesh, t)) + 1e-30;
 }
 
-/* The straight line that the middle of a thing follows from end to end of its box along an axis: stems lean. By least squares. */
+/* The least-squares line of a thing's middle along an axis, from end to end of its box: stems lean. */
 static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const struct lod_component *c, int axis)
 {
 	double area = 0, along = 0, square = 0;
@@ -213,7 +217,8 @@ static struct lod_v3 away(struct lod_v3 p, const struct lod_bone *line)
 	return lod_v3_sub(ap, lod_v3_scale(ab, l2 > 0 ? lod_v3_dot(ap, ab) / l2 : 0));
 }
 
-/* What is no tube has no skeleton: one line along the longest side of its box, as far from which its surface is as a tube's of its width. */
+/* A thing without a skeleton: one line along the longest side of its box, as wide as a tube whose surface is
+ * as far from it. */
 static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c, uint32_t component)
 {
 	int axis = 0;
@@ -258,7 +263,8 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 	}
 }
 
-/* Lines accumulate in the caller's arena while each component's work is given back at once: so that work has an arena of its own. */
+/* Lines accumulate in the caller's arena; each component's work is freed at once, so it has an arena of its
+ * own. */
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *arena)
 {
 	*bones = (struct lod_bones){ 0 };
@@ -267,7 +273,7 @@ void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const 
 	*lines = (struct lines){ .bones = bones, .arena = arena };
 	arena->inner = scratch;
 	if (setjmp(scratch->failed))
-		longjmp(arena->failed, 1);       /* whoever frees the arena frees the inner one */
+		longjmp(arena->failed, 1);       /* freeing the arena frees the inner one */
 	make_guarded(lines, mesh, organs, scratch);
 	arena->inner = NULL;
 }
@@ -280,7 +286,8 @@ void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *ar
 	for (uint32_t i = 0; i < bones->count; i++) {
 		const struct lod_bone *b = &bones->items[i];
 		double size = lod_v3_distance(b->end[0], b->end[1]) * b->width;
-		/* Exponent and first bit of the fraction of a double: half octaves, in order. Descending by complement. */
+		/* Half octaves, descending by the complement: the exponent and the first bit of the fraction
+		 * of a double. */
 		uint64_t octave = ~lod_sort_key(size) >> 51;
 		by[i] = (struct lod_keyed){ octave << 32 | (uint32_t)lod_mix(lod_mix(seed) + i), i };
 	}

@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define TINY 16                  /* a cell with less than limit / TINY triangles joins another */
+#define TINY 16                  /* a cell with fewer than limit / TINY triangles joins another */
 
 static uint32_t octant(const struct lod_cells *cells, struct lod_v3 p)
 {
@@ -21,7 +21,7 @@ uint32_t lod_cells_at(const struct lod_cells *cells, struct lod_v3 point)
 	return cells->map[octant(cells, point)];
 }
 
-/* Octants of one of the eight children of the root. */
+/* The root's child that contains a second-level octant. */
 static uint32_t coarse(uint32_t index)
 {
 	return (index >> 1 & 1) | (index >> 3 & 1) << 1 | (index >> 5 & 1) << 2;
@@ -29,7 +29,7 @@ static uint32_t coarse(uint32_t index)
 
 struct leaf { uint64_t triangles; struct lod_v3 sum; };
 
-/* The tiny leaf with fewest triangles joins the leaf whose contents are nearest; empty ones first. False when none is tiny. */
+/* The tiny leaf with the fewest triangles joins the leaf with the nearest contents. False if none is tiny. */
 static bool join_smallest(struct lod_cells *cells, struct leaf leaves[LOD_CELLS_MAX], uint32_t limit)
 {
 	uint32_t least = LOD_CELLS_MAX, nearest = LOD_CELLS_MAX;
@@ -83,7 +83,7 @@ void lod_cells_make(struct lod_cells *cells, const struct lod_cells_input *in)
 	assert(in->limit > 0);
 	for (uint32_t i = 0; i < in->count; i++) {
 		uint32_t o = octant(cells, in->center[i]);
-		struct lod_v3 at = { 0, 0, 0 };          /* in octants, so that an empty one has a place too */
+		struct lod_v3 at = { 0, 0, 0 }; /* in octants, so that an empty one has a place too */
 		at.x = cells->size.x > 0 ? 4 * (in->center[i].x - in->low.x) / cells->size.x : 0;
 		at.y = cells->size.y > 0 ? 4 * (in->center[i].y - in->low.y) / cells->size.y : 0;
 		at.z = cells->size.z > 0 ? 4 * (in->center[i].z - in->low.z) / cells->size.z : 0;
@@ -95,7 +95,7 @@ void lod_cells_make(struct lod_cells *cells, const struct lod_cells_input *in)
 	if (total <= in->limit)
 		return;
 	for (uint32_t i = 0; i < LOD_CELLS_MAX; i++) {
-		/* Not split: named by its first octant. */
+		/* A child that is not split is named by its first octant. */
 		cells->map[i] = (uint8_t)(child[coarse(i)] > in->limit ? i : i & ~UINT32_C(21));
 		leaves[cells->map[i]].triangles += fine[i].triangles;
 		leaves[cells->map[i]].sum = lod_v3_add(leaves[cells->map[i]].sum, fine[i].sum);

@@ -8,7 +8,7 @@
 #include "lod/light.h"
 
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
-#define WOOD_CHUNK 2048u         /* triangles, about 1024 vertices: edgebreaker needs them to pay */
+#define WOOD_CHUNK 2048u         /* triangles, about 1024 vertices, from which on edgebreaker pays */
 #define ENDS_MAX 4096u
 
 /* ---- Room ---- */
@@ -23,7 +23,7 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 	return ladder;
 }
 
-/* What a list will hold. */
+/* The size and kind of a list. */
 struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, image; bool fine; };
 
 static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
@@ -52,7 +52,7 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	return list;
 }
 
-/* Starts the next element; its corners follow. Returns where its extra values go. */
+/* Starts the next element, whose corners follow. Returns the place of its extra values. */
 static int32_t *begin_element(struct eco_elements *e, uint32_t corners)
 {
 	e->corners[e->element_count] = (uint8_t)corners;
@@ -86,7 +86,8 @@ static uint32_t finish_in_chunks(struct lod_draft *draft, struct lod_list_draft 
 
 /* ---- Leaves ---- */
 
-/* A corner on the grid, and where it was before: shapes that repeat are placed more finely than corners are rounded. */
+/* A corner on the grid, and its exact position: repeated shapes are placed more finely than corners are
+ * rounded. */
 static void put_fine(const struct lod_mesh *mesh, struct eco_elements *e, uint32_t vertex, const int32_t *uv)
 {
 	int32_t *exact = e->exact + 3 * (size_t)e->corner_count;
@@ -133,7 +134,7 @@ static struct lod_list_draft *add_form(struct lod_draft *draft, uint32_t partner
 	return list;
 }
 
-/* Its chunks end where the partner's do. */
+/* A form's chunks end with its partner's. */
 static uint32_t finish_form(struct lod_draft *draft, struct lod_list_draft *list)
 {
 	const struct lod_list_draft *of = &draft->plant->lists[list->list.partner];
@@ -183,8 +184,8 @@ static void to_grid(const struct lod_mesh *mesh, struct lod_v3 p, int32_t grid[3
 		grid[a] = (int32_t)floor((lod_v3_axis(p, a) - mesh->origin[a]) / mesh->step + 0.5);
 }
 
-/* `owed`: area that rounding gave to lines so far, grid steps times metres. Twigs may be a fraction of a step wide: what rounding adds to
- * one line, the next ones get less. */
+/* `owed`: area that rounding has added to lines so far, in grid steps times metres. Twigs may be a fraction
+ * of a step wide, so what rounding adds to one line is taken from the next. */
 static void put_line(struct lod_draft *draft, struct lod_list_draft *list, const struct lod_line *line, double *owed)
 {
 	double length = lod_v3_distance(line->end[0], line->end[1]), width = line->width / draft->mesh->step;
@@ -237,7 +238,7 @@ uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struc
 
 /* ---- Wood ---- */
 
-/* Chunks of one level that ends at element `end`: even ones, each large enough for edgebreaker. */
+/* Chunks of a level that ends at element `end`: even ones, each large enough for edgebreaker. */
 static uint32_t end_level(uint32_t *ends, uint32_t count, uint32_t from, uint32_t end)
 {
 	uint32_t chunks = (end - from) / WOOD_CHUNK ? (end - from) / WOOD_CHUNK : 1;
@@ -249,7 +250,7 @@ static uint32_t end_level(uint32_t *ends, uint32_t count, uint32_t from, uint32_
 static void put_wood(struct lod_draft *draft, struct eco_elements *e, const struct lod_corner corner[3], const uint8_t rgb[3])
 {
 	int32_t *extra = begin_element(e, 3), shift[2];
-	for (int a = 0; a < 2; a++) {        /* whole turns out, as for leaves */
+	for (int a = 0; a < 2; a++) {        /* without whole turns, as for leaves */
 		int32_t least = corner[0].uv[a];
 		for (int k = 1; k < 3; k++)
 			least = corner[k].uv[a] < least ? corner[k].uv[a] : least;

@@ -1,5 +1,5 @@
-/* Writing the lists of a plant under construction. Arrays of the plant are allocated for its caller; running out of memory jumps to
- * the arena's handler, which frees the plant with lod_plant_free. */
+/* Writes the lists of a plant under construction. The caller owns the plant's arrays; without memory the
+ * arena's handler is jumped to, which frees the plant with lod_plant_free. */
 #ifndef LOD_DRAFT_H
 #define LOD_DRAFT_H
 
@@ -15,23 +15,26 @@ struct lod_draft {
 	const struct lod_mesh *mesh;
 	const struct lod_organs *organs;
 	const struct lod_palette *palette;
-	uint8_t (*shade)[3];         /* per vertex of the mesh: colour of the wood of several colours around it (lod_draft_shade) */
+	/* Per vertex of the mesh: mean colour of the wood of several colours around it (lod_draft_shade). */
+	uint8_t (*shade)[3];
 	bool *shaded;                /* per component: its triangles differ in colour */
 	uint32_t list_capacity, ladder_capacity;
 };
 
-/* Appends a ladder that has nothing yet, and returns it (valid until the next one is added). */
+/* Appends an empty ladder and returns it (valid until the next one is added). */
 struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
 
-/* Each writes a list and returns its index, or ECO_NONE where it would have no elements. `image`: of the plant, or ECO_NONE. */
+/* Each of the following writes a list and returns its index, or ECO_NONE if it would have no elements.
+ * `image`: of the plant, or ECO_NONE. */
 
-/* Elements items[0..count) as fans, with texture coordinates where there is an image, else with colours; `growth`: a code each, or NULL. */
+/* Elements items[0..count) as fans, with texture coordinates if there is an image, else with colours;
+ * `growth`: a code each, or NULL. */
 uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
 	uint32_t image);
 
-/* Other forms of the elements of list `partner`, in its order, one each. */
+/* Other forms of the elements of list `partner`, one each, in its order. */
 
-/* Points; their areas are given as codes for eco_size, times unit_area. */
+/* Points; their areas are codes for eco_size, times unit_area. */
 struct lod_point { int32_t position[3]; uint8_t rgb[3], size; };
 uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area);
 
@@ -39,18 +42,19 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
 uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines);
 
-/* Triangles or quads in one colour, all with as many corners (3 or 4). */
+/* Triangles or quads in one colour, all with 3 or all with 4 corners. */
 struct lod_facet { int32_t corner[4][3]; uint8_t rgb[3]; };
 uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets, uint32_t corners,
 	const uint8_t *growth);
 
-/* Lines that are nobody's form. Those that are a point on the grid are left out. */
+/* Lines that are no form of other elements. Those without length on the grid are left out. */
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);
 
-/* Fills `shade` and `shaded`, from which simplified levels take their colours; to be called before lod_draft_wood. */
+/* Fills `shade` and `shaded`, the colours of simplified levels; to be called before lod_draft_wood. */
 void lod_draft_shade(struct lod_draft *draft);
 
-/* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` where there are levels. */
+/* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` if there
+ * are levels. */
 uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
 	uint32_t image, struct eco_ladder *ladder);
 

@@ -30,7 +30,8 @@ static uint32_t edge_to(const struct lod_mesh *mesh, uint32_t t, uint32_t u)
 	return k;
 }
 
-/* Is the quad a b c d (in turn) planar and convex at b and d, so that b d may replace the diagonal a c? */
+/* Whether the quad a b c d (in turn) is planar and convex at b and d, so that b d may replace the diagonal a
+ * c. */
 static bool planar_quad(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c, struct lod_v3 d)
 {
 	struct lod_v3 normal = lod_v3_unit(lod_v3_cross(lod_v3_sub(c, a), lod_v3_sub(d, b)));
@@ -42,7 +43,7 @@ static bool planar_quad(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c, struc
 	return flat && abd > 0 && bcd > 0;
 }
 
-/* Is the texture over the quad one linear map (a parallelogram's worth of texture on a parallelogram, within a texel's fraction)? */
+/* Whether the texture over the quad is one linear map, within a fraction of a texel. */
 static bool linear_texture(const struct lod_v3 p[4], const int32_t *uv[4])
 {
 	struct lod_v3 u = lod_v3_sub(p[1], p[0]), v = lod_v3_sub(p[3], p[0]), w = lod_v3_sub(p[2], p[0]);
@@ -66,12 +67,12 @@ static bool zero_area(const struct lod_mesh *mesh, uint32_t a, uint32_t b, uint3
 	return lod_v3_dot(n, n) == 0;
 }
 
-/* Turns the diagonal at edge k of t. Neighbours across edges are not kept up: they are found again afterwards. */
+/* Turns the diagonal at edge k of t. Does not update `across`. */
 static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 {
 	uint32_t edge = mesh->across[3 * (size_t)t + k], u = edge / 3, j = edge % 3;
 	uint32_t a = vertex_at(mesh, t, k), c = vertex_at(mesh, t, k + 1), d = vertex_at(mesh, t, k + 2), b = vertex_at(mesh, u, j + 2);
-	bool alike = vertex_at(mesh, u, j) == c;                 /* wound as t is: its edge runs from c to a */
+	bool alike = vertex_at(mesh, u, j) == c; /* wound as t is: its edge runs from c to a */
 	int32_t uv[4][2];                                        /* of a b c d */
 	memcpy(uv[0], mesh->uv + 6 * (size_t)t + 2 * k, sizeof uv[0]);
 	memcpy(uv[1], mesh->uv + 6 * (size_t)u + 2 * ((j + 2) % 3), sizeof uv[1]);
@@ -94,7 +95,7 @@ static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 	return true;
 }
 
-/* The component's triangles as a strip from end to end, if they are one. */
+/* The component's triangles as a strip from end to end; false if they are none. */
 static bool as_strip(const struct lod_mesh *mesh, const uint32_t *member, uint32_t strip[4])
 {
 	uint32_t ends = 0, start = 0;
@@ -142,8 +143,8 @@ void lod_elements_turn_diagonals(struct lod_mesh *mesh, struct lod_arena *arena)
 			uint32_t v = vertex_at(mesh, strip[0], k);
 			fan = has_vertex(mesh, strip[1], v) && has_vertex(mesh, strip[2], v) && has_vertex(mesh, strip[3], v);
 		}
-		/* A zigzag: the first three turn about one end of the middle edge, the last three about the other. Turning the diagonal
-		 * at either end of the strip makes it one fan. */
+		/* A zigzag: the first three triangles turn about one end of the middle edge, the last three
+		 * about the other. Turning the diagonal at either end of the strip makes it one fan. */
 		if (fan)
 			continue;
 		uint32_t k = edge_to(mesh, strip[0], strip[1]);
@@ -159,7 +160,7 @@ void lod_elements_turn_diagonals(struct lod_mesh *mesh, struct lod_arena *arena)
 struct cutter {
 	const struct lod_mesh *mesh;
 	uint8_t *free_around;        /* per triangle: free neighbours, or TAKEN */
-	uint32_t *queue[4];          /* triangles by free neighbours; stale entries are passed over */
+	uint32_t *queue[4];          /* triangles by free neighbours; stale entries are skipped */
 	uint32_t length[4], capacity[4];
 };
 #define TAKEN 255
@@ -199,7 +200,8 @@ static uint32_t third(const struct lod_mesh *mesh, uint32_t t, uint32_t a, uint3
 	return vertex_at(mesh, t, k);
 }
 
-/* A run of free triangles around corner k of t: triangle[i] lies between rim[i] and rim[i+1]; t is number `at`. */
+/* A run of free triangles around corner k of t: triangle[i] lies between rim[i] and rim[i+1]; t is number
+ * `at`. */
 struct run { uint32_t triangle[2 * FAN - 1], rim[2 * FAN], count, at; };
 
 static bool in_run(const struct run *run, uint32_t t)
@@ -235,7 +237,7 @@ static void walk(const struct cutter *c, uint32_t t, uint32_t k, struct run *run
 	}
 }
 
-/* The best fan that t can be part of: most triangles, then those whose neighbours are fewest. */
+/* The best fan that contains t: the most triangles, then those with the fewest free neighbours. */
 static void best_fan(const struct cutter *c, uint32_t t, struct lod_element *element)
 {
 	int best = -1;
@@ -265,7 +267,7 @@ static void enqueue(struct cutter *c, uint32_t t)
 	c->queue[n][c->length[n]++] = t;
 }
 
-/* Neighbour counts only fall, so every triangle enters each queue once at most. */
+/* Neighbour counts only fall, so a triangle enters each queue at most once. */
 static void take(struct cutter *c, const struct lod_element *element)
 {
 	for (uint32_t i = 0; i + 2 < element->corners; i++)
@@ -286,7 +288,7 @@ static void start(struct cutter *c, const struct lod_organs *organs)
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		if (mesh->collapsed[t] || organs->components[mesh->component[t]].organ == ECO_ORGAN_WOOD)
 			c->free_around[t] = TAKEN;
-	for (uint32_t t = mesh->triangle_count; t-- > 0;) {      /* queues are stacks: the first triangles come out first */
+	for (uint32_t t = mesh->triangle_count; t-- > 0;) { /* stacks: the first triangles come out first */
 		if (c->free_around[t] == TAKEN)
 			continue;
 		for (uint32_t k = 0; k < 3; k++) {
@@ -325,7 +327,7 @@ void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mes
 	lod_arena_release(arena, mark);
 }
 
-/* ---- What an element is like ---- */
+/* ---- Properties of an element ---- */
 
 void lod_element_uv(const struct lod_element *element, const struct lod_mesh *mesh, int32_t *uv)
 {

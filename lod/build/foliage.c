@@ -1,12 +1,12 @@
-/* A plant's leaves as geometry. See foliage.h. The stages are those of lod_plant_build up to its elements, so that element i here is
- * element i of the plant that is packed. */
+/* The stages are those of lod_plant_build up to its elements, so that element i here is element i of the
+ * packed plant. */
 #include "lod/build/foliage.h"
 
 #include <string.h>
 
 #include "lod/build/element.h"
 
-/* Per image of the model: does it cut anything out? */
+/* Per image of the model: whether it has transparent texels. */
 static bool *find_holes(const struct eco_model *model, struct lod_arena *arena)
 {
 	bool *holes = lod_arena_take(arena, model->image_count, sizeof *holes);
@@ -32,7 +32,7 @@ static void take_arrays(struct lod_foliage *foliage, const struct lod_elements *
 	foliage->area = lod_arena_take(arena, n, sizeof *foliage->area);
 }
 
-/* Groups are numbered as they first occur. */
+/* Groups are numbered in the order of their first elements. */
 static uint32_t group_of(struct lod_foliage *foliage, uint32_t *number, uint32_t organ, uint32_t image, uint32_t images)
 {
 	uint32_t *known = &number[(size_t)organ * (images + 1) + (image == ECO_NONE ? images : image)];

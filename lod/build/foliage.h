@@ -1,10 +1,9 @@
-/* A plant's leaves and flowers as elements with their geometry, and its wood: what orders are made of and measured on. The same elements
- * that a pack gets (lod/build/element.h), in the model's own coordinates.
+/* A plant's leaves and flowers as elements with geometry, and its wood: orders are made from them and
+ * measured on them. The elements are those of the pack (lod/build/element.h), in the model's own coordinates.
  *
  *   lod_foliage_make(&foliage, model, &arena, &error);
- *   lod_sights_make(&sights, &foliage, directions, count, pixels, &arena);         views, and masks of the reference and of the wood
- *   lod_sights_draw(&sights, view, &drawing, mask)                                 what a subset covers, scaled
- */
+ *   lod_sights_make(&sights, &foliage, directions, count, pixels, &arena);   views; reference masks
+ *   lod_sights_draw(&sights, view, &drawing, mask)                           the cover of a subset, scaled */
 #ifndef LOD_FOLIAGE_H
 #define LOD_FOLIAGE_H
 
@@ -16,16 +15,19 @@
 #include "lod/raster/raster.h"
 #include "lod/vector.h"
 
-/* Bits of the grid that tells which triangles are too small to count (lod/build/weld.h). */
+/* Bits of the grid on which triangles without area are found (lod/build/weld.h). */
 #define LOD_FOLIAGE_GRID_BITS 14u
 
 struct lod_foliage {                 /* arrays of an arena */
 	uint32_t count;              /* elements */
-	uint32_t *first;             /* element i has corners [first[i], first[i + 1]), 3 to ECO_CORNERS_MAX: a fan around the first */
+	/* Element i has corners [first[i], first[i + 1]), 3 to ECO_CORNERS_MAX: a fan around the first. */
+	uint32_t *first;
 	float (*corner)[3], (*uv)[2];
-	uint32_t *triangle_first;    /* element i has triangles [triangle_first[i], triangle_first[i + 1]) when all are counted in order */
-	const struct eco_image **cutout;     /* per element: what its texture cuts out, or NULL */
-	uint32_t *group;             /* per element: elements that share organ and texture, from 0; what one list of a pack holds */
+	/* Element i has triangles [triangle_first[i], triangle_first[i + 1]), counted in order. */
+	uint32_t *triangle_first;
+	const struct eco_image **cutout;     /* per element: its image if that is a cut-out, or NULL */
+	/* Per element, from 0: elements of the same organ and texture, which share a list of a pack. */
+	uint32_t *group;
 	uint32_t group_count;
 	struct lod_v3 *center, *normal;      /* normal: length is area */
 	double *area;                /* m^2, opaque part, one side */
@@ -34,11 +36,12 @@ struct lod_foliage {                 /* arrays of an arena */
 	struct lod_v3 low, high;     /* of everything */
 };
 
-/* ECO_BAD_INPUT where the model has no element. The arena's handler is set by this function while it runs. */
+/* ECO_BAD_INPUT if the model has no element. Sets the arena's handler while it runs. */
 enum eco_code lod_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
 	struct eco_error *error);
 
-/* The same from the stages of a build (plant.c), which keeps their arrays: element i is elements->items[i]. May be without any. */
+/* The same from the stages of a build (plant.c), which owns their arrays: element i is elements->items[i].
+ * May be empty. */
 struct lod_mesh;
 struct lod_organs;
 struct lod_elements;
@@ -50,35 +53,39 @@ struct lod_foliage_parts {
 };
 void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts, struct lod_arena *arena);
 
-/* Unit vectors from the plant towards the eye, evenly spread over the upper part of the sphere (a little below the horizon to steep from
- * above). Different seeds share no direction: build with one, test with another. */
+/* Unit vectors from the plant towards the eye, evenly spread over the upper part of the sphere (from slightly
+ * below the horizon to steeply above). Different seeds share no direction: build with one, test with
+ * another. */
 void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t seed);
-/* The same inside a cone of half angle `cone_rad` around `axis`. */
+/* The same within a cone of half angle `cone_rad` around `axis`. */
 void lod_directions_cone(double (*directions)[3], uint32_t count, const double axis[3], double cone_rad, uint32_t seed);
 
-/* Pictures from directions, 16 radii away (as in probe.h). Masks are bits, rows padded to whole 64-bit words. */
+/* Pictures from directions, 16 radii away (as in probe.h). Masks are bits, rows padded to whole 64-bit
+ * words. */
 struct lod_sights {
 	const struct lod_foliage *foliage;
 	uint32_t count, pixels, words;       /* views; size; 64-bit words of a mask */
 	struct lod_eye *eyes;
 	double near_m;
-	uint64_t **reference, **wood;        /* masks per view: everything, and the wood alone (what wood covers is in both) */
+	uint64_t **reference, **wood; /* masks per view: everything; wood alone (its pixels are in both) */
 	uint64_t *reference_pixels;          /* bits of `reference`, per view */
 };
 enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage, const double (*directions)[3], uint32_t count,
 	uint32_t pixels, struct lod_arena *arena, struct eco_error *error);
 
-/* Elements order[0..count) at their factors (area factor about the mean of the corners that are drawn; NULL: `scale` for all), over the
- * wood. `shape`: a triangle for the same element, opaque; NULL, or with no corners where the element is drawn itself. */
+/* Draws elements order[0..count) over the wood, each scaled by its area factor about the mean of its drawn
+ * corners (`factor` NULL: `scale` for all). `shape`: an opaque triangle in place of an element; NULL, or
+ * without corners, for the element itself. */
 struct lod_simple { float corner[3][3]; uint8_t corners; };      /* 3; 0: none */
 struct lod_sights_drawing {
-	const uint32_t *order;       /* NULL: as they are numbered */
+	const uint32_t *order;       /* NULL: in the order of their numbers */
 	uint32_t count;
 	const float *factor;         /* per element (not per position in the order), or NULL */
 	float scale;
 	const struct lod_simple *shape;      /* per element, or NULL */
 };
-/* ORs into mask[0..words). `raster` is a scratch rasteriser of the caller (silhouette, pixels x pixels): one per thread. */
+/* ORs into mask[0..words). `raster`: the caller's scratch rasteriser (silhouette, pixels x pixels), one per
+ * thread. */
 void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing, struct lod_raster *raster,
 	uint64_t *mask);
 

@@ -1,4 +1,4 @@
-/* A plant's leaves seen from outside. See foliage.h. No libm decides where a view is. */
+/* Views of a plant's leaves. No libm decides where a view is. */
 #include "lod/build/foliage.h"
 
 #include <string.h>
@@ -6,11 +6,11 @@
 #include "ecofiles/base/mix.h"
 
 #define DISTANCE_RADII 16.0
-#define FRAME 1.04                   /* half the picture over the bounding sphere's silhouette */
-#define LOWEST (-0.2)                /* heights on the unit sphere that views come from */
+#define FRAME 1.04 /* half the picture over the radius of the bounding sphere's silhouette */
+#define LOWEST (-0.2)                /* range of heights on the unit sphere of views */
 #define HIGHEST 0.95
-#define SOUP 256u                    /* triangles handed on at a time */
-#define SHIFT UINT64_MAX              /* number of the random choice of where a spiral begins */
+#define SOUP 256u                    /* triangles in a batch */
+#define SHIFT UINT64_MAX              /* number of the random choice of a spiral's start */
 
 /* ---- Directions ---- */
 
@@ -19,7 +19,7 @@ static double share_of(uint64_t hash)
 	return ((double)(hash >> 11) + 0.5) / 9007199254740992.0;
 }
 
-/* A unit vector in the plane, by rejection: no libm. */
+/* A random unit vector in the plane, by rejection. */
 static void turn_of(uint32_t seed, double *x, double *y)
 {
 	double length = 0;
@@ -33,7 +33,7 @@ static void turn_of(uint32_t seed, double *x, double *y)
 	*y /= length;
 }
 
-/* The next of a spiral: a golden angle on. */
+/* Turns by a golden angle, to the next direction of a spiral. */
 static void turn_on(double *x, double *y)
 {
 	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
@@ -55,7 +55,7 @@ void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t see
 	}
 }
 
-/* For angles up to pi: the series for an eighth of it, then doubled three times. */
+/* Cosine of angles up to pi: the series for an eighth of it, then doubled three times. */
 static double cosine(double angle)
 {
 	double a = angle / 8, a2 = a * a, c = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56 * (1 - a2 / 90))));
@@ -180,7 +180,7 @@ enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliag
 
 struct soup {
 	struct lod_raster *raster;
-	const struct eco_image *cutout;      /* of what is in it */
+	const struct eco_image *cutout;      /* of its triangles */
 	uint32_t count;
 	float position[9 * SOUP], uv[6 * SOUP];
 };
@@ -193,7 +193,7 @@ static void flush(struct soup *soup)
 	soup->count = 0;
 }
 
-/* A fan, scaled about the mean of its corners by the edges' factor. */
+/* A fan, scaled about the mean of its corners by the factor of edges. */
 static void add_fan(struct soup *soup, const float (*corner)[3], const float (*uv)[2], uint32_t corners, const struct eco_image *cutout,
 	double edge)
 {

@@ -1,11 +1,9 @@
-/* How fine a plant's grids must be. The error of rounding corners is proportional to the step, and so, to first order, are the
- * wrong pixels along edges: one measurement predicts the bits, a second confirms them.
+/* The choice of a plant's grid. The error of rounding corners is proportional to the step, and so, to first
+ * order, are the wrong pixels along edges: one measurement predicts the bits, a second confirms them.
  *
- * One grid for all of a plant, also where cells divide it. A grid for each cell was built and measured: chunks hold differences, so that an
- * origin of its own saves a cell nothing; and steps of its own (powers of two apart on one lattice, shared corners on the coarser one, so that
- * seams stay closed) save 2 % of the bytes of a pine and an oak against the same steps for the whole plant, and cost an aspen 5 %: twigs that
- * are thinner than the coarser step collapse on it, and corners beside its borders have to stay on it. So a large plant has more bits. A bit
- * more costs 5 to 9 % of the bytes of triangles and other forms, and halves what is wrong in a picture of one cell. */
+ * One grid serves all of a plant, also where cells divide it: chunks hold differences, so an origin for each
+ * cell saves nothing, and a step for each cell costs more bytes than it saves (lod/EXPERIMENTS.md, A grid for
+ * each cell). So a large plant gets more bits. */
 #include "lod/build/grid.h"
 
 #include <math.h>
@@ -49,7 +47,7 @@ uint32_t lod_grid_bits_least(const struct eco_model *model)
 	return bits;
 }
 
-/* Pictures in which the plant's height, seen from the side, is HIGH_PX. */
+/* Side of pictures in which the plant's height, seen from the side, is HIGH_PX. */
 static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe)
 {
 	double height = plant->plant.height_m > 0 ? plant->plant.height_m : 2 * probe->radius, side = HIGH_PX * 2 * probe->radius / height;
@@ -105,7 +103,7 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	uint32_t bits, double *loss, struct eco_error *error)
 {
 	struct lod_plant_options finer = *options;
-	if (finer.order == LOD_ORDER_GREEDY)         /* a draft: grids are chosen by full detail */
+	if (finer.order == LOD_ORDER_GREEDY)         /* a draft: full detail decides the grid */
 		finer.order = LOD_ORDER_COMBINED;
 	finer.grid_bits = bits;
 	finer.progress = NULL;
@@ -125,7 +123,7 @@ static uint32_t predict(uint32_t bits, double loss)
 	return bits;
 }
 
-/* Leaves in *chosen the bits that `plant` has, and in *found whether they are enough, or more are of no use. */
+/* Sets *chosen to the bits of `plant`, and *found if they suffice or more do not help. */
 static enum eco_code choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	uint32_t *chosen, bool *found, struct eco_error *error)
 {
@@ -150,7 +148,7 @@ static enum eco_code choose(struct lod_plant *plant, const struct eco_model *mod
 	return code;
 }
 
-/* ---- The order that takes long, once the grid is known ---- */
+/* ---- The slow order, once the grid is known ---- */
 
 static bool tell_half(void *ctx, double share)
 {

@@ -1,5 +1,5 @@
-/* Making the tree. Errors are measured level by level over all samples, so the work is samples times levels; a coarse tile's error is
- * raised to its children's, so that refining never meets a larger one. */
+/* Building the tree. Errors are measured level by level over all samples, so the work is samples times
+ * levels. A tile's error is raised to its children's, so that refining never meets a larger one. */
 #include "lod/build/ground_tree.h"
 
 #include <assert.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROUNDING 16.0                /* a tile's error is so many times what its heights are rounded to */
+#define ROUNDING 16.0                /* a tile's error over the rounding of its heights */
 #define SHIFT_MAX 12
 
 struct level {
@@ -27,7 +27,8 @@ static double height(const struct eco_ground *g, uint32_t x, uint32_t y)
 	return g->height_m[(size_t)y * g->columns + x];
 }
 
-/* Columns [first, end) of one row against a line from z, rising by slope a column. */
+/* The largest error of columns [first, end) of a row against a line that starts at z and rises by `slope` a
+ * column. */
 static double row_error(const float *row, uint32_t first, uint32_t end, double z, double slope)
 {
 	double most = 0;
@@ -40,7 +41,7 @@ static double row_error(const float *row, uint32_t first, uint32_t end, double z
 	return most;
 }
 
-/* Where a cell is not square its diagonal crosses those of the full detail between samples. */
+/* The diagonal of a cell that is not square crosses those of full detail between samples. */
 static double diagonal_error(const struct cell *c, uint32_t part, uint32_t parts)
 {
 	double t = (double)part / parts, x = c->x + t * c->width, y = c->y + t * c->height, z;
@@ -58,7 +59,8 @@ static double cell_error(const struct cell *c)
 
 	for (uint32_t j = 0; j <= c->height; j++) {
 		const float *row = &c->ground->height_m[(size_t)(c->y + j) * c->ground->columns + c->x];
-		uint32_t split = (uint32_t)(((uint64_t)j * c->width + c->height - 1) / c->height);       /* from here on the south-east triangle */
+		/* From here on the south-east triangle. */
+		uint32_t split = (uint32_t)(((uint64_t)j * c->width + c->height - 1) / c->height);
 		double v = j / height;
 		double upper = row_error(row, 0, split, c->sw + v * (c->nw - c->sw), (c->ne - c->nw) / width);
 		double lower = row_error(row, split, c->width + 1, c->sw + v * (c->ne - c->se), (c->se - c->sw) / width);
@@ -92,7 +94,7 @@ static double tile_error(const struct eco_ground *g, uint8_t level, uint32_t col
 	return most;
 }
 
-/* Not below what was measured: floats round to the nearest. */
+/* Never below v: a conversion to float rounds to the nearest. */
 static float rounded_up(double v)
 {
 	float f = (float)v;
@@ -170,7 +172,7 @@ static bool measure(struct level *levels, uint8_t count, const struct eco_ground
 	return true;
 }
 
-/* Level by level from the root, children behind each other: as the pack wants them. */
+/* Level by level from the root, children consecutive, as the pack requires. */
 static bool gather(struct lod_ground_tree *tree, const struct level *levels, uint8_t root, double least_m)
 {
 	size_t most = 0;
@@ -237,7 +239,7 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for tiles of ground");
 }
 
-/* First or last of the samples covered: those that other tiles share. */
+/* The first or last of the covered samples, which other tiles share. */
 static bool on_border(const struct eco_ground_span *s, uint32_t i)
 {
 	return i == s->before || i == s->before + s->inner - 1;

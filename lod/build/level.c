@@ -7,9 +7,10 @@
 #include "lod/sort.h"
 
 #define PAYS 0.7                 /* a level has at most this share of the next one's triangles */
-#define LEAST 96u                /* triangles of a level: with fewer, lines tell more */
+#define LEAST 96u                /* triangles of a level: with fewer, lines serve better */
 
-/* Corners of triangles as a mesh for meshoptimizer: what differs in texture or component is a vertex of its own. */
+/* Corners of triangles as a mesh for meshoptimizer: a vertex for each combination of place, texture
+ * coordinates and component. */
 struct wedges {
 	uint32_t count;
 	struct lod_corner *corner;
@@ -58,7 +59,7 @@ static bool has_area(const struct lod_mesh *mesh, const struct lod_corner *c)
 	return u[1] * v[2] != u[2] * v[1] || u[2] * v[0] != u[0] * v[2] || u[0] * v[1] != u[1] * v[0];
 }
 
-/* Simplifies to 1 / divisor of the triangles and appends what has area to `out`, which has room for all. */
+/* Simplifies to 1 / divisor of the triangles and appends those with area to `out`, which has room for all. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const uint32_t *triangles, uint32_t count, uint32_t divisor,
 	double reach, bool lock_border, struct lod_arena *arena)
 {

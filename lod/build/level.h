@@ -1,7 +1,9 @@
-/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of them.
+/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of
+ * them.
  *
- * Wood is never pruned into holes (a missing piece of branch is seen at once), so its detail is exchanged as a whole. Where a cell
- * cuts a component, the cut's border stays as it is, so that cells of different levels meet. */
+ * Wood is never pruned into holes (a missing piece of branch is noticed at once), so its levels are exchanged
+ * as a whole. Where a cell cuts a component the cut's border is kept, so that cells of different levels
+ * meet. */
 #ifndef LOD_LEVEL_H
 #define LOD_LEVEL_H
 
@@ -12,18 +14,22 @@
 struct lod_corner { uint32_t vertex, component; int32_t uv[2]; };        /* vertex of the mesh */
 
 struct lod_levels {
-	uint32_t count;              /* simplified levels that pay, coarse first; the full detail is not among them */
+	uint32_t count;              /* simplified levels that pay, coarse first, without full detail */
 	uint32_t triangle_count[LOD_LEVELS_SIMPLE];
 	struct lod_corner *corner[LOD_LEVELS_SIMPLE];    /* 3 per triangle */
 };
 
 struct lod_levels_input {
-	const uint32_t *whole, *cut; /* triangles of the mesh: of components that lie here as a whole, and of others */
+	/* Triangles of the mesh: of components that lie here as a whole, and of others. */
+	const uint32_t *whole, *cut;
 	uint32_t whole_count, cut_count;
-	double reach;                /* metres by which the surface may move; a tube's radius is where it becomes another thing */
+	/* Metres by which the surface may move, less than a tube's radius, beyond which it would lose its
+	 * form. */
+	double reach;
 };
 
-/* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from `arena`. */
+/* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from
+ * `arena`. */
 void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, const struct lod_levels_input *input,
 	struct lod_arena *arena);
 

@@ -12,8 +12,7 @@
 #include "lod/raster/texel.h"
 #include "lod/vector.h"
 
-/* Thresholds on 28 models from seven sources, measured: tubes have r/d <= 0.032 (one stout trunk: 0.037), solid leaves, crowns, pots
- * >= 0.058. Edge angles: tubes of four or more sides <= 1.6, of three 2.1, closed blades 2.2 to 3. */
+/* Thresholds, set between what 28 models from seven sources show (lod/EXPERIMENTS.md, Organs). */
 #define THIN_CLEAR 0.033
 #define THIN_LIMIT 0.045
 #define THICK_CLEAR 0.058
@@ -22,13 +21,15 @@
 #define BLADE_CLEAR 2.4
 #define LENGTH_LEAST 0.7         /* of the diagonal; a blade folded to a right angle has 0.25 */
 #define FULL_LEAST 0.45          /* 4 V M / A^2; sections of 5 : 1 have 0.44, triangles 0.6 */
-#define SOLID_LENGTH 0.4         /* of the diagonal, of what is thick */
-#define OPEN_MOST 0.2            /* share of border of what is solid: trunks are open at their ends */
-#define STOUT 0.1                /* r/d of what has no use for a skeleton */
+#define SOLID_LENGTH 0.4         /* of the diagonal, for thick components */
+#define OPEN_MOST 0.2            /* share of border of a solid: trunks are open at their ends */
+#define STOUT 0.1                /* r/d of components without a skeleton */
 
-#define CLEAR_LEAST 0.02         /* share of a component's area that is cut out of it; bark has none, but for what rounding takes at seams */
+/* Share of a component's area that is cut out. Bark has none but for rounding at seams. */
+#define CLEAR_LEAST 0.02
 
-#define COPIES_MANY 50           /* components of one material and triangle count from which on they are taken for leaves in doubt */
+/* Components of one material and triangle count, from which on they are taken for leaves if in doubt. */
+#define COPIES_MANY 50
 
 enum verdict { CLEARLY_LEAF, RATHER_LEAF, SOLID, RATHER_WOOD, CLEARLY_WOOD };
 
@@ -43,12 +44,13 @@ struct finder {
 	bool *fixed;                 /* by a rule */
 	bool *thing;
 	enum lod_hint *hint;
-	double *middle, *above;      /* by rising height: the middle of a component, and the area of it and of all above */
+	/* By rising height: the middle of a component, and the area of it and all above. */
+	double *middle, *above;
 };
 
 /* ---- By shape ---- */
 
-/* An atlas for all of a plant has clear texels somewhere: what counts is whether this component shows some. */
+/* An atlas for a whole plant has clear texels somewhere, so the component itself must show some. */
 static bool is_cutout(const struct finder *f, uint32_t i)
 {
 	uint32_t material = f->shape[i].material;
@@ -72,8 +74,8 @@ static enum verdict judge(const struct lod_shape *b, bool cutout)
 
 /* ---- By names ---- */
 
-/* Hints of parts count where parts differ in them: one name for all says what the plant is, not what its organs are. The same holds for
- * materials that are all called flowers. */
+/* Hints of parts count only if the parts differ in them: one name for all says what the plant is, not what
+ * its organs are. The same holds for materials that are all called flowers. */
 static void find_hints(struct finder *f, struct lod_arena *arena)
 {
 	const struct eco_model *model = f->model;
@@ -102,7 +104,7 @@ static void find_hints(struct finder *f, struct lod_arena *arena)
 
 /* ---- Doubts ---- */
 
-#define STEM_LEAST 0.1           /* of the plant's diagonal; what is green and smaller is needles */
+#define STEM_LEAST 0.1           /* of the plant's diagonal; smaller green components are needles */
 
 /* Bark is brown or grey, and darker than petals. */
 static bool is_bark(const uint8_t rgb[3])
@@ -135,7 +137,8 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
 
-/* What is clear by its shape is that; only logs on the ground, which are stout, need their name: leaves are not that large. */
+/* Components of clear shape are decided by it, except logs on the ground: they are stout and need their name.
+ * Leaves are not as large. */
 #define FOOT 0.05                /* of the plant's height */
 #define LOG_LEAST 0.5            /* of the plant's diagonal */
 
@@ -152,7 +155,7 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
-/* Doubtful components go with the clear ones of their material, by area, where those speak clearly. */
+/* A component in doubt goes with the clear ones of its material, by area, if those agree. */
 static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
@@ -173,8 +176,9 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-/* Components of one material with the same number of triangles are copies of one part, stretched and bent: they are one organ. The larger
- * area wins; among many copies wood must be twice as much, since what comes in many copies usually is a leaf. */
+/* Components of one material with the same number of triangles are copies of one part, stretched and bent:
+ * they are one organ. The larger area wins; among many copies wood needs twice the area, since many copies
+ * usually are leaves. */
 static void settle_copies(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
@@ -195,7 +199,8 @@ static void settle_copies(struct finder *f, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-/* A patch of another colour inlaid in bark is bark: all of its border continues in wood. A bud at a stem's end has next to no border. */
+/* A patch of another colour inlaid in bark is bark: all of its border continues in wood. A bud at a stem's
+ * end has next to no border. */
 static void settle_inlays(struct finder *f)
 {
 	for (uint32_t i = 0; i < f->count; i++) {
@@ -207,15 +212,15 @@ static void settle_inlays(struct finder *f)
 
 /* ---- Things, soil and herbs ---- */
 
-#define THING_HEIGHT 0.7         /* of the plant's height at most, for what the plant stands in or on */
+#define THING_HEIGHT 0.7         /* of the plant's height at most, for a thing under the plant */
 #define THING_ABOVE 0.3          /* of the plant's area that is above its middle */
 #define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
 #define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
 #define STACK_LEAST 3u           /* solids that make a stem */
 #define STACK_WIDTH 0.25         /* of its height */
-#define FEW 4u                   /* components of its material, of a vessel or soil */
+#define FEW 4u                   /* components of the material of a vessel or soil */
 
-/* Components by the heights of their middles, to answer how much of the plant is above. */
+/* Sorts components by the height of their middle and sums the area above each. */
 static void sort_heights(struct finder *f, struct lod_arena *arena)
 {
 	uint32_t n = f->count;
@@ -245,7 +250,7 @@ static double area_above(const struct finder *f, double z)
 	return f->above[low];
 }
 
-/* The plant is above it, and it is not green nor small. */
+/* The plant is above the component, which is neither green nor small. */
 static bool is_below(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
@@ -253,8 +258,8 @@ static bool is_below(const struct finder *f, uint32_t i)
 		&& !is_cutout(f, i) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
 }
 
-/* Solid: `alone` says that solids are all there is. Brown ones are stones, logs and stumps; but a brown lump above the ground is a
- * crown in autumn. */
+/* Whether a solid is a thing; `alone`: the plant is all solids. Brown ones are stones, logs and stumps, but a
+ * brown lump above the ground is a crown in autumn. */
 static bool is_thing(const struct finder *f, uint32_t i, bool alone)
 {
 	const struct lod_shape *b = &f->shape[i];
@@ -270,7 +275,7 @@ static bool has_walls(const struct lod_shape *b)
 	return b->radius > VESSEL_RADIUS * b->diagonal && b->length > SOLID_LENGTH * b->diagonal;
 }
 
-/* A pot with walls, or a level sheet, as the soil in it or the ground around a plant. */
+/* A pot with walls, or a level sheet: the soil in it, or the ground around a plant. */
 static bool is_vessel(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
@@ -279,7 +284,8 @@ static bool is_vessel(const struct finder *f, uint32_t i)
 	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
 }
 
-/* Solids of one material on top of each other, as the rings of a palm's stem: together a tube from the ground. */
+/* Solids of one material on top of each other, such as the rings of a palm's stem: together a tube from the
+ * ground. */
 struct stack { double low[3], high[3]; uint32_t count; };
 
 static void put_on_stack(struct stack *stack, const struct lod_shape *b)
@@ -297,7 +303,8 @@ static bool is_stem(const struct finder *f, const struct stack *s)
 	return s->count >= STACK_LEAST && wide < STACK_WIDTH * high && s->low[2] - f->mesh->low[2] < FOOT * f->height;
 }
 
-/* What is of one material with things and stands below the plant as they do is one, too: saucers, rims. */
+/* A component of the material of things that stands below the plant as they do is a thing, too: saucers,
+ * rims. */
 static void settle_things(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
@@ -331,7 +338,7 @@ static void settle_things(struct finder *f, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-/* Nothing but tubes: a bare tree, unless they are green, or many that stand on the ground unbranched. */
+/* A plant of only tubes is a bare tree, unless they are green or many unbranched ones stand on the ground. */
 static void settle_herbs(struct finder *f)
 {
 	double wood = 0, green = 0, straws = 0;
@@ -361,7 +368,7 @@ static double area_of(const struct lod_mesh *mesh, uint32_t t)
 	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
 }
 
-/* Triangles image by image, and for cut-outs apart: one image's sums at a time. */
+/* Triangles image by image, cut-outs separately, so that the sums of one image exist at a time. */
 static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model,
 	struct lod_arena *arena)
 {
@@ -387,7 +394,8 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 			share = lod_texels_mean(&texels, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
 		else
 			memcpy(organs->rgb[t], material->rgb, 3);
-		/* No opaque sample does not mean nothing: a fraction of a sample's worth keeps it drawable. */
+		/* A triangle without an opaque sample may still show something: a fraction of a sample's area
+		 * keeps it drawable. */
 		organs->area[t] = area_of(mesh, t) * (share > 0 ? share : 1.0 / 256);
 	}
 	lod_arena_release(arena, mark);
@@ -435,7 +443,8 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 		struct lod_component *c = &organs->components[i];
 		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material, .organ = f->organ[i], .area = b->area,
 			.radius = b->radius, .length = b->length, .turn = b->turn };
-		/* A tube open at both ends has little border; a sheet's is a good part of all its edges. */
+		/* A tube open at both ends has little border; a sheet's border is a good part of all its
+		 * edges. */
 		c->closed = b->open < 0.02;
 		bool thick = f->verdict[i] == SOLID && b->radius > STOUT * b->diagonal;
 		c->stout = c->organ == ECO_ORGAN_WOOD && (f->thing[i] || thick || has_walls(b));
@@ -445,7 +454,7 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 	}
 }
 
-/* What a file gives no colour has that of its organ, as most plants have it. */
+/* A component without colours in the file gets the usual colour of its organ. */
 static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model)
 {
 	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 }, [ECO_ORGAN_FOLIAGE] = { 86, 116, 58 },

@@ -5,8 +5,8 @@
 
 #define SMALL 0.7                /* of the plant's largest extent */
 #define DIFFERENT 0.1            /* in chroma */
-#define ALIKE 1.25               /* mean areas of copies of one leaf, made twice */
-#define KINDS 64u                /* of leaves, by number of triangles, that are told apart */
+#define ALIKE 1.25               /* ratio of mean areas up to which leaves have one make */
+#define KINDS 64u                /* of leaves, told apart by their number of triangles */
 
 enum colour { DULL, GREEN, WARM, PALE, COOL };
 
@@ -38,10 +38,10 @@ static enum colour colour_of(const uint8_t rgb[3])
 
 struct census {
 	double area[COOL + 1];       /* of small foliage, by colour */
-	double greens;               /* of anything green, stems too */
-	double stems, other;         /* of wood that is green, and that is not */
+	double greens;               /* of anything green, stems included */
+	double stems, other;         /* of green wood, and of other wood */
 	struct lod_v3 reference;     /* mean chroma of foliage that is no candidate, and of green stems */
-	struct { double area; uint32_t count; } green[KINDS], warm[KINDS];  /* foliage by number of triangles */
+	struct { double area; uint32_t count; } green[KINDS], warm[KINDS];  /* foliage by triangle count */
 };
 
 static uint32_t kind_of(const struct lod_shape *shape)
@@ -80,8 +80,8 @@ static struct census take_census(const uint8_t *organ, const struct lod_shape *s
 	return c;
 }
 
-/* Is it made as green leaves are, of as many triangles and about as large on the mean, on twigs of bark? Then it may be one of them in
- * autumn. */
+/* Whether components are made as green leaves are: as many triangles, about the same mean area, on twigs of
+ * bark. Then they may be leaves in autumn. */
 static bool is_leaf_made(const struct census *c, uint32_t kind)
 {
 	if (c->green[kind].count == 0 || c->warm[kind].count == 0 || c->stems > c->other)

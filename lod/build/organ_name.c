@@ -1,13 +1,14 @@
-/* A name is cut into words at everything that is no letter, and where a capital follows a small letter. Long words of the table match
- * what begins like them (leaf: leafs, but also leafcard), short ones only themselves, a plural or a number, lest `bois` be found in
- * names that have nothing to do with it. German joins its words, so its longer ones match at the end, too (Birkenrinde). */
+/* A name is cut into words at everything that is no letter, and where a capital follows a small letter. A
+ * long word of the table matches words that begin with it (leaf: leafs, but also leafcard). A short one
+ * matches only itself, a plural or a number, so that `bois` is not found in unrelated names. German joins
+ * words, so its longer ones also match at the end (Birkenrinde). */
 #include "lod/build/organ_name.h"
 
 #include <stdbool.h>
 #include <string.h>
 
 #define WORD_MOST 64u
-#define PREFIX_LEAST 4u          /* letters of a word that matches beginnings and ends */
+#define PREFIX_LEAST 4u          /* letters of a table word that matches beginnings and ends */
 
 static const char *const wood_words[] = {
 	"bark", "trunk", "wood", "stem", "stalk", "branch", "twig", "log", "stump", "root", "cane", "culm", "rachis", "limb",
@@ -16,7 +17,7 @@ static const char *const wood_words[] = {
 	"corteza", "tronco", "madera", "rama", "tallo", "raíz", "raiz", "corteccia", "legno", "ramo", "fusto", "casca", "madeira", "galho",
 	"caule", "schors", "stam", "tak", "hout", "takken", "kora", "kmen", "větev", "pień", "kmień", "gałąź", "drewno", "gren", "stamme",
 	"кора", "ствол", "ветка", "ветви", "дерево", "树干", "树皮", "树枝", "幹", "枝", "樹皮",
-	/* not of the plant, and treated as wood */
+	/* not of the plant, treated as wood */
 	"pot", "planter", "vase", "jar", "soil", "ground", "dirt", "earth", "rock", "stone", "gravel", "fence", "frame",
 	"topf", "kasten", "erde", "stein", "zaun", "terre", "pierre", "maceta", "tierra", "piedra", "vaso", "terra", "pietra", "bloempot",
 };
@@ -38,7 +39,7 @@ static bool is_letter(unsigned char c)
 	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c >= 0x80;
 }
 
-/* The next word of *at, in small letters; false at the end. */
+/* The next word of *at, in lower case; false at the end. */
 static bool next_word(const char **at, char word[WORD_MOST])
 {
 	size_t n = 0;
@@ -57,8 +58,8 @@ static bool next_word(const char **at, char word[WORD_MOST])
 	return n > 0;
 }
 
-/* How well a word matches a known one: 0 not at all; else the longer the better, and an end better than a beginning, since the last
- * word of a compound says what it is. */
+/* The quality of a word's match with a known one: 0 for none; longer is better, and an end is better than a
+ * beginning, since the last part of a compound is its noun. */
 static size_t match(const char *word, const char *known)
 {
 	size_t n = strlen(word), k = strlen(known);

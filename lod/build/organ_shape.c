@@ -1,6 +1,7 @@
-/* Everything is a sum over triangles and edges, so that components are measured in one pass whatever their form.
- * Volume is the sum of tetrahedra towards any one point; where a component is open (tubes mostly are, at both ends) each loop of its border
- * is closed by a fan around the loop's middle. Soups are wound at random, so that triangles are first made to look to one side. */
+/* Everything is a sum over triangles and edges, so components of any form are measured in one pass. Volume is
+ * the sum of tetrahedra towards one point; each loop of an open component's border (tubes mostly are open at
+ * both ends) is closed by a fan around its middle. Soups are wound at random, so triangles are first oriented
+ * to one side. */
 #include "lod/build/organ_shape.h"
 
 #include <math.h>
@@ -24,11 +25,12 @@ struct measure {
 	const uint8_t (*rgb)[3];
 	const double *opaque;
 	struct lod_v3 origin;        /* of the component: keeps sums small */
-	struct border *border;       /* edges of the component's border, along its triangles' winding after `sign` */
+	struct border *border;       /* edges of the component's border, along its triangles' winding after
+	                              * `sign` */
 	uint32_t border_count;
 	uint32_t *loop;              /* per vertex: union-find over that border */
-	struct lod_v3 *middle;       /* per vertex: of a loop's root, the sum of its edges' starts */
-	uint32_t *length;            /* per vertex: of a loop's root, its edges */
+	struct lod_v3 *middle;       /* per vertex: at a loop's root, the sum of its edges' starts */
+	uint32_t *length;            /* per vertex: at a loop's root, its edges */
 };
 
 bool lod_colour_is_green(const uint8_t rgb[3])
@@ -36,9 +38,9 @@ bool lod_colour_is_green(const uint8_t rgb[3])
 	return 100 * rgb[1] > 102 * rgb[0] && 100 * rgb[1] > 105 * rgb[2];
 }
 
-/* ---- One side ---- */
+/* ---- Orientation ---- */
 
-/* 1 or -1 per triangle, so that neighbours look to the same side. */
+/* 1 or -1 per triangle, such that neighbours face the same side. */
 static int8_t *orient(const struct lod_mesh *mesh, struct lod_arena *arena)
 {
 	int8_t *sign = lod_arena_take(arena, mesh->triangle_count, sizeof *sign);
@@ -55,7 +57,8 @@ static int8_t *orient(const struct lod_mesh *mesh, struct lod_arena *arena)
 				uint32_t edge = lod_mesh_across(mesh, t, k);
 				if (edge == ECO_NONE || sign[edge / 3])
 					continue;
-				/* Wound alike, two triangles run along their common edge in opposite directions. */
+				/* Two triangles of the same winding run along their common edge in opposite
+				 * directions. */
 				sign[edge / 3] = mesh->index[edge] == mesh->index[3 * (size_t)t + k] ? (int8_t)-sign[t] : sign[t];
 				stack[depth++] = edge / 3;
 			}
@@ -130,7 +133,7 @@ static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums
 	add_edges(m, shape, sums, t);
 }
 
-/* What the fans that close the loops of the border add to the volume. */
+/* The volume of the fans that close the loops of the border. */
 static double close_loops(struct measure *m)
 {
 	double volume = 0;

@@ -9,16 +9,16 @@
 #include "lod/vector.h"
 
 #define COLOURED_LEAST 32u       /* triangles of a component that colours may part */
-#define COLOURED_SIZE 0.3        /* of the plant's diagonal: fruits and leaves are of several colours, too */
+#define COLOURED_SIZE 0.3        /* of the plant's diagonal: fruits and leaves have several colours, too */
 #define CLASS_LEAST 0.02         /* of its area, either colour */
-#define SEAM_MOST 0.1            /* of its edges by length: more is a pattern */
+#define SEAM_MOST 0.1            /* of its edges by length: a longer seam is a pattern */
 
-#define SHEETS_LEAST 8u          /* that hang on one tube */
+#define SHEETS_LEAST 8u          /* on one tube */
 #define SHEET_TRIANGLES 64u
 #define SHEET_AREA 0.05          /* of the component's */
 #define SHEET_LENGTH 0.35        /* of its diagonal, as a tube: it is flat */
 #define SHEET_BORDER 0.25        /* of its edges, by length */
-#define HOST_RADIUS 0.045        /* of its diagonal: thin as wood is */
+#define HOST_RADIUS 0.045        /* of its diagonal: thin like wood */
 #define HOST_LENGTH 0.7
 
 struct part { double area, bend, edges, border; float low[3], high[3]; uint32_t triangles; };
@@ -27,9 +27,9 @@ struct splitter {
 	struct lod_mesh *mesh;
 	const struct eco_model *model;
 	const uint8_t (*rgb)[3];
-	uint32_t *label;             /* per triangle: a triangle of its part, the same for all of the part */
+	uint32_t *label; /* per triangle: a triangle of its part, the same one for the whole part */
 	uint32_t *parent;            /* union-find over triangles */
-	struct part *part;           /* per triangle that is a root */
+	struct part *part;           /* per root triangle */
 	bool any;
 };
 
@@ -86,7 +86,7 @@ static void join_kin(struct splitter *s)
 		s->parent[t] = t;
 }
 
-/* ---- By colour ---- */
+/* ---- Parting by colour ---- */
 
 static void part_colours(struct splitter *s, const uint32_t *member, uint32_t count)
 {
@@ -123,7 +123,7 @@ static void part_colours(struct splitter *s, const uint32_t *member, uint32_t co
 	s->any = true;
 }
 
-/* ---- By form ---- */
+/* ---- Parting by form ---- */
 
 static void grow(struct part *to, const struct part *part)
 {
@@ -138,7 +138,7 @@ static void grow(struct part *to, const struct part *part)
 	}
 }
 
-/* Bending is taken without its sign and without the triangles' sides: rough, but sheets and tubes are far apart. */
+/* Bending ignores its sign and the triangles' sides: rough, but sheets and tubes are far apart. */
 static struct part measure(const struct splitter *s, uint32_t t)
 {
 	const struct lod_mesh *mesh = s->mesh;
@@ -219,7 +219,7 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 
 /* ---- Components again ---- */
 
-/* Triangles of one label that meet in a vertex are one component. */
+/* Triangles of one label that share a vertex become one component. */
 static void number_again(struct splitter *s, struct lod_arena *arena)
 {
 	struct lod_mesh *mesh = s->mesh;

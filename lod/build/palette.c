@@ -19,7 +19,7 @@ static uint32_t channel(uint32_t bin, int axis)
 	return bin >> (10 - 5 * axis) & 31;
 }
 
-/* All colours, if they are few enough: entry i is the i-th new one. */
+/* All colours if they are few enough: entry i is the i-th new one. */
 static bool take_all(struct lod_palette *p, const uint8_t (*rgb)[3], uint32_t count)
 {
 	p->count = 0;
@@ -58,7 +58,7 @@ static uint32_t longest_side(const uint16_t *bins, const struct box *box, int *a
 	return most;
 }
 
-/* Puts bins of the box in order of one channel (a counting sort: 32 values). */
+/* Sorts the box's bins by one channel (a counting sort of 32 values). */
 static void sort_box(uint16_t *bins, const struct box *box, int axis, uint16_t *scratch)
 {
 	uint32_t n = 0;

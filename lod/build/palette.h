@@ -1,5 +1,5 @@
-/* Up to 64 colours for a whole plant: exactly its colours where they are few, else by median cut, each the mean light of what it stands
- * for. A pure function of the colours. */
+/* Up to 64 colours for a plant: exactly its colours if they are few, else by median cut, each the mean light
+ * of the colours that it replaces. A pure function of the colours. */
 #ifndef LOD_PALETTE_H
 #define LOD_PALETTE_H
 
@@ -14,14 +14,14 @@
 struct lod_palette {
 	uint32_t count;
 	uint8_t rgb[LOD_PALETTE_MAX][3];
-	uint16_t bin[32768];         /* by the upper five bits of red, green, blue: the entry that stands for it, or LOD_PALETTE_NONE */
+	uint16_t bin[32768]; /* by the upper five bits of red, green, blue: the entry, or LOD_PALETTE_NONE */
 	bool exact;
 };
 
-/* weights[i] says how often colour i is used (0 counts as 1). */
+/* weights[i] is how often colour i is used (0 counts as 1). */
 void lod_palette_make(struct lod_palette *palette, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
 	struct lod_arena *arena);
-/* The entry of a colour that the palette was made of; the nearest one to any other. */
+/* The entry of a colour that the palette was made of; the nearest entry for any other. */
 uint32_t lod_palette_index(const struct lod_palette *palette, const uint8_t rgb[3]);
 
 #endif

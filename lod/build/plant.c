@@ -1,6 +1,6 @@
-/* From a model to lists, stage by stage: weld, organs, elements and lines, order, cells, palette, ladders. Each stage is a file of its
- * own; this one strings them together. Everything is taken from one arena, so that running out of memory and being interrupted are
- * a jump to one place. */
+/* From a model to lists, stage by stage: weld, organs, elements and lines, order, cells, palette, ladders.
+ * Each stage has a file of its own; this one calls them. All memory is taken from one arena, so that a lack
+ * of memory and an interruption are a jump to one place. */
 #include "lod/build/plant.h"
 
 #include <setjmp.h>
@@ -66,7 +66,7 @@ static struct lod_group *find_group(struct lod_build *b, uint8_t organ, uint32_t
 	return g;
 }
 
-/* The plant's images are those that its groups use, in the model's order. */
+/* The plant's images are those of its groups, in the model's order. */
 static void number_images(struct lod_build *b)
 {
 	struct lod_plant *plant = b->plant;
@@ -83,7 +83,7 @@ static void number_images(struct lod_build *b)
 	}
 }
 
-/* What the user asked for; leaves' from their colours where he asked for nothing. */
+/* The importance that the user asked for; for leaves from their colours if the user asked for none. */
 static void find_importance(struct lod_build *b)
 {
 	const float *asked = b->options->importance;
@@ -180,14 +180,14 @@ static void find_cells(struct lod_build *b)
 
 /* ---- Anchors ---- */
 
-/* A list's corners, in metres as they are drawn. */
+/* A corner of a list in metres, as drawn. */
 static struct lod_v3 drawn(const struct eco_list *list, const int32_t *p)
 {
 	return (struct lod_v3){ list->grid_origin[0] + p[0] * list->grid_step[0], list->grid_origin[1] + p[1] * list->grid_step[1],
 		list->grid_origin[2] + p[2] * list->grid_step[2] };
 }
 
-/* Grows a box (pass 0) or a sphere around its middle (pass 1) to hold a list. */
+/* Grows a box (pass 0), or a sphere around its middle (pass 1), to hold a list. */
 struct bound { struct lod_v3 low, high; double radius; bool any; };
 
 static void include(struct bound *bound, const struct lod_list_draft *list, int pass)
@@ -206,7 +206,7 @@ static void include(struct bound *bound, const struct lod_list_draft *list, int 
 	}
 }
 
-/* The sphere around everything that ladders of the anchor draw; the whole plant's around everything. Rounded up. */
+/* The sphere of everything that an anchor's ladders draw; the whole plant's holds everything. Rounded up. */
 static void bound_anchors(struct lod_build *b)
 {
 	struct lod_plant *plant = b->plant;
@@ -235,7 +235,7 @@ static void bound_anchors(struct lod_build *b)
 
 /* ---- Palette ---- */
 
-/* Every colour that a list will look up, with the area that shows it. */
+/* Every colour that a list refers to, weighted by its area. */
 static void make_palette(struct lod_build *b)
 {
 	struct lod_arena_piece *mark = b->arena.last;

@@ -1,12 +1,12 @@
 /* From a model to lists: a plant ready to be packed.
  *
- *   lod_plant_build(&plant, &model, &options, &error);     elements -> organs -> order -> cells -> points, lines, levels
- *   lod_plant_measure(&plant, &model, &options, &error);   grid fine enough? s_opt and curves by the rasteriser (curve.c)
+ *   lod_plant_build(&plant, &model, &options, &error);     organs -> elements -> order -> cells -> lists
+ *   lod_plant_measure(&plant, &model, &options, &error);   the grid's bits; scales and curves
  *   ... the caller packs plant.lists (eco_pack_add_list) and the tables ...
  *   lod_plant_free(&plant);
  *
- * Pure and deterministic: the same model and options give the same lists, byte for byte. References between drafts are indices
- * into this plant's own arrays; the caller shifts them when packing. */
+ * Pure and deterministic: the same model and options give the same lists, byte for byte. References between
+ * drafts are indices into this plant's own arrays; the caller shifts them when packing. */
 #ifndef LOD_PLANT_H
 #define LOD_PLANT_H
 
@@ -17,10 +17,11 @@
 #include "lod/solver.h"
 
 struct lod_list_draft {
-	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image, partner and palette_* are indices
-	                                      * into this plant's images, lists, palette (ECO_NONE where absent) */
+	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image,
+	                                      * partner and palette_* are indices into this plant's images,
+	                                      * lists, palette (ECO_NONE: absent) */
 	struct eco_elements elements;        /* in priority order */
-	uint32_t *ends;                      /* element index at which each chunk ends; level ends are always chunk ends */
+	uint32_t *ends; /* element index at the end of each chunk; level ends are chunk ends */
 	uint32_t end_count;
 };
 
@@ -32,18 +33,20 @@ struct lod_organ_stats {
 struct lod_plant {
 	struct eco_plant plant;              /* name, height, area, triangles; the caller sets the *_first */
 	struct eco_anchor *anchors;          /* [0] is the whole plant */
-	struct eco_ladder *ladders;          /* plant = 0, anchor, lists, curve_first: indices into this plant's arrays */
+	struct eco_ladder *ladders;          /* plant = 0; anchor, lists, curve_first: indices into this
+	                                      * plant's arrays */
 	uint32_t ladder_count;
 	struct eco_curve *curves;            uint32_t curve_count;
 	struct lod_list_draft *lists;        uint32_t list_count;
 	uint8_t (*palette)[3];               uint32_t palette_count;
-	uint32_t *images;                    uint32_t image_count;      /* indices into the model's images that are used */
+	uint32_t *images;                    uint32_t image_count; /* indices of the model's images in use */
 	struct lod_organ_stats organ[ECO_ORGAN_COUNT];
 	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */
 	struct lod_solved solved[LOD_SOLVER_COUNT];  /* searches that this plant took */
 };
 
-/* Calls piece(pieces, i) once for each i below count, in any order and in as many threads as it likes; returns when all are done. */
+/* Calls piece(pieces, i) once for each i below count, in any order and in any number of threads; returns when
+ * all are done. */
 typedef void lod_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces);
 
 enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_CURVES };
@@ -52,16 +55,19 @@ struct lod_plant_options {
 	const char *name;
 	float importance[ECO_ORGAN_COUNT];   /* all 0: from colours (lod/build/salience.h); else 0 means 1 */
 	uint32_t seed;
-	/* 0: LOD_ORDER_GREEDY. It takes long, so that lod_plant_build makes a draft in combined order where grid_bits is 0, and
-	 * lod_plant_measure builds anew, once the grid is chosen. */
+	/* 0: LOD_ORDER_GREEDY. It takes long, so with grid_bits 0 lod_plant_build makes a draft in combined
+	 * order, and lod_plant_measure builds again once the grid is chosen. */
 	enum lod_order_method order;
-	uint32_t cell_triangles;             /* a cell is split above this many triangles (octree); 0: default 4096 */
+	uint32_t cell_triangles;             /* a cell of more triangles is split (octree); 0: 4096 */
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */
-	/* called now and then with a share done in [0,1]; return false to stop with ECO_INTERRUPTED; may be NULL */
+	/* called now and then with the share done, in [0,1]; returns false to stop with ECO_INTERRUPTED; may
+	 * be NULL */
 	bool (*progress)(void *ctx, double share);
-	void (*stage)(void *ctx, enum lod_plant_stage stage);        /* a stage begins, perhaps not for the first time; may be NULL */
-	lod_each *each;              /* for work that can be shared out, with the same outcome; NULL: one after the other */
+	/* A stage begins, perhaps not for the first time; may be NULL. */
+	void (*stage)(void *ctx, enum lod_plant_stage stage);
+	/* For work that can run in parallel, with the same result; NULL: sequential. */
+	lod_each *each;
 	void *ctx;
 };
 

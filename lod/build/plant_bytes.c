@@ -1,5 +1,5 @@
-/* Coordinates of neighbouring corners are near each other: as differences in varints they take a third of their memory, which is what a
- * bounded cache is short of, and reading them costs little beside finding them. */
+/* Neighbouring corners are near each other: as differences in varints they take a third of their memory,
+ * which a bounded cache is short of; decoding costs little beside the search in the cache. */
 #include "lod/build/plant_bytes.h"
 
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 /* ---- Writing ---- */
 
-/* `stride` values a row, each as its difference to the row before. */
+/* Writes `stride` values a row, each as its difference to the row before. */
 static void write_deltas(struct eco_writer *w, const int32_t *values, uint64_t rows, uint32_t stride)
 {
 	for (uint64_t i = 0; i < rows * stride; i++)
@@ -83,8 +83,8 @@ void lod_plant_write(struct eco_writer *w, const struct lod_plant *plant)
 
 /* ---- Reading ---- */
 
-/* Zeroed memory for records that take at least `least` bytes each: no more of them than bytes are left. NULL with r->failed set, or
- * without memory. */
+/* Zeroed memory for records of at least `least` bytes each: no more records than the remaining bytes hold.
+ * NULL with r->failed set, or without memory. */
 static void *room(struct eco_reader *r, uint64_t count, size_t least, size_t size)
 {
 	if (r->failed || count > (r->size - r->at) / least) {
@@ -130,7 +130,7 @@ static enum eco_code read_ends(struct lod_list_draft *draft, struct eco_reader *
 			return BAD("end %u of %u does not ascend to %u", i, draft->end_count, draft->elements.element_count);
 		draft->ends[i] = (uint32_t)(last += step);
 	}
-	/* paired lists end where their partners do, and say nothing themselves */
+	/* paired lists end with their partners, and have no ends themselves */
 	if (draft->end_count > 0 ? last != draft->elements.element_count : draft->list.partner == ECO_NONE && draft->elements.element_count > 0)
 		return BAD("chunks end at %llu of %u elements", (unsigned long long)last, draft->elements.element_count);
 	return ECO_OK;
@@ -208,7 +208,7 @@ static enum eco_code read_list(struct lod_plant *plant, struct lod_list_draft *d
 	return code ? code : check_colors(plant, draft, error);
 }
 
-/* Partners are lists that stand for themselves, so that packing them first is enough. */
+/* Partners have no partners themselves, so that packing them first is enough. */
 static enum eco_code check_partners(const struct lod_plant *plant, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < plant->list_count; i++) {
@@ -253,7 +253,7 @@ static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t 
 	return code ? code : check_partners(plant, error);
 }
 
-/* The tables before the lists; false where memory or bytes do not suffice. */
+/* Reads the tables before the lists; false if memory or bytes do not suffice. */
 static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uint32_t counts[6])
 {
 	eco_plant_read(r, &plant->plant);

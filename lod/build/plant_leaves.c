@@ -1,13 +1,13 @@
-/* Leaves and flowers: one order, and several forms of each element. A point at the middle of what can be seen of it, as large as that;
- * where a group is one of blades, a line too; one triangle, where elements have more than that; and the fan
- * itself. Coarse forms give way to finer ones from the front of the order (struct eco_ladder).
+/* Leaves and flowers: one order, and several forms of each element: a point at the middle of its opaque part,
+ * with that part's area; in a group of blades also a line; one triangle, for elements of more; and the fan
+ * itself. Coarse forms are replaced by finer ones from the front of the order on (struct eco_ladder).
  *
- * Deussen 2002, 4.1, has two points a triangle, all of one size. A leaf of four triangles then takes eight vertices before anything
- * of the next leaf is seen, and small leaves are drawn too large. One point a leaf with a size of its own shows eight times as many.
+ * Deussen 2002, 4.1, uses two points a triangle, all of one size: a leaf of four triangles then takes eight
+ * vertices before the next leaf is visible, and small leaves are drawn too large. One point a leaf with a
+ * size of its own shows eight times as many leaves.
  *
- * Blades have points as well as lines: the curve chooses. Measured Q on views not used here, lines alone -> both, at 30, 100, 300
- * vertices and a sixteenth, a quarter of all: a potted plant .38 .45 .53 .68 .85 -> .53 .59 .64 .72 .85, a tuft of grass
- * .63 .75 .87 .66 .82 -> .62 .79 .91 .66 .85. Points alone were worse on the grass at 30 and 100 vertices (.40 .74). */
+ * Blades have points as well as lines, and the curve chooses between them (lod/EXPERIMENTS.md, Points and
+ * lines for blades). */
 #include <string.h>
 
 #include "lod/light.h"
@@ -18,11 +18,12 @@
 #include "lod/sort.h"
 #include "lod/build/tone.h"
 
-#define BLADE_RATIO 6.0          /* length to mean width from which on an element is a blade */
-#define BLADE_SHARE 0.6          /* of a group's area that makes it one of blades */
+#define BLADE_RATIO 6.0          /* length over mean width from which on an element is a blade */
+#define BLADE_SHARE 0.6          /* of a group's area, from which on it is a group of blades */
 #define COARSE_LEAST 256u        /* elements of the whole-plant list of a plant with cells */
 #define COARSE_DIVISOR 8u
-#define SIMPLE_GAIN 1.3          /* simple forms are worth a list of their own where elements have so many times their triangles */
+/* Simple triangles get a list if elements have at least so many triangles on average. */
+#define SIMPLE_GAIN 1.3
 
 static struct lod_v3 corner(const struct lod_build *b, const struct lod_element *e, uint32_t i)
 {
@@ -59,7 +60,7 @@ static void sort_by(struct lod_build *b, const double *survival)
 		b->order[i] = by[i].value;
 }
 
-/* The field of the static orders is that of all leaves and flowers of the plant. */
+/* The static orders use the field of all leaves and flowers of the plant. */
 static void order_by_survival(struct lod_build *b, enum lod_order_method method)
 {
 	uint32_t n = b->elements.count;
@@ -90,7 +91,7 @@ static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uin
 			piece(pieces, i);
 }
 
-/* Into b->order, growth and simple, which outlive what it takes beside them. */
+/* Fills b->order, growth and simple, which outlive the scratch memory. */
 static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error)
 {
 	uint32_t n = b->elements.count;
@@ -111,7 +112,7 @@ static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error
 	return code;
 }
 
-/* Elements of one group together, in it in the order of the whole plant. */
+/* Sorts elements by group, stable. */
 static void sort_groups(struct lod_build *b)
 {
 	uint32_t n = b->elements.count;
@@ -142,7 +143,8 @@ enum eco_code lod_leaves_order(struct lod_build *b, struct eco_error *error)
 
 /* ---- Blades ---- */
 
-/* The line that stands for an element: along its longest extent through its centre, as wide as its area asks. */
+/* The line that stands for an element: along its longest extent through its centre, as wide as its area
+ * demands. */
 static void make_blade(const struct lod_build *b, uint32_t number, struct lod_line *line, double *error)
 {
 	const struct lod_element *e = &b->elements.items[number];
@@ -182,18 +184,20 @@ static bool is_blade(const struct lod_build *b, uint32_t number)
 static uint8_t size_code(double ratio)
 {
 	uint8_t code = 0;
-	while (code + 1u < ECO_SIZES && ratio > (double)eco_size(code) * 1.0905077326652577)     /* half of a step */
+	/* Up to half of a step above the code's size. */
+	while (code + 1u < ECO_SIZES && ratio > (double)eco_size(code) * 1.0905077326652577)
 		code++;
 	return code;
 }
 
-/* `texels` are of the group's image, opaque and cut out, opened when first needed. `mean`: area of the group's elements. */
+/* `texels`: of the group's image, opaque and cut out, opened when first needed. `mean`: mean area of the
+ * group's elements. */
 static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean, struct lod_point *point)
 {
 	const struct lod_element *e = &b->elements.items[number];
 	struct lod_light light = { { 0, 0, 0 }, 0 };
 	double at[3] = { 0, 0, 0 };
-	for (uint32_t pass = 0; pass < 2 && light.weight <= 0; pass++)       /* then without regard to what is opaque */
+	for (uint32_t pass = 0; pass < 2 && light.weight <= 0; pass++) /* the second pass ignores opacity */
 		for (uint32_t i = 0; i + 2 < e->corners; i++) {
 			uint32_t t = e->triangle[i];
 			const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
@@ -227,7 +231,7 @@ static void measure_group(struct lod_build *b, struct lod_group *group)
 	group->blades = thin > BLADE_SHARE * group->area;
 }
 
-/* The colours of the group's points and blades, whose beginnings look like what is seen of all. */
+/* Colours of the group's points and blades such that their beginnings look like the visible whole. */
 static void level_tones(struct lod_build *b, const struct lod_group *group, const uint32_t *seen_of)
 {
 	uint32_t n = group->end - group->first;
@@ -276,7 +280,7 @@ void lod_leaves_represent(struct lod_build *b)
 
 /* ---- Ladders ---- */
 
-/* ECO_NONE where that draws hardly fewer vertices than the elements themselves. */
+/* ECO_NONE if that draws hardly fewer vertices than the elements themselves. */
 static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count, const uint8_t *growth)
 {
 	uint64_t full = 0;
@@ -308,7 +312,7 @@ static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32
 	return area > 0 ? eco_level_code(square / area) : 0;
 }
 
-/* Lists of items[0..count) under `ladder`. */
+/* The lists of items[0..count) under `ladder`. */
 static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items,
 	uint32_t count)
 {
@@ -346,7 +350,7 @@ static void count_in(const struct lod_build *b, const struct lod_group *group, u
 		*length += lod_v3_distance(b->blade[number].end[0], b->blade[number].end[1]);
 }
 
-/* How many of the group's elements, the first ones, are in the whole-plant list. */
+/* The number of the group's first elements that are in the whole-plant list. */
 static uint32_t coarse_count(const struct lod_build *b, const struct lod_group *group)
 {
 	uint32_t n = group->end - group->first, coarse = n / COARSE_DIVISOR;
@@ -367,7 +371,8 @@ static void whole_ladder(struct lod_build *b, const struct lod_group *group)
 	write_lists(b, group, ladder, b->order + group->first, coarse_count(b, group));
 }
 
-/* Which of the group's order are in each cell, in order: items[first[cell] .. first[cell + 1]). One pass, however many cells there are. */
+/* The group's elements by cell, each in order: items[first[cell] .. first[cell + 1]). One pass for any number
+ * of cells. */
 static uint32_t *sort_by_cell(struct lod_build *b, const struct lod_group *group, uint32_t **first)
 {
 	uint32_t n = group->end - group->first, cells = b->cells.count;

@@ -1,4 +1,4 @@
-/* What the stages of lod_plant_build hand to each other. Private to plant.c, plant_leaves.c and plant_wood.c. */
+/* The state between stages of lod_plant_build. Private to plant.c, plant_leaves.c and plant_wood.c. */
 #ifndef LOD_PLANT_STATE_H
 #define LOD_PLANT_STATE_H
 
@@ -6,12 +6,12 @@
 #include "lod/build/draft.h"
 #include "lod/build/foliage.h"
 
-/* Elements, or wood, of one organ with one texture: what shares ladders. */
+/* A group: elements, or wood, of one organ and texture. Its members share ladders. */
 struct lod_group {
 	uint8_t organ;
 	uint32_t image, model_image; /* of the plant and of the model, or ECO_NONE */
 	uint32_t first, end;         /* leaves: in build.order */
-	bool blades;                 /* leaves: lines instead of points */
+	bool blades;                 /* leaves: lines beside points */
 	double area;                 /* leaves */
 	float importance;
 };
@@ -22,7 +22,7 @@ struct lod_build {
 	const struct eco_model *model;
 	const struct lod_plant_options *options;
 	struct eco_error *error;
-	enum eco_code code;          /* of a stage that failed and said why */
+	enum eco_code code;          /* of a stage that failed and reported */
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_elements elements;
@@ -30,7 +30,8 @@ struct lod_build {
 	struct lod_cells cells;
 	struct lod_palette palette;
 	struct lod_draft draft;
-	uint32_t *cell_of_triangle;  /* wood's; others are cells of their elements. 0 where there are no cells */
+	/* Of wood; other triangles are in the cells of their elements. 0 without cells. */
+	uint32_t *cell_of_triangle;
 	uint32_t group_count;
 	struct lod_group *groups;
 	uint32_t *group_of_component;        /* wood's */
@@ -38,19 +39,20 @@ struct lod_build {
 	/* leaves, per element */
 	struct lod_v3 *center;
 	double *area;
-	uint32_t *order;             /* by group, in each the one worth most first */
-	uint8_t *growth;             /* codes, and simpler forms: of the greedy order; else NULL */
+	uint32_t *order;             /* by group, in each the most valuable first */
+	uint8_t *growth;             /* growth codes and simple triangles of the greedy order, else NULL */
 	struct lod_simple *simple;
-	struct lod_line *blade;      /* of groups of blades */
+	struct lod_line *blade;      /* for groups of blades */
 	double *blade_error;
 	struct lod_point *point;
 };
 
-bool lod_build_whole(const struct lod_component *component);     /* wood that goes to one cell as a whole */
-uint32_t lod_build_cell(const struct lod_build *build, struct lod_v3 point);     /* 0 where there are no cells */
+bool lod_build_whole(const struct lod_component *component); /* whether wood goes to one cell as a whole */
+/* 0 without cells. */
+uint32_t lod_build_cell(const struct lod_build *build, struct lod_v3 point);
 struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_group *group, uint32_t anchor, uint8_t flags);
 
-/* Center, area, and for the blades lines, for the others points. Groups must be known. */
+/* Centres, areas, blades' lines, points. Groups must be known. */
 void lod_leaves_measure(struct lod_build *build);
 enum eco_code lod_leaves_order(struct lod_build *build, struct eco_error *error);
 void lod_leaves_represent(struct lod_build *build);

@@ -1,15 +1,15 @@
-/* Wood: lines of the skeleton while it is far, levels of the mesh when near. A plant with cells shows its largest lines until its cells
- * take over, and each cell is complete in itself. */
+/* Wood: lines of the skeleton from afar, levels of the mesh nearby. A plant with cells shows its largest
+ * lines until its cells take over, and each cell is complete in itself. */
 #include <string.h>
 
 #include "lod/build/plant_state.h"
 
 #define FAR_LINES 1024u          /* of the whole plant, the largest */
-#define LEVEL_RADII 0.75         /* mean radii of the tubes by which simplified levels may differ from them */
+#define LEVEL_RADII 0.75         /* mean tube radii by which simplified levels may differ */
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* A line goes where its triangles go: with its component where that is kept whole, else by its middle. */
+/* A line is in the cell of its triangles: its component's if that is kept whole, else that of its middle. */
 static uint32_t cell_of_bone(const struct lod_build *b, const struct lod_bone *bone)
 {
 	const struct lod_mesh *mesh = &b->mesh;
@@ -18,7 +18,8 @@ static uint32_t cell_of_bone(const struct lod_build *b, const struct lod_bone *b
 	return lod_build_cell(b, lod_v3_mix(bone->end[0], bone->end[1], 0.5));
 }
 
-/* Lines of the group in `cell` (ECO_NONE: anywhere), in order; at most `most`, though all count for length, area and error. */
+/* Lines of the group in `cell` (ECO_NONE: anywhere), in order, at most `most`; length, area and error are of
+ * all of them. */
 static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct region *region)
 {
 	uint32_t found = 0;
@@ -53,12 +54,14 @@ static void add_lines(struct lod_build *b, const struct lod_group *group, uint32
 	ladder->total = region.count < found ? found : stored;
 	ladder->length = (float)region.length;
 	ladder->epsilon = (float)region.error;
-	if (ladder->area <= 0)       /* the lines of a cut component may reach into a cell that has none of its triangles */
+	/* The lines of a cut component may reach into a cell without any of its triangles. */
+	if (ladder->area <= 0)
 		ladder->area = (float)region.area;
 	lod_arena_release(&b->arena, mark);
 }
 
-/* Triangles of the group in the cell: of components that lie in it as a whole first, then those of components that cells cut. */
+/* Triangles of the group in the cell: first those of components that lie in it as a whole, then those of cut
+ * components. */
 static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell, struct eco_ladder *ladder)
 {
 	struct lod_arena_piece *mark = b->arena.last;

@@ -1,4 +1,3 @@
-/* Points of plants for summaries: see lod/build/pool.h. */
 #include "lod/build/pool.h"
 
 #include <assert.h>
@@ -13,13 +12,13 @@
 #include "lod/build/tone.h"
 
 #define SEED 0x5EEDu
-#define NAMES (1u << 24)         /* a pixel's colour names what is seen there; 0 is nothing */
+#define NAMES (1u << 24)         /* a pixel's colour names the primitive there; 0: none */
 
 /* ---- Primitives ---- */
 
 struct patch { double weight; uint16_t color; uint8_t organ; };
 
-struct part {                    /* primitives of one list, one after the other in `patches` */
+struct part {                    /* primitives of one list, consecutive in `patches` */
 	uint32_t corners;            /* 1: points, 2: lines, 3: triangles */
 	uint32_t first, count;
 	float unit_area;
@@ -39,7 +38,8 @@ static bool organ_has(const struct lod_plant *plant, uint32_t organ, uint8_t fla
 	return false;
 }
 
-/* The list of a ladder that stands for all of it, and its primitives: ECO_NONE where another ladder does. Wood at its finest level. */
+/* The list that stands for a whole ladder and its primitives, or ECO_NONE if another ladder does. Wood at its
+ * finest level. */
 static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *l, uint32_t *first, uint32_t *end)
 {
 	uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles : l->lines;
@@ -118,7 +118,8 @@ static void free_patches(struct patches *patches)
 
 /* ---- Weights ---- */
 
-/* Areas of primitives become shares of the plant's: an organ's share its area among them, whatever form they have. */
+/* Turns areas of primitives into weights: an organ gets its share of the plant's area, in whatever form it
+ * is. */
 static double balance(struct patches *patches, const struct lod_plant *plant)
 {
 	double sum[ECO_ORGAN_COUNT] = { 0 }, total = 0;
@@ -158,7 +159,8 @@ static void draw_parts(struct lod_raster *raster, const struct patches *patches,
 	}
 }
 
-/* seen[i]: in how many pixels primitive i is nearest, in all views. False where that cannot be found out. */
+/* seen[i]: the number of pixels, over all views, in which primitive i is nearest. False if it cannot be
+ * found. */
 static bool count_seen(const struct patches *patches, uint32_t *seen)
 {
 	struct lod_raster raster;
@@ -195,7 +197,7 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 	return hits > 0;
 }
 
-/* Total of the weights: pixels where they can be seen. */
+/* Total of the weights: pixels if primitives are visible, else area. */
 static double weigh(struct patches *patches, const struct lod_plant *plant)
 {
 	double total = balance(patches, plant), pixels = 0;
@@ -289,7 +291,7 @@ enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant
 		pool->level = level_of(plant);
 		if (total > 0)
 			sample(&patches, total, points, count);
-		else                     /* nothing to take points from: its middle */
+		else                     /* nothing to take points from: the plant's middle */
 			points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1], plant->anchors[0].center[2] },
 				(uint16_t)palette_first };
 		for (uint32_t i = 0; i < pool->count; i++) {

@@ -1,6 +1,7 @@
-/* What a tile's summary takes of a plant: points of equal weight. A summary is drawn where plants are a few pixels wide, and has to look like
- * what is seen of them: a leaf in front counts, the bark behind it does not. So points lie where the plant is seen, by views from all
- * around, each primitive in proportion to the pixels in which it is nearest; in proportion to area where nothing can be seen. */
+/* A plant's contribution to summaries: points of equal weight. A summary is drawn where plants are a few
+ * pixels wide, and has to look like their visible surface: a leaf in front counts, the bark behind it does
+ * not. So points are spread over primitives in proportion to the pixels in which they are nearest, by views
+ * from all around; in proportion to area if nothing is visible. */
 #ifndef LOD_POOL_H
 #define LOD_POOL_H
 
@@ -10,9 +11,9 @@ struct lod_pool {                /* owns its arrays */
 	uint32_t count;              /* >= 1 */
 	float (*position)[3];        /* plant space */
 	uint16_t *color;             /* index into the scene's palette */
-	uint8_t level;               /* of the plant's leaves, as lists of points have it */
+	uint8_t level;               /* of the plant's leaves, as in lists of points */
 };
-/* `palette_first` is where the plant's palette begins in the scene's. In random order. */
+/* Points in random order. `palette_first`: start of the plant's palette in the scene's. */
 enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
 	struct eco_error *error);
 void lod_pool_free(struct lod_pool *pool);

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* Distances of colours, in bytes: below NEAR they are shades of one, beyond CLEAR nobody would mix them up. Greens of one plant lie within
- * 40, white petals 90 from their leaves, red ones 140. */
+/* Distances of colours in bytes: below NEAR they are shades of one colour, beyond CLEAR they are clearly
+ * different (lod/EXPERIMENTS.md, Colours that stand out). */
 #define NEAR 50.0
 #define CLEAR 100.0
 
@@ -20,7 +20,7 @@ void lod_salience_add(struct lod_salience *plant, const uint8_t rgb[3], double a
 	lod_tone_add(&plant->bins[(rgb[0] >> 4) << 8 | (rgb[1] >> 4) << 4 | rgb[2] >> 4], rgb, area);
 }
 
-/* Brightness, and red and blue against it. */
+/* Brightness, and red and blue relative to it. */
 static void opponents(const struct lod_tone *tone, double out[3])
 {
 	const double r = tone->rgb[0] / tone->area, g = tone->rgb[1] / tone->area, b = tone->rgb[2] / tone->area;

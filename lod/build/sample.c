@@ -5,7 +5,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define LATTICE 24               /* steps a side of the lattice that looks for what is opaque */
+#define LATTICE 24               /* steps a side of the lattice that searches opaque texels */
 
 static double area_of(const struct lod_sample_input *in)
 {
@@ -26,7 +26,8 @@ static const uint8_t *texel(const struct lod_sample_input *in, const double w[3]
 	return lod_texel_at(in->texels->image, at[0], at[1]);
 }
 
-/* Mean barycentric coordinates of what is opaque on an even lattice; the share of it, and its last texel. */
+/* Mean barycentric coordinates of opaque points on an even lattice; returns their share, and their last texel
+ * in *seen. */
 static double opaque_middle(const struct lod_sample_input *in, double middle[3], const uint8_t **seen)
 {
 	uint32_t hits = 0, all = 0;
@@ -59,7 +60,7 @@ void lod_sample_triangle(const struct lod_sample_input *in, struct lod_sample *s
 		double share = lod_texels_mean(in->texels, in->tint, in->uv, sample->rgb);
 		if (in->texels->cutout)
 			found = opaque_middle(in, middle, &seen);
-		if (share <= 0 && seen)      /* thinner than what is sampled for the mean */
+		if (share <= 0 && seen)      /* thinner than the rows that the mean samples */
 			lod_texel_tint(seen, in->tint, sample->rgb);
 		sample->area *= share > 0 ? share : found;
 	}

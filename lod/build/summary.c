@@ -1,4 +1,3 @@
-/* Summaries: pools of points of plants, sequences of points of tiles, and how many of each a parent takes. */
 #include "lod/build/summary.h"
 
 #include <assert.h>
@@ -10,7 +9,8 @@
 #include "ecofiles/base/room.h"
 #include "lod/eye.h"
 
-#define GOLDEN 0.61803398874989484820    /* turns of it fill [0,1) evenly, however many are taken */
+#define GOLDEN 0.61803398874989484820    /* multiples of it, modulo 1, fill [0, 1) evenly for any number of
+                                          * them */
 
 double lod_power_below(double v)
 {
@@ -40,8 +40,8 @@ struct drawing {
 	const struct lod_summary_input *input;
 	struct lod_summary *out;
 	struct visit *stack;         uint32_t depth, capacity;
-	double *reach;               uint32_t reach_capacity;        /* summed areas of the places of a leaf */
-	uint64_t levels, leveled;    /* of points whose plants' leaves are known: sum of codes, and how many */
+	double *reach;               uint32_t reach_capacity; /* summed areas of the places of a leaf */
+	uint64_t levels, leveled;    /* of points whose plants have a level: sum of codes, and number */
 };
 
 uint32_t lod_summary_count(const struct eco_tile *tile)
@@ -58,7 +58,7 @@ static bool push(struct drawing *d, const struct visit *visit)
 	return true;
 }
 
-/* What a tile holds, not where it stands in the table, decides which points it takes: other tiles may come and go. */
+/* A seed from a tile's contents, not from its index in the table: other tiles may come and go. */
 static uint64_t name_of(const struct eco_tile *tile)
 {
 	uint64_t bits;
@@ -66,7 +66,8 @@ static uint64_t name_of(const struct eco_tile *tile)
 	return eco_mix(bits, tile->instance_count);
 }
 
-/* Areas of the tile's own plants, summed: d->reach[i] ends the i-th place's share. Returns their number, ECO_NONE without memory. */
+/* Areas of the tile's own plants, summed: d->reach[i] ends the share of place i. Returns their number;
+ * ECO_NONE without memory. */
 static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 {
 	const struct eco_scene *scene = d->input->scene;
@@ -139,7 +140,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t tile, uint32_t child)
 {
 	const struct eco_child *c = &scene->children[child];
-	/* an eco file's coordinates in its parent's: the arithmetic of an instance, whose grid is metres */
+	/* an eco file's coordinates in its parent's: the arithmetic of an instance with a grid in metres */
 	struct lod_place place = { 0 };
 	const struct eco_list metres = { .grid_origin = { c->at[0], c->at[1], c->at[2] } };
 	const struct eco_place here = { .scale = 65536 };
@@ -148,7 +149,7 @@ static struct eco_placement placed_child(const struct eco_placement *outer, cons
 		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_step(scene, tile, child) };
 }
 
-/* The first `count` points of a nested eco file's summary, or all. */
+/* The first `count` points of a nested eco file's summary, or all of them. */
 static void take_points(struct drawing *d, const struct visit *visit, const struct lod_summary_root *root)
 {
 	const struct eco_list *list = &root->list, whole = { .grid_origin = { 0 } };
@@ -176,8 +177,8 @@ static uint32_t given_until(double sum, double total, uint32_t count, double sta
 	return until >= count ? count : (uint32_t)until;
 }
 
-/* Shares out the visit's points by area: to the tile's own plants, then child by child, rounding the running sum so that the
- * shares add up. */
+/* Divides the visit's points by area among the tile's own plants and its children, rounding the running sum
+ * so that the shares add up. */
 static bool share_out(struct drawing *d, const struct visit *visit)
 {
 	const struct eco_scene *scene = d->input->scene;
@@ -192,7 +193,8 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	}
 	if (!(total > 0))
 		return true;
-	/* the sums are added in one order, so the last is exactly `total`; a start inside a step treats no child better than another */
+	/* the sums are added in one order, so the last is exactly `total`; a random start within a step
+	 * favours no child */
 	double start = tile->child_count ? eco_mix_unit(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
 	given = given_until(own, total, visit->count, start);
 	if (given)

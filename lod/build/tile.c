@@ -1,6 +1,7 @@
-/* Quadtree, top down: each tile sorts its items into quarters and goes on with those that are not empty. A tile whose items all lie
- * in one quarter is not kept: it would be a node with one child. A tile whose southern and northern half can be leaves is cut into these
- * two: so leaves of an even forest are half full, and a plant costs the same wherever their number lies between two powers of four. */
+/* Quadtree, top down: a tile sorts its items into quarters and recurses into those that are not empty. A tile
+ * with all items in one quarter is skipped, as it would have a single child. If the southern and the northern
+ * half can each be a leaf, the tile is cut into these two: leaves of an even forest are then at least half
+ * full, and a plant costs the same wherever their number lies between two powers of four. */
 #include "lod/build/tile.h"
 
 #include <assert.h>
@@ -12,7 +13,7 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/room.h"
 
-#define DEPTH_MAX 60             /* halvings: beyond it a double's positions no longer part */
+#define DEPTH_MAX 60             /* halvings: beyond it doubles do not separate positions */
 
 struct square { double x, y, side; };        /* south-west corner */
 
@@ -48,7 +49,7 @@ static uint32_t quarter_of(const struct lod_tile_item *item, double x, double y)
 	return (item->at[0] >= x ? 1 : 0) + (item->at[1] >= y ? 2 : 0);
 }
 
-/* Sorts the range by quarter, keeping the order inside each; ends[q] is where quarter q ends. */
+/* Sorts the range by quarter, stable; ends[q] is the end of quarter q. */
 static void part(struct build *b, uint32_t first, uint32_t count, double x, double y, uint32_t ends[4])
 {
 	uint32_t *order = b->tiles->order + first, starts[4] = { 0 }, sizes[4] = { 0 };
@@ -133,7 +134,7 @@ static bool few(const struct build *b, uint32_t first, uint32_t count)
 static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct square square, int depth)
 {
 	uint32_t ends[4];
-	/* squares with all items in one quarter are passed through */
+	/* skip squares with all items in one quarter */
 	for (;; depth++) {
 		if (few(b, first, count) || depth >= DEPTH_MAX) {
 			uint32_t leaf = add_node(b, first, count);
@@ -153,7 +154,7 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 			break;
 		square = (struct square){ square.x + (only & 1 ? half : 0), square.y + (only & 2 ? half : 0), half };
 	}
-	/* where two halves do, quarters would be lists half as long, and twice as many */
+	/* quarters instead of halves would be twice as many lists, half as long */
 	bool halves = few(b, first, ends[1] - first) && few(b, ends[1], first + count - ends[1]);
 	if (halves) {
 		ends[0] = ends[1];

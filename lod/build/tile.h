@@ -1,11 +1,12 @@
-/* Quadtree over what stands in an eco file: square tiles, split until few enough things stand in each (Deussen 2002, 6.2); a square's halves
- * where these are few enough.
+/* A quadtree over the contents of an eco file: square tiles, split until each holds few enough items (Deussen
+ * 2002, 6.2); a square is split into two halves if these are few enough.
  *
  *   lod_tiles_build(&tiles, items, count, 128, &error);
- *   for each node, parents first: bounds, children; a leaf's items, plant by plant, each plant's in Morton order
+ *   for each node, parents first: bounds, children; a leaf's items, by plant, each plant's in Morton order
  *   lod_tiles_free(&tiles);
  *
- * A thing belongs to the tile that its foot stands in; bounds hold whole bodies, so those of neighbours overlap a little. */
+ * An item belongs to the tile that contains its foot; bounds hold whole bodies, so those of neighbours
+ * overlap a little. */
 #ifndef LOD_TILE_H
 #define LOD_TILE_H
 
@@ -15,31 +16,32 @@
 
 struct lod_tile_item {
 	double at[3];
-	double reach, below, above;  /* body: within `reach` of the vertical through `at`, z from at - below to at + above */
-	uint32_t plant;              /* ECO_NONE: something else, such as a nested eco file */
-	uint32_t index;              /* the caller's; left alone */
-	uint32_t weight;             /* counts as so many things; 0: as one */
+	double reach, below, above;  /* body: within `reach` of the vertical through `at`, z from at - below
+	                              * to at + above */
+	uint32_t plant;              /* ECO_NONE: not a plant, such as a nested eco file */
+	uint32_t index;              /* the caller's, unused */
+	uint32_t weight;             /* counts as so many items; 0: as one */
 };
 
 struct lod_tile_node {
-	double low[3], high[3];      /* of the bodies of all its items */
-	uint32_t item_first, item_count;         /* in lod_tiles.order; a parent's are those of its children */
+	double low[3], high[3];      /* of the bodies of its items */
+	uint32_t item_first, item_count;         /* in lod_tiles.order; a parent has those of its children */
 	uint32_t child[4], child_count;          /* nodes; 0: a leaf */
 };
 
 struct lod_tiles {               /* owns its arrays */
-	struct lod_tile_node *nodes; /* depth first, [0] is the root */
+	struct lod_tile_node *nodes; /* depth first; [0] is the root */
 	uint32_t node_count;
 	uint32_t *order;             /* indices into items */
 };
 
-/* `most` >= 1. Leaves hold at most so many items, each by its weight, but for single items and items at one place. Deterministic; positions
- * must be finite. Without items there is one empty leaf at the origin. */
+/* `most` >= 1. A leaf holds items of total weight `most`, except a single item and items at one place.
+ * Deterministic; positions must be finite. Without items there is one empty leaf at the origin. */
 enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
 	struct eco_error *error);
 void lod_tiles_free(struct lod_tiles *tiles);
 
-/* Bits of two coordinates in turn, x lowest. */
+/* Interleaves the bits of two coordinates, x lowest. */
 uint64_t lod_morton(uint32_t x, uint32_t y);
 
 #endif

@@ -9,13 +9,16 @@
 #include "lod/raster/raster.h"
 
 #define VIEWS LOD_TONE_VIEWS
-#define PIXELS LOD_TONE_PIXELS   /* of a side: about as many hits in all as a large crown has leaves */
+#define PIXELS LOD_TONE_PIXELS   /* of a side: in all about as many hits as a large crown has leaves */
 #define AWAY LOD_TONE_AWAY
 #define BATCH 4096u
-#define FIRST_BLOCK 8u           /* each of so many stands for the whole plant, and the more there are, the more for its own part of it */
-#define LEAST_RATIO 0.25         /* what a block's colours are changed by at most, as a factor of light, and 1 over it */
+/* Each of the first FIRST_BLOCK points stands for the whole plant; a later one the more for its own part of
+ * it. */
+#define FIRST_BLOCK 8u
+/* A block's light changes at least by this factor, at most by its inverse. */
+#define LEAST_RATIO 0.25
 
-/* ---- What is seen ---- */
+/* ---- Visibility ---- */
 
 void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius)
 {
@@ -41,7 +44,7 @@ static double sphere(const struct lod_mesh *mesh, double center[3])
 	return far > 0 ? sqrt(far) : 1;
 }
 
-/* Colours of triangles name their elements: number + 1, 0 for what is none. */
+/* The colour of a triangle is the number + 1 of its element, 0 for none. */
 static void draw_named(struct lod_raster *raster, const struct lod_mesh *mesh, const uint8_t (*names)[3])
 {
 	float position[9 * BATCH];
@@ -99,7 +102,7 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 	lod_arena_release(arena, mark);
 }
 
-/* ---- Level tones ---- */
+/* ---- Levelling tones ---- */
 
 struct colors { uint8_t rgb[LOD_TONE_COLORS][3]; uint32_t count; bool all; };
 
@@ -135,10 +138,10 @@ static const uint8_t *nearest(const struct colors *colors, const double light[3]
 	return colors->rgb[best];
 }
 
-/* What a block's colours become: multiplied by `ratio`, and `own` of that with the rest of what is seen of the whole. */
+/* The change of a block's colours: multiplied by `ratio`, then mixed with `whole` by 1 - own. */
 struct change { double ratio[3], whole[3], own; };
 
-/* Of given colours the nearest, and what it lacks is owed to the next. */
+/* With given colours the nearest is taken, and the rest of the error carries over to the next element. */
 static void apply(const struct change *change, uint8_t (*rgb)[3], const double *area, uint32_t count, const struct colors *colors, double owed[3])
 {
 	for (uint32_t i = 0; i < count; i++) {
@@ -161,7 +164,8 @@ static void apply(const struct change *change, uint8_t (*rgb)[3], const double *
 	}
 }
 
-/* Where few are drawn, all of them are seen; where all are, only what nothing hides. */
+/* If few are drawn all of them are visible, if all are drawn only the unhidden ones: so blocks weigh by area,
+ * then by pixels. */
 void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count)
 {
 	struct lod_light whole = { { 0, 0, 0 }, 0 };

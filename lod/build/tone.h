@@ -1,7 +1,8 @@
-/* Tones of an order's beginnings. A far plant is drawn by the first few of its leaves, made larger, and these have to look like all that is
- * seen of it. Orders do not look at colours, but what they put first, leaves inside the crown for instance, often has a colour of its own:
- * then a far forest is darker than a near one. So the points that stand for leaves get colours whose means, octave by octave of the order,
- * are the mean of what is seen of the whole plant.
+/* Tones: colours for the beginnings of orders. A far plant is drawn by the first few of its leaves, enlarged,
+ * and these have to look like all of its visible surface. Orders ignore colours, but their first leaves
+ * (inside the crown for instance) often have a colour of their own: a far forest would be darker than a near
+ * one. So the points that stand for leaves get colours whose means, octave by octave of the order, are the
+ * mean of the visible surface.
  *
  *   lod_tone_seen(seen, &input, &arena);               pixels of each element, by views from all around
  *   lod_tone_level(rgb, area, seen, count);            colours of one list, in its order
@@ -15,21 +16,23 @@
 
 struct lod_tone_input {
 	const struct lod_mesh *mesh;
-	const struct lod_elements *elements;     /* what belongs to none of them hides, and counts for nothing */
+	const struct lod_elements *elements;     /* other triangles hide, and count for nothing */
 };
 
-/* seen[i]: in how many pixels element i is nearest. What textures cut out counts as there. All 1 where it cannot be found out: no memory, or more
- * elements than a pixel can name. */
+/* seen[i]: the number of pixels in which element i is nearest, cut-outs taken as whole. All 1 if it cannot be
+ * found: no memory, or more elements than a pixel can name. */
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena);
 
-/* A view of LOD_TONE_PIXELS squared of a sphere from afar; `from`: a unit vector towards the eye, as lod_directions_spread makes them. */
+/* A view of LOD_TONE_PIXELS squared of a sphere from afar; `from`: a unit vector towards the eye
+ * (lod_directions_spread). */
 #define LOD_TONE_VIEWS 8u
 #define LOD_TONE_PIXELS 160u
 #define LOD_TONE_AWAY 16.0       /* radii */
 void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius);
 
-/* rgb[0..count) in an order; area: of each, at least 0. Where all have at most LOD_TONE_COLORS colours, the results are among them (which is
- * which is changed by as little as the means ask for), so that a plant's palette stays as it is. */
+/* rgb[0..count) in an order; area: of each, at least 0. If there are at most LOD_TONE_COLORS colours the
+ * results are among them (assigned with as few changes as the means allow), so that the plant's palette
+ * stays. */
 #define LOD_TONE_COLORS 32u
 void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count);
 

@@ -8,11 +8,12 @@
 
 #define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
 #define FRAGMENTS_PER_TRIANGLE 8.0
-#define RING_RADII 4.0           /* how far a ring of border may reach from its centre */
-#define FOOT 0.03                /* of a component's height: the foot of a closed trunk, */
-#define FOOT_WIDTH 0.2           /* and how far across */
-#define STUB 0.75                /* of a ring's diameter, or a mean radius: what is shorter at an end is part of the line before it */
-#define TIP_DEPTH 0.2            /* of a slab: what counts as a piece's end */
+#define RING_RADII 4.0           /* largest distance of a ring of border from its centre */
+#define FOOT 0.03                /* of a component's height: height of a closed trunk's foot */
+#define FOOT_WIDTH 0.2           /* of the same: radius of that foot */
+/* Of a ring's diameter, or a mean radius: a shorter bone at an end is part of the line before it. */
+#define STUB 0.75
+#define TIP_DEPTH 0.2            /* of a slab: the extent of a piece's end */
 
 /* ---- Distance along the surface ---- */
 
@@ -58,7 +59,7 @@ static void heap_set(struct heap *h, uint32_t v)
 	heap_up(h, h->at[v]);
 }
 
-/* Rings of border: where a tube ends open. Slits and rims that are wider than a few radii are no rings. */
+/* Rings of border: the open ends of tubes. Slits and rims wider than a few radii are no rings. */
 static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 {
 	uint32_t n = tube->vertex_count;
@@ -89,7 +90,7 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 		uint32_t r = eco_union_root(tube->ring, v);
 		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], lod_tube_place(tube, v)) > RING_RADII * tube->component->radius;
 	}
-	for (uint32_t v = 0; v < n; v++)             /* flat: a root's own entry is read before it may become none */
+	for (uint32_t v = 0; v < n; v++) /* flat: a root's own entry is read before it may become ECO_NONE */
 		size[v] = border[v] && !wide[eco_union_root(tube->ring, v)] ? eco_union_root(tube->ring, v) : ECO_NONE;
 	memcpy(tube->ring, size, n * sizeof *size);
 	lod_arena_release(arena, mark);
@@ -112,7 +113,7 @@ static void start_spread(struct spread *s, const struct lod_tube *tube, struct l
 		s->around[s->first[tube->corner[i] + 1]++] = i;
 }
 
-/* Distances along edges from all sources. */
+/* Distances along edges from all sources (Dijkstra). */
 static void spread(struct lod_tube *tube, struct spread *s)
 {
 	for (uint32_t v = 0; v < tube->vertex_count; v++) {
@@ -136,8 +137,9 @@ static void spread(struct lod_tube *tube, struct spread *s)
 	}
 }
 
-/* Tubes start with a ring, not with a corner: with all of the ring of border that `vertex` is on, or else, as the foot of a closed
- * trunk, with what hangs together with it and is not higher than FOOT times `height` above it, nor farther than FOOT_WIDTH times. */
+/* The sources of distances: a tube starts with a ring, not with a corner. They are all of the ring of border
+ * with `vertex`, or else the foot of a closed trunk: vertices connected to it, at most FOOT times `height`
+ * above it and within FOOT_WIDTH times `height` of it. */
 static void set_sources(const struct lod_tube *tube, struct spread *s, uint32_t vertex, double height)
 {
 	struct lod_v3 foot = lod_tube_place(tube, vertex);
@@ -160,7 +162,7 @@ static void set_sources(const struct lod_tube *tube, struct spread *s, uint32_t 
 	}
 }
 
-/* Distances from the lowest vertex, or else from what is farthest from that. */
+/* Distances from the lowest vertex, or from the vertex farthest from that. */
 static void find_distances(struct lod_tube *tube, bool from_farthest, struct lod_arena *arena)
 {
 	uint32_t start = 0, farthest = 0;
@@ -183,7 +185,8 @@ static void find_distances(struct lod_tube *tube, bool from_farthest, struct lod
 	tube->closed_start = tube->ring[start] == ECO_NONE;
 }
 
-/* Levels in slabs instead of metres; slabs as thick as a few radii, thicker where triangles would fall into too many pieces. */
+/* Levels in slabs instead of metres: a slab is a few radii thick, or thicker if triangles would be cut into
+ * too many pieces. */
 static void scale_levels(struct lod_tube *tube)
 {
 	double spans = 0, thick = SLAB_RADII * tube->component->radius;
@@ -228,7 +231,7 @@ static uint32_t piece_of(struct lod_tube *tube, uint32_t f)
 	return eco_union_root(tube->parent, f);
 }
 
-/* Area of a triangle below a level; levels ascending. */
+/* Area of a triangle below a level; levels s ascend. */
 static double area_below(const double s[3], double area, double at)
 {
 	if (at <= s[0])
@@ -289,7 +292,8 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 			by[3 * t + k] = (struct lod_keyed){ a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a, t };
 		}
 	}
-	/* Fragments of one slab that meet along an edge are one piece; the edge is common to all its triangles, two or more. */
+	/* Fragments of one slab that meet along an edge are one piece; an edge may have two or more
+	 * triangles. */
 	lod_sort(arena, by, 3 * tube->triangle_count);
 	for (uint32_t i = 1; i < 3 * tube->triangle_count; i++) {
 		if (by[i].key != by[i - 1].key)
@@ -311,7 +315,7 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 
 struct crossing { struct lod_v3 middle; double length; uint32_t slab; bool open; };
 
-/* Where level s crosses edge k of t. */
+/* The point at which level s crosses edge k of t. */
 static bool cross_edge(const struct lod_tube *tube, uint32_t t, uint32_t k, uint32_t s, struct lod_v3 *at)
 {
 	uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3];
@@ -371,8 +375,8 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 	}
 }
 
-/* Does the surface part in two within the first slabs? Then the start is in the middle of a tube that hangs with both ends up, not at
- * an end. */
+/* Whether the surface divides in the first slabs. Then the start is not an end but the middle of a tube that
+ * hangs with both ends up. */
 static bool starts_in_the_middle(const struct lod_tube *tube)
 {
 	for (uint32_t i = 1; i < tube->joint_count; i++)     /* sorted by the piece below */
@@ -394,7 +398,7 @@ static void add_to_tip(const struct lod_tube *tube, struct tip *tip, uint32_t v)
 	tip->count++;
 }
 
-/* Ends of pieces: the mean of their highest vertices, or of their lowest; the ring's centre where they are an open end. */
+/* Ends of pieces: the mean of their highest or lowest vertices, or the ring's centre at an open end. */
 static struct tip *find_tips(struct lod_tube *tube, int sign, struct lod_arena *arena)
 {
 	struct tip *tips = lod_arena_take(arena, tube->offset[tube->triangle_count], sizeof *tips);
@@ -403,7 +407,7 @@ static struct tip *find_tips(struct lod_tube *tube, int sign, struct lod_arena *
 			for (uint32_t k = 0; k < 3; k++) {
 				uint32_t v = tube->corner[3 * t + k];
 				struct tip *tip = &tips[piece_of(tube, fragment(tube, t, slab(tube, v)))];
-				double level = sign * (tube->level[v] - slab(tube, v)) + 1;      /* in (0, 2) */
+				double level = sign * (tube->level[v] - slab(tube, v)) + 1; /* in (0, 2) */
 				if (pass == 0)
 					tip->level = fmax(tip->level, level);
 				else if (level > tip->level - TIP_DEPTH)
@@ -431,7 +435,8 @@ static void add_bone(struct lod_tube *tube, uint32_t a, uint32_t b, uint32_t pie
 	}
 }
 
-/* The bones of one piece, whose joints are by[first .. end): from the widest ring below, or else the bottom, to all others. */
+/* The bones of one piece, whose joints are by[first .. end): from the widest ring below (else the bottom) to
+ * all others. */
 static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_keyed *by, uint32_t first, uint32_t end,
 	const struct tip *tops, const struct tip *bottoms)
 {
@@ -451,7 +456,7 @@ static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_k
 			add_bone(tube, root, by[i].value, piece);
 	if (!above && root != ECO_NONE && tops[piece].count)
 		add_bone(tube, root, add_end(tube, piece, &tops[piece], true), piece);
-	/* Each bone gets area by its length and its rings. */
+	/* Bones share the area by their lengths and rings. */
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t b = start; b < tube->bone_count; b++) {
 			const struct lod_joint *from = &tube->joints[tube->bones[b].joint[0]], *to = &tube->joints[tube->bones[b].joint[1]];
@@ -490,7 +495,7 @@ static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone
 	return lod_v3_distance(tube->joints[bone->joint[0]].place, tube->joints[bone->joint[1]].place);
 }
 
-/* Degrees and bones of joints, without the bones that were merged. */
+/* Degrees and bones of joints, without the merged bones. */
 static void link_joints(struct lod_tube *tube)
 {
 	for (uint32_t j = 0; j < tube->joint_count; j++)
@@ -504,7 +509,7 @@ static void link_joints(struct lod_tube *tube)
 		}
 }
 
-/* A bone that ends in nothing and is shorter than it is wide: the inner joint, or ECO_NONE. */
+/* A spur: a bone with a free end that is shorter than wide. Returns its inner joint, or ECO_NONE. */
 static uint32_t spur_at(const struct lod_tube *tube, uint32_t b, int k)
 {
 	const struct lod_raw_bone *bone = &tube->bones[b];
@@ -519,7 +524,7 @@ static void merge(struct lod_tube *tube, uint32_t spur, uint32_t into)
 	tube->bones[spur].merged = into;
 }
 
-/* At a fork a spur is a bump of the surface: it goes, and the longest bone there gets its area. */
+/* A spur at a fork is a bump of the surface: it is dropped, and the longest bone there gets its area. */
 static void drop_bumps(struct lod_tube *tube)
 {
 	for (uint32_t j = 0; j < tube->joint_count; j++)
@@ -540,8 +545,8 @@ static void drop_bumps(struct lod_tube *tube)
 		}
 }
 
-/* Rings tilt where a tube bends, since its inner side is shorter, and that leaves a spur at its end: the bone before it takes over its
- * area, and reaches as far along its own axis. */
+/* Rings tilt where a tube bends, since its inner side is shorter, which leaves a spur at its end. The bone
+ * before it takes over its area and reaches as far along its own axis. */
 static void drop_ends(struct lod_tube *tube)
 {
 	for (uint32_t b = 0; b < tube->bone_count; b++)

@@ -1,5 +1,6 @@
-/* One component of wood on the way to lines: its surface cut into slabs along the distance from one end, the joints between slabs, and
- * a bone through each slab from joint to joint (bone.h says why). Private to tube.c and bone.c. */
+/* One component of wood on the way to lines: its surface is cut into slabs along the distance from one end,
+ * joints lie between slabs, and a bone leads through each slab from joint to joint (bone.h has the method).
+ * Private to tube.c and bone.c. */
 #ifndef LOD_TUBE_H
 #define LOD_TUBE_H
 
@@ -14,11 +15,12 @@ struct lod_tube {
 	uint32_t *global;            /* vertex -> of the mesh */
 	uint32_t *corner;            /* 3 per triangle */
 	const uint32_t *member;      /* triangle -> of the mesh */
-	uint32_t *ring;              /* per vertex: the ring of border that it is on, or ECO_NONE */
+	uint32_t *ring;              /* per vertex: the ring of border that contains it, or ECO_NONE */
 	struct lod_v3 *ring_center;  /* per ring */
 	double *level;               /* per vertex: distance from the lower end in slabs */
-	uint32_t *offset;            /* per triangle: its fragments are offset[t] .. offset[t + 1), one for each slab it reaches into */
-	uint32_t *parent;            /* per fragment: union-find, the roots are slab pieces */
+	uint32_t *offset;            /* per triangle: fragments offset[t] .. offset[t + 1), one for each slab
+	                              * it reaches into */
+	uint32_t *parent;            /* per fragment: union-find; the roots are pieces of slabs */
 	double *area;                /* per fragment, summed into roots */
 	bool closed_start;           /* distances do not start from a ring of border */
 	uint32_t joint_count, bone_count;
@@ -28,16 +30,16 @@ struct lod_tube {
 
 struct lod_joint {
 	struct lod_v3 place;
-	double ring, open;           /* length of the ring (0 at an end), and whether it is a strip's (open) */
+	double ring, open; /* length of the ring (0 at an end); greater than 0 if it is a strip's (open) */
 	uint32_t piece[2];           /* below and above; ECO_NONE beyond an end */
 	uint32_t slab;               /* of the piece above */
 	bool fixed;                  /* the centre of an open end */
-	uint32_t degree, bone[2];    /* of the first two bones */
+	uint32_t degree, bone[2];    /* number of bones; the first two */
 	uint32_t longest;            /* bone */
 };
 
 struct lod_raw_bone {
-	uint32_t joint[2], piece, line;      /* line: which of the final lines it went into */
+	uint32_t joint[2], piece, line;      /* line: the final line that contains it */
 	uint32_t merged;             /* into this bone, or ECO_NONE */
 	double area;
 };
@@ -47,11 +49,12 @@ static inline struct lod_v3 lod_tube_place(const struct lod_tube *tube, uint32_t
 	return lod_v3_of(tube->mesh->place + 3 * (size_t)tube->global[v]);
 }
 
-/* Component c as a graph of joints and bones. `local` holds one entry per vertex of the mesh, of any value. All arrays from `arena`. */
+/* Component c as a graph of joints and bones. `local` has one entry per vertex of the mesh, of any value. All
+ * arrays are from `arena`. */
 void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
 	struct lod_arena *arena);
 
-/* The slab piece that vertex k of triangle t is in: less than offset[triangle_count]. */
+/* The piece of a slab that contains vertex k of triangle t: less than offset[triangle_count]. */
 uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k);
 
 #endif

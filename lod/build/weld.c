@@ -1,5 +1,5 @@
-/* Welding hashes positions into cells of a few tolerances; a vertex joins the first earlier vertex within the tolerance in the (up
- * to eight) cells that its own ball of that radius touches. */
+/* Positions are hashed into cells of a few tolerances. A vertex joins the first earlier vertex within the
+ * tolerance, in the up to eight cells that its ball of that radius touches. */
 #include "lod/build/weld.h"
 
 #include <assert.h>
@@ -14,11 +14,12 @@
 #include "lod/vector.h"
 
 #define TOLERANCE 1e-6           /* of the largest extent */
-#define UV_MOST (1 << 26)        /* beyond it texture coordinates are noise: taken as 0 */
-#define COORDINATE_MOST 1e8f     /* m: what is farther off is not of a plant, and its squares would leave the range of floats */
+#define UV_MOST (1 << 26)        /* beyond it texture coordinates are noise, taken as 0 */
+/* Metres: a vertex farther off is no part of a plant, and its square would leave the range of floats. */
+#define COORDINATE_MOST 1e8f
 #define KINDS_OF_RULE (ECO_ORGAN_COUNT + 1u)
 
-/* ---- What can be used at all ---- */
+/* ---- Usable triangles ---- */
 
 static bool in_range(float v) { return isfinite(v) && fabsf(v) <= COORDINATE_MOST; }
 
@@ -86,7 +87,7 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 struct welder {
 	double cell, tolerance;
 	const double *low;
-	uint32_t *table, mask;       /* head of the chain of welded vertices of a cell's hash */
+	uint32_t *table, mask;       /* head of the chain of welded vertices in a cell's hash */
 	uint32_t *next;
 };
 
@@ -174,7 +175,7 @@ static bool no_area_on_grid(const struct lod_mesh *mesh, const uint32_t *v)
 	return u[1] * w[2] == u[2] * w[1] && u[2] * w[0] == u[0] * w[2] && u[0] * w[1] == u[1] * w[0];
 }
 
-/* Corner order that puts the vertices in ascending order. */
+/* The order of corners in which the vertices ascend. */
 static void ascending(const uint32_t *v, int order[3])
 {
 	order[0] = v[0] < v[1] ? (v[0] < v[2] ? 0 : 2) : (v[1] < v[2] ? 1 : 2);
@@ -182,7 +183,8 @@ static void ascending(const uint32_t *v, int order[3])
 	order[1] = 3 - order[0] - order[2];
 }
 
-/* The same three corners, material and texture: the second one covers nothing that the first does not. */
+/* The same three corners, material and texture: the second triangle covers nothing that the first does
+ * not. */
 static bool same(const struct lod_mesh *mesh, uint32_t s, uint32_t t)
 {
 	const uint32_t *a = mesh->index + 3 * (size_t)s, *b = mesh->index + 3 * (size_t)t;
@@ -306,7 +308,7 @@ void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-/* Vertex v's triangles are around[first[v] .. first[v+1]). */
+/* Triangles around vertices: those of vertex v are around[first[v] .. first[v+1]). */
 static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, struct lod_arena *arena)
 {
 	size_t corners = 3 * (size_t)mesh->triangle_count;
@@ -326,7 +328,7 @@ static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t mat
 {
 	uint32_t *first, *around = list_around(mesh, &first, arena);
 	size_t kinds = ((size_t)material_count + 1) * KINDS_OF_RULE;
-	uint32_t *seen = lod_arena_take(arena, kinds, sizeof *seen);     /* at vertex + 1, by material and rule */
+	uint32_t *seen = lod_arena_take(arena, kinds, sizeof *seen); /* vertex + 1, by material and rule */
 	uint32_t *mate = lod_arena_take(arena, kinds, sizeof *mate);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		parent[t] = t;
@@ -376,7 +378,7 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 	assert(bits >= 1 && bits <= LOD_WELD_BITS_MAX);
 	*mesh = (struct lod_mesh){ 0 };
 	double extent = take_triangles(mesh, model, arena);
-	if (!(extent > 0)) {         /* nothing, or all in one point */
+	if (!(extent > 0)) {         /* no triangle, or all in one point */
 		mesh->dropped[ECO_DROP_DEGENERATE] += mesh->triangle_count;
 		mesh->triangle_count = 0;
 		extent = 1;
