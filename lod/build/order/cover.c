@@ -7,16 +7,16 @@
 #include "lod/heap.h"
 #include "lod/sort.h"
 
-#define RUN_BITS 6u              /* of a run: its length, over the place of its first pixel */
+#define RUN_BITS 6u              /* of a run: its length, below the place of its first pixel */
 #define RUN_LONGEST ((1u << RUN_BITS) - 1)
 #define LEVELS 4                 /* a pixel counts until so many leaves cover it */
-#define LEVEL_SHIFT 3            /* each time an eighth of what it counted before */
+#define LEVEL_SHIFT 3            /* each time an eighth of its value before */
 #define BOUND_STEPS 150u         /* of the method of subgradients */
 #define BOUND_STRIDE 0.3
 
-/* Which pixels of all pictures each element covers on its own, as runs along rows. */
+/* The pixels of all pictures that each element covers on its own, as runs along rows. */
 struct footprints {
-	uint64_t *first;             /* per element, and one more: its runs */
+	uint64_t *first;             /* per element, and one more: its first run */
 	uint32_t *run;
 	uint64_t count, capacity;
 };
@@ -25,12 +25,14 @@ struct cover {
 	const struct lod_foliage *foliage;
 	const struct lod_sights *sights;
 	uint32_t row_words;
-	uint64_t *covered[LEVELS];   /* masks of all pictures in a row: at least so many elements, or wood */
+	/* Masks of all pictures, consecutive: covered by at least so many elements, or by wood. */
+	uint64_t *covered[LEVELS];
 	struct footprints prints;
 	struct lod_arena *arena;
 };
 
-/* ---- Footprints: pixel centres inside triangles. Nothing here is compared with other pictures, so no sub-pixel grid is needed. ---- */
+/* ---- Footprints: pixel centres inside triangles, without a sub-pixel grid, as no other picture is compared
+ * ---- */
 
 static void add_run(struct footprints *f, struct lod_arena *arena, uint32_t at, uint32_t length)
 {
@@ -71,7 +73,7 @@ static bool opaque(const struct eco_image *image, double u, double v)
 	return image->rgba[4 * ((size_t)y * image->width + x) + 3] >= 128;
 }
 
-/* Where the row at height y crosses the triangle, or an empty span. */
+/* The interval in which the row at height y crosses the triangle; empty if it does not. */
 static void span(const struct corner *c, double y, double *from, double *to)
 {
 	*from = INFINITY;
@@ -197,7 +199,7 @@ static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod
 	lod_heap_make(heap, count);
 	for (uint32_t left = count, picked = 0; left;) {
 		struct lod_heap_item best = { (double)gain(cover, heap[0].id), heap[0].id };
-		if (best.key != heap[0].key) {                         /* it gained more when it was looked at last */
+		if (best.key != heap[0].key) {                         /* a stale key: its gain has fallen */
 			heap[0] = best;
 			lod_heap_sift(heap, left, 0);
 			continue;
@@ -246,13 +248,13 @@ enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage
 
 /* ---- Bound ---- */
 
-/* A pixel is worth 1 to whoever covers it first. Let it be worth 1 - m however it comes out, and m to each leaf that covers it: then no choice of
- * k leaves is worth more than all the 1 - m and the k leaves that cover most m, whatever m in [0, 1] may be. Where pixels are crowded m
- * has to be small; the method of subgradients finds out. */
+/* A pixel is worth 1 to its first cover. Let it be worth 1 - m in any case, and m to each leaf that covers
+ * it: then for any m in [0, 1] no choice of k leaves is worth more than the sum of all 1 - m plus the k
+ * leaves that cover the most m. Crowded pixels need a small m; the method of subgradients finds it. */
 struct bound {
 	const struct cover *cover;
-	float *price;                /* m, per pixel of all pictures; below 0: the pixel does not count */
-	uint16_t *times;             /* per pixel: how many of the chosen cover it */
+	float *price;                /* m per pixel of all pictures; below 0: the pixel does not count */
+	uint16_t *times;             /* per pixel: number of chosen leaves that cover it */
 	double *worth;               /* per element */
 	struct lod_keyed *sorted;
 	size_t pixels;
@@ -278,7 +280,7 @@ static void count_times(struct bound *b, uint32_t chosen)
 				b->times[at + k] += b->times[at + k] < UINT16_MAX;
 }
 
-/* Prices of 1 for what leaves cover and wood does not; returns how many pixels that is. */
+/* Sets m to 1 for pixels that leaves cover and wood does not; returns their number. */
 static uint64_t open_prices(struct bound *b)
 {
 	const struct footprints *f = &b->cover->prints;
@@ -295,7 +297,7 @@ static uint64_t open_prices(struct bound *b)
 	return count;
 }
 
-/* The most that so many leaves can cover. */
+/* The most pixels that `budget` leaves can cover. */
 static double bound_at(struct bound *b, uint32_t budget)
 {
 	uint32_t count = b->cover->foliage->count;

@@ -6,8 +6,9 @@
 
 #define SUBPIXEL 256
 #define ROUNDING 1e-9                    /* of the largest turn */
-#define EDGE_WHOLE 64.0                  /* what grows further may bend another way in perspective, or reach behind the eye */
-#define LIMIT (8192 * SUBPIXEL)          /* no corner lies further from the picture's middle: products below stay within 64 bits */
+#define EDGE_WHOLE 64.0 /* larger fans may bend another way in perspective, or reach behind the eye */
+/* No corner lies further from the picture's middle: the products below stay within 64 bits. */
+#define LIMIT (8192 * SUBPIXEL)
 
 struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element, const struct lod_mask *cutout)
 {
@@ -21,8 +22,9 @@ static inline double turn(const double *a, const double *b, const double *c)
 	return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
 }
 
-/* 1 or -1 where corners go once around something convex, by the way they go; 0 otherwise. (Stars and spirals turn one way too: the fan's
- * triangles must do so as well, and lie to one side of the first edge.) Turns that are but rounding count as none. */
+/* 1 or -1 if the corners go once around a convex outline, by their direction; 0 otherwise. Stars and spirals
+ * turn one way as well, so the fan's triangles must turn the same way and lie on one side of the first edge.
+ * Turns by rounding alone count as none. */
 static inline int way_around(const double (*p)[2], uint32_t corners)
 {
 	double low = 0, high = 0;
@@ -88,8 +90,8 @@ static int32_t snap(double at, int32_t middle)
 static int32_t first_centre(int32_t at) { return (at + SUBPIXEL / 2 - 1) >> 8; }
 static int32_t last_centre(int32_t at) { return (at - SUBPIXEL / 2) >> 8; }
 
-/* x of the edge a b, in 1/2^24 pixel, at the centre of row `row`. Integers divided as doubles, which is quicker: of less than 2^39 by less
- * than 2^24 they give the same whole part. */
+/* x of the edge a b, in 1/2^24 pixel, at the centre of row `row`. Integers are divided as doubles, which is
+ * faster: below 2^39 by below 2^24 the whole part is the same. */
 struct edge { int64_t x, slope; };
 
 static struct edge edge_make(struct point a, struct point b, int32_t row)
@@ -137,7 +139,7 @@ static bool texture_make(struct texture *t, const struct lod_mask *mask, const s
 	return true;
 }
 
-/* Nearly all lie in the image, and need no division. */
+/* Nearly all coordinates lie in the image and need no division. */
 static inline uint32_t wrap(uint64_t at, uint32_t size)
 {
 	if (at >> 32 < size)
@@ -146,7 +148,7 @@ static inline uint32_t wrap(uint64_t at, uint32_t size)
 	return (uint32_t)(rest < 0 ? rest + (int64_t)size : rest);
 }
 
-/* Pixels that can make a difference to what is counted there. */
+/* Pixels that can still change a gain. */
 static inline uint64_t open_pixels(const struct lod_canvas *canvas, size_t at)
 {
 	return ~canvas->times[at][0] | (~canvas->times[at][1] & canvas->reference[at]);
@@ -177,7 +179,7 @@ static void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, c
 	}
 }
 
-/* `print` is cleared where the triangle lies. */
+/* Fills one triangle; `print` is cleared there. */
 static void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture, int32_t pixels)
 {
 	struct point p[3] = { corner[0], corner[1], corner[2] };
@@ -200,7 +202,7 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 			part = edge_make(p[1], p[2], y);
 		int64_t left = whole.x < part.x ? whole.x : part.x, right = whole.x < part.x ? part.x : whole.x;
 		int64_t first = (left + (1 << 23) - 1) >> 24, after = (right + (1 << 23) - 1) >> 24;
-		first = first < left_most ? left_most : first;           /* edges are a little off where they are long */
+		first = first < left_most ? left_most : first; /* rounding may carry long edges beyond */
 		after = after > right_most ? right_most : after;
 		if (first >= after)
 			continue;
@@ -212,7 +214,7 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 	}
 }
 
-/* Pixels whose centres corners may reach. */
+/* Pixels with centres within the corners' bounds. */
 struct box { int32_t x0, x1, y0, y1; };
 
 static inline bool find_box(struct box *box, const struct point *p, uint32_t corners, int32_t pixels)
@@ -230,7 +232,7 @@ static inline bool find_box(struct box *box, const struct point *p, uint32_t cor
 	return box->x0 <= box->x1 && box->y0 <= box->y1;
 }
 
-/* Rows y .. y + rows of a picture, between x of left and right. Empty where these are the same, or the wrong way around. */
+/* Rows y .. y + rows of a picture, between left and right; empty if left >= right. */
 struct spans { int32_t y, rows, left[LOD_FOOTPRINT_PIXELS], right[LOD_FOOTPRINT_PIXELS]; };
 
 static inline int32_t within(const struct box *box, int64_t x)
@@ -239,8 +241,8 @@ static inline int32_t within(const struct box *box, int64_t x)
 	return (int32_t)(x < box->x0 ? box->x0 : x > box->x1 + 1 ? box->x1 + 1 : x);
 }
 
-/* A triangle's rows lie between its longest edge, by height, and one of the others. In one loop without branches, as triangles are small: what
- * costs time is where a loop ends. */
+/* The rows of a triangle lie between its longest edge by height and one of the other two. One loop without
+ * branches, since triangles are small and the ends of loops cost the time. */
 static inline __attribute__((always_inline)) void find_triangle_spans(struct spans *spans, const struct box *box, const struct point p[3], int way)
 {
 	uint32_t top = p[1].y < p[0].y, low = p[2].y >= p[1].y ? 2 : 1;
@@ -258,14 +260,16 @@ static inline __attribute__((always_inline)) void find_triangle_spans(struct spa
 	}
 }
 
-/* In one go, as most leaves are: each row of the picture lies between one edge that goes down and one that goes up. */
+/* The spans of a convex outline, in one pass: each row lies between an edge that goes down and one that goes
+ * up. */
 static inline __attribute__((always_inline)) void find_spans(struct spans *spans, const struct box *box, const struct point *p,
 	uint32_t corners, int way)
 {
 	int32_t top = box->y0, end = box->y1 + 1;
 	spans->y = top;
 	spans->rows = end - top;
-	spans->left[end - top - 1] = spans->right[end - top - 1] = 0;    /* a corner on a centre reaches it, but covers it not */
+	spans->left[end - top - 1] = spans->right[end - top - 1] = 0;    /* a corner on a centre reaches it
+	                                                                  * without covering it */
 	if (corners == 3) {
 		find_triangle_spans(spans, box, p, way);
 		return;
@@ -295,7 +299,8 @@ static inline void project(struct point *p, const struct lod_fan_seen *seen, dou
 	}
 }
 
-/* The words of the box, cleared, and what the fan covers of them; with a canvas, of a cut-out only what can make a difference there. */
+/* Clears the words of the box and fills the fan's triangles; with a canvas, only those pixels of a cut-out
+ * that can change a gain. */
 static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p, const struct lod_fan *fan, int32_t pixels,
 	const struct lod_canvas *canvas)
 {
@@ -320,7 +325,7 @@ static void fill_box(struct lod_footprint *print, const struct box *box, const s
 	}
 }
 
-/* With a canvas, of a cut-out only what can make a difference there. */
+/* With a canvas, only those pixels of a cut-out that can change a gain. */
 static inline __attribute__((always_inline)) bool cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge,
 	uint32_t pixels, const struct lod_canvas *canvas)
 {

@@ -1,7 +1,7 @@
-/* The field lives on a grid of half its radius. It is smooth at that scale, so interpolating it costs nothing that its use as a
- * probability would notice, and the nearest point of the iso-surface comes from one exact distance transform (Felzenszwalb and
- * Huttenlocher 2012) instead of a search per element. The iso-value printed, 0, is degenerate with the clamp (the gradient vanishes
- * there): a small positive one is taken. */
+/* The field is sampled on a grid of half its radius. It is smooth at that scale, so interpolation is exact
+ * enough for its use as a probability, and one exact distance transform (Felzenszwalb and Huttenlocher 2012)
+ * finds the nearest point of the iso-surface for all elements. The iso-value in the paper, 0, is degenerate
+ * with the clamp (the gradient vanishes there); a small positive one replaces it. */
 #include "lod/build/order/iso_surface.h"
 
 #include <float.h>
@@ -10,7 +10,7 @@
 #include "ecofiles/format/model.h"
 
 #define RADIUS 0.05              /* of the plant's height */
-#define WIDEST 64.0              /* radii that the largest extent spans at most: flat covers are wide and low */
+#define WIDEST 64.0              /* radii in the largest extent at most: flat covers are wide and low */
 #define ISO 0.05
 
 static size_t node_at(const struct lod_hull *h, uint32_t x, uint32_t y, uint32_t z)
@@ -70,11 +70,12 @@ static bool on_surface(const struct lod_hull *h, size_t node)
 /* ---- Distance transform with the nearest node, one axis after the other ---- */
 
 struct envelope {
-	uint32_t *site, *nearest;    /* parabolas of the lower envelope: their place on the line and what they lead to */
+	uint32_t *site, *nearest;    /* parabolas of the lower envelope: their place on the line, their
+	                              * nearest node */
 	double *height, *from;
 };
 
-/* One line of `count` nodes, `stride` apart: distance[] holds squared distances in cells found so far. */
+/* One line of `count` nodes, `stride` apart; distance[] holds the squared distances in cells so far. */
 static void transform_line(float *distance, uint32_t *nearest, size_t stride, uint32_t count, const struct envelope *e)
 {
 	uint32_t k = 0;
@@ -138,7 +139,7 @@ void lod_hull_make(struct lod_hull *h, const struct lod_v3 *center, uint32_t cou
 	find_surface(h, arena);
 }
 
-/* ---- Reading it ---- */
+/* ---- Queries ---- */
 
 double lod_hull_density(const struct lod_hull *h, struct lod_v3 p)
 {

@@ -1,7 +1,9 @@
-/* A plant's hull: the density of its elements in space and the iso-surface around them (Neubert 2011, 3.1; balls of Blinn 1982).
+/* The hull of a plant: the density of its elements in space and the iso-surface around them (Neubert 2011,
+ * 3.1; balls of Blinn 1982).
  *
  *   lod_hull_make(&hull, center, count, height, &arena);
- *   lod_hull_density(&hull, p), lod_hull_normal(&hull, p, &normal)     for orders (lod/build/order/order.h) */
+ *   lod_hull_density(&hull, p), lod_hull_normal(&hull, p, &normal)     for orders
+ * (lod/build/order/order.h) */
 #ifndef LOD_ISO_SURFACE_H
 #define LOD_ISO_SURFACE_H
 
@@ -13,20 +15,21 @@
 
 struct lod_hull {                    /* arrays of an arena */
 	struct lod_v3 low;
-	double radius, cell;         /* of a ball; between nodes */
+	double radius, cell;         /* of a ball; distance of nodes */
 	uint32_t size[3];
 	float *density;              /* at nodes, x fastest */
 	uint32_t *surface;           /* per node: the nearest node of the iso-surface, or ECO_NONE */
 };
 
-/* height: of the plant; balls have 5 % of it as radius, more where the elements span a multiple of it. One element at least. Linear in
- * elements. */
+/* height: of the plant; a ball's radius is 5 % of it, more if the elements extend far beyond it. At least one
+ * element. Linear in elements. */
 void lod_hull_make(struct lod_hull *hull, const struct lod_v3 *center, uint32_t count, double height, struct lod_arena *arena);
 
-/* Sum of the balls at a point inside the bounds of the centres. */
+/* Sum of the balls at a point within the bounds of the centres. */
 double lod_hull_density(const struct lod_hull *hull, struct lod_v3 at);
 
-/* Outward unit normal of the iso-surface at its point nearest to `at` (inside the bounds of the centres). False where there is none. */
+/* Outward unit normal of the iso-surface at its point nearest to `at` (within the bounds of the centres).
+ * False if there is none. */
 bool lod_hull_normal(const struct lod_hull *hull, struct lod_v3 at, struct lod_v3 *normal);
 
 #endif

@@ -18,7 +18,7 @@ static double dice(const struct lod_order_input *in, uint32_t i)
 	return eco_mix_unit(lod_mix(~lod_mix(in->seed) + i));
 }
 
-/* 1 where the element faces along the normal at the nearest point of the surface, 0 where it stands across. */
+/* 1 if the element faces along the normal at the nearest point of the surface, 0 if across. */
 static double orientation(const struct lod_hull *hull, struct lod_v3 p, struct lod_v3 normal)
 {
 	struct lod_v3 outward;
@@ -28,7 +28,8 @@ static double orientation(const struct lod_hull *hull, struct lod_v3 p, struct l
 	return 1 - lod_arc_cosine(fabs(lod_v3_dot(outward, normal)) / length) / (LOD_PI / 2);
 }
 
-/* What the density would be if the elements were spread evenly over the space that they fill: an element at density F fills 1 / F. */
+/* The density of elements spread evenly over the space that they fill: an element at density F fills 1 /
+ * F. */
 static double even_density(const double *density, uint32_t count)
 {
 	double volume = 0;
@@ -37,8 +38,8 @@ static double even_density(const double *density, uint32_t count)
 	return count / volume;
 }
 
-/* Thinning a region of density F down to `even` keeps the share even / F of its elements, at random: those keep probability 1, the others
- * fall off so that every threshold above leaves even density as well. */
+/* Thinning a region of density F to `even` keeps the share even / F of its elements, at random: these get
+ * probability 1. The others fall off such that every threshold above leaves even density as well. */
 static void density_survival(double *survival, const struct lod_hull *hull, const struct lod_order_input *in)
 {
 	for (uint32_t i = 0; i < in->count; i++)

@@ -1,30 +1,16 @@
 /* See rank.h.
  *
- * The list is made in steps. All elements up to a step's end are drawn at one scale, so what earlier steps picked is drawn anew at the
- * step's scale, and then elements are added greedily: the one whose pixels raise Q most per triangle. Q's gradient says what a right and a
- * wrong pixel are worth; it is taken where the step will end, which a trial on a few of the views tells, together with the scale that
- * serves the step best.
+ * The list is made in steps. All elements up to a step's end are drawn at one scale: the picks of earlier
+ * steps are drawn anew at the step's scale, and then elements are added greedily, each time the one whose
+ * pixels raise Q most per triangle. Q's gradient gives the values of a right and a wrong pixel. A trial on a
+ * few of the views tells the step's best scale and the Q at its end.
  *
- * The list begins with points: so few vertices show more as points than as leaves (lod/build/measure/curve.c chooses), all of them at one scale, and leaves that
- * fill a crown each by a scale of its own are poor points. The first third is made so where as many vertices show less as leaves, as curves then
- * go over to leaves late: what was made for leaves, from the first 6 % on, stuck out of the crown as points, and the picture became worse with
- * more vertices. Q on other views, mean over shares from .003 to .8 in equal steps of the logarithm, and by how much it falls at most with more
- * vertices: azalea .686 -> .704 (.091 -> .004), shrub .754 -> .767 (.029 -> .010), augalas .873 -> .886 (.067 -> .006), callistemon .812 -> .818
- * (.069 -> .014), bush .793 -> .810 (.031 -> .001), aspen .667 -> .679 (.037 -> .000); bush of alpha cards .836 -> .843 (.040 -> .007), and eight
- * more alike. A plant of few large leaves and many small ones loses by it (.875 -> .861): there as many vertices show as much as leaves.
- * As leaves alone lists that begin with points are worse: saved against Cook, with 6 % of points, a potted plant .78 -> .76, an oak .86 -> .83.
+ * The list begins with points, since so few vertices show more as points than as leaves
+ * (lod/build/measure/curve.c chooses), all of them at one scale: leaves that fill a crown each at a scale of
+ * its own are poor points. They are the first third of the list, or 6 % if as many vertices show more as
+ * leaves (lod/EXPERIMENTS.md, Lists that begin with points).
  *
- * Tried and worse, measured on a solid-leaved shrub and an alpha-card oak on views not used here: codes that all grow (least 1/4: oak's
- * mean saving .36 against .87 with a code that never grows); weights where the trial ends instead of on the balance Precision = Recall
- * (the choice of scales then swings); codes looked at again at every step's end (better on the views of the making, shrub's mean .47
- * against .53 on others); first picks of 3 to 40 % at one scale (means .35 to .28 against .35 on a sparse crown); scales judged on other
- * views than the trial's (falls to small scales at once and cannot go back: few large leaves are lost).
- *
- * CPU seconds with lod_rank_refine, on a busy machine: 1,360 elements 2, 4,361 of four triangles 5, 5,280 cards 6, 110,000 single triangles
- * 16, 500,000 104. With 32 to 64 views, steps by the root of two, every code looked at on its own and no rests the first three took 7, 20
- * and 27; mean savings went from .601 to .615 (shrub), .576 to .550 and .586 to .573 (two seeds), .884 to .884.
- * Tried for speed and left out: first estimates by 16 of the views (a third less work, but over three seeds the shrub's mean saving .45
- * against .50); trials that keep the codes that are known (shrub .578 against .60 to .62, one seed). */
+ * Variants that were worse, and run times: lod/EXPERIMENTS.md, The greedy order. */
 #include "lod/build/order/rank.h"
 
 #include <assert.h>
@@ -40,23 +26,28 @@
 
 #define VIEWS_LEAST 24u
 #define VIEWS_MOST 64u
-#define SEEN 240000u                     /* elements times views, within these */
-#define LARGE 100000u                    /* elements: more are seen from half as many views as the least, to end in time */
-#define POINTS_MOST 0.35                 /* share of the elements up to which they are picked as the points that stand for them */
-#define POINTS_LEAST 0.06                /* where leaves show more */
-#define POINTS_LOSS 0.95                 /* of that of as many vertices as leaves, for many points: curves have simpler leaves, too */
-#define TRIAL_VIEWS 5u                   /* trials look at so many of the views, or one less than twice as many */
-#define SECOND 16                        /* a second layer counts a so manieth of the first */
+#define SEEN 240000u                     /* elements times views, within these bounds */
+/* Elements: larger plants use half of the least number of views, to end in time. */
+#define LARGE 100000u
+/* Share of the elements up to which they are picked as points. */
+#define POINTS_MOST 0.35
+#define POINTS_LEAST 0.06                /* if leaves show more */
+/* Of the loss of as many vertices as leaves: many points must lose less, as curves have simple leaves,
+ * too. */
+#define POINTS_LOSS 0.95
+/* Views of a trial; rounding of the stride makes them up to nine. */
+#define TRIAL_VIEWS 5u
+#define SECOND 16                        /* value of a second layer: this fraction of the first */
 #define WEIGHT 4096
-#define SCALES 5u                        /* tried at every step */
+#define SCALES 5u                        /* tried in every step */
 #define CANDIDATES_LEAST 1024u
-#define CANDIDATES_SHARE 32u             /* times what a step's end has */
-#define CANDIDATES_ROUGH 8u              /* where nothing but how good the step becomes is asked */
-#define CANDIDATES_MOST 40000u           /* and three for each that a step takes */
+#define CANDIDATES_SHARE 32u             /* times the number of elements at the step's end */
+#define CANDIDATES_ROUGH 8u              /* for rough trials */
+#define CANDIDATES_MOST 40000u           /* plus three for each pick of the step */
 #define BATCH 256u
-#define ASK 512u                         /* looks between two questions whether to go on */
-#define PARTS 16u                        /* batches between two */
-#define PARTS_DRAWN 8192u                /* elements drawn between two */
+#define ASK 512u                         /* looks between two calls of progress */
+#define PARTS 16u                        /* batches between two calls of progress */
+#define PARTS_DRAWN 8192u                /* elements drawn between two calls of progress */
 
 struct weights { int64_t right, wrong, second; };
 
@@ -72,20 +63,22 @@ struct ranking {
 	bool *taken;
 	struct candidate *heap;
 	uint32_t heap_count;
-	uint32_t points;             /* the first so many elements are picked as points */
-	bool rough;                  /* half the views, and fewer candidates: how good the list becomes is all that is asked */
+	uint32_t points;             /* so many first elements are picked as points */
+	/* Half the views and fewer candidates: only the quality of the step is wanted. */
+	bool rough;
 	/* the step */
 	double scale;
 	struct lod_crown_views views;
 	struct weights weights;
 	struct lod_crown_edges edges;
-	void (*piece)(void *pieces, uint32_t i);         /* what is run in parts */
+	/* The work that runs in parts. */
+	void (*piece)(void *pieces, uint32_t i);
 	uint32_t piece_first;
-	double share;                /* of the work, as far as it was told */
+	double share;                /* of the work, as reported last */
 	bool stopped;
 };
 
-/* ---- What an element is worth ---- */
+/* ---- The value of an element ---- */
 
 static int64_t score_of(const struct ranking *r, uint32_t element, const struct lod_gain *gain)
 {
@@ -95,7 +88,7 @@ static int64_t score_of(const struct ranking *r, uint32_t element, const struct 
 	return sum > 0 ? sum * 12 / triangles : sum * triangles;
 }
 
-/* Scores of codes first .. last. Codes that come to one edge are looked at once. */
+/* Scores of codes first .. last. Codes with the same edge share one look. */
 static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last, int64_t score[ECO_GROWTHS])
 {
 	struct lod_gain gain[ECO_GROWTHS];
@@ -111,7 +104,7 @@ static void look(const struct ranking *r, uint32_t element, uint32_t first, uint
 	}
 }
 
-/* Climbs from the code that was best when it was looked at last. */
+/* Climbs from the code that was best at the last look. */
 static void assess(const struct ranking *r, struct candidate *c)
 {
 	int64_t score[ECO_GROWTHS];
@@ -150,7 +143,7 @@ static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
 	heap[i] = moved;
 }
 
-/* Asks whether to go on, now and then. The share never falls: trials take back what they picked. */
+/* Reports progress now and then. The share never falls, although trials undo their picks. */
 static bool goes_on(struct ranking *r)
 {
 	double share = (r->options->plain ? 1 : LOD_RANK_REFINE_FROM) * r->picked / r->count;
@@ -174,7 +167,7 @@ static void run_part(void *pieces, uint32_t i)
 	r->piece(r, r->piece_first + i);
 }
 
-/* In parts, between which it asks whether to go on. */
+/* Runs pieces in parts, and reports progress between them. */
 static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_t))
 {
 	r->piece = piece;
@@ -190,8 +183,8 @@ static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_
 	return !r->stopped;
 }
 
-/* Candidates: what is not taken, of a long list a sample that is large beside the step (as good in expectation but for e^-SHARE;
- * Mirzasoleiman and others 2015). */
+/* Candidates: all elements that are not taken; of a long list a sample that is large against the step (as
+ * good in expectation but for e^-SHARE; Mirzasoleiman and others 2015). */
 static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 {
 	uint64_t most = (uint64_t)end * (r->rough ? CANDIDATES_ROUGH : CANDIDATES_SHARE);
@@ -209,12 +202,12 @@ static void make_heap(struct ranking *r)
 	if (!run(r, (r->heap_count + BATCH - 1) / BATCH, assess_batch))
 		return;
 	for (uint32_t i = 0; i < r->heap_count; i++)
-		r->growth[r->heap[i].element] = r->heap[i].code;         /* where the next look begins */
+		r->growth[r->heap[i].element] = r->heap[i].code;         /* the next look begins there */
 	for (uint32_t i = r->heap_count / 2; i-- > 0;)
 		sift_down(r->heap, r->heap_count, i);
 }
 
-/* Whether as it is, whatever its other codes, it is no more the best: then these need no look yet. */
+/* Whether with its present code the top is no longer the best: then its other codes need no look yet. */
 static bool fades(const struct ranking *r, struct candidate *top)
 {
 	int64_t score[ECO_GROWTHS], next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
@@ -227,7 +220,8 @@ static bool fades(const struct ranking *r, struct candidate *top)
 	return true;
 }
 
-/* Takes the best until `end` are taken. Lazily: who gained most when looked at last is looked at again. */
+/* Picks the best until `end` are taken. Lazy: only the element that gained most at its last look is looked at
+ * again. */
 static void pick(struct ranking *r, uint32_t end)
 {
 	for (uint32_t looks = 1; r->picked < end && r->heap_count && (looks % ASK || goes_on(r)); looks++) {
@@ -273,8 +267,9 @@ static double quality(const struct lod_crown_sum *s, bool wrong_pixels, double *
 	return 1 - sqrt((1 - *p) * (1 - *p) + (1 - *recall) * (1 - *recall));
 }
 
-/* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales keeps near: there a wrong pixel costs (1 - e) / (1 + e)
- * of what a right one brings. Taken where a trial ends instead, it swings from step to step. */
+/* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales stays near: there a wrong
+ * pixel costs (1 - e) / (1 + e) of the gain of a right one. Taken at the end of the trial instead it swings
+ * from step to step. */
 static struct weights gradient(const struct ranking *r, double reached)
 {
 	double e = r->options->wrong_pixels ? 0 : (1 - reached) * 0.70710678;
@@ -321,7 +316,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 	return best_scale;
 }
 
-/* Ends of steps: by nearly two, finer where little is left out. */
+/* Ends of steps: about twice as many elements, finer where few are left out. */
 static uint32_t next_end(uint32_t count, uint32_t picked)
 {
 	double share = (double)picked / count, next = share * 1.8;
@@ -343,7 +338,7 @@ static void fit_batch(void *pieces, uint32_t batch)
 	}
 }
 
-/* Steps from where the list is to `until` elements, those up to `points` of them as points. */
+/* Makes steps until the list has `until` elements; steps that end at or before `points` pick points. */
 static bool take_steps(struct ranking *r, uint32_t until, uint32_t points)
 {
 	while (r->picked < until) {
@@ -373,8 +368,8 @@ static void begin_anew(struct ranking *r)
 	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
 }
 
-/* The beginning is made as points, unless as many vertices show more as leaves: tried roughly. On eight plants that says the same as
- * a trial with all views, and beginnings take 1.3 to 2.5 times less time. */
+/* The beginning is made of points, unless as many vertices show more as leaves. A rough trial tells as well
+ * as one with all views (lod/EXPERIMENTS.md, Lists that begin with points). */
 static bool begin_list(struct ranking *r)
 {
 	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
@@ -406,8 +401,8 @@ static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* Larger plants are seen from fewer directions, as more of them lies in each. A shrub of 4,361 leaves saves .58 in the mean and .44 of all
- * vertices with 64 views, .56 and .41 with 24 (two seeds each), in 2.5 times the time. */
+/* Larger plants are seen from fewer directions, since more elements lie in each (lod/EXPERIMENTS.md, Views of
+ * the greedy order). */
 static uint32_t views_of(uint32_t count)
 {
 	uint32_t views = SEEN / count;

@@ -9,10 +9,11 @@
 #define PIXELS_LEAST 256u
 #define PIXELS_MOST 512u
 #define PIXELS_FEWEST 48u
-#define PER_ELEMENT 200.0           /* pixels of a picture: an element is a few pixels wide then */
-#define STEP 1.03                        /* of edges. Finer brings nothing */
+/* Pixels of a picture for each element, which then is a few pixels wide. */
+#define PER_ELEMENT 200.0
+#define STEP 1.03                        /* of edges; a finer one brings nothing */
 #define HALF_STEP 1.015
-#define WIDE 2.0                         /* pixels: so wide a leaf of the usual size is while it is judged */
+#define WIDE 2.0 /* pixels: width of a leaf of the usual size in the largest pictures */
 
 static int by_area(const void *a, const void *b)
 {
@@ -20,7 +21,7 @@ static int by_area(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Size of pictures in which half of the leaves are WIDE pixels wide or more. */
+/* The size of pictures in which half of the leaves are at least WIDE pixels wide. */
 static uint32_t choose_pixels(const struct lod_foliage *foliage, struct lod_arena *arena)
 {
 	const struct lod_arena_piece *mark = arena->last;

@@ -1,8 +1,8 @@
-/* What of a plant's outline is covered, from all its views at once: what an element would add, and adding it.
+/* The cover of a plant's outline in all its views at once: an element's gain, and adding it.
  *
  *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
- *   lod_crown_clear(&crown);                                             the wood alone
- *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);                what the element would add, so large
+ *   lod_crown_clear(&crown, views);                                      the wood alone
+ *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);             what it would add at that size
  *   lod_crown_add(&crown, element, edge, views); */
 #ifndef LOD_RANK_CROWN_H
 #define LOD_RANK_CROWN_H
@@ -10,8 +10,8 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
 
-/* The same views in several sizes: large elements are judged in small pictures, where they are a tenth of the work and as many pixels as
- * small ones are in large pictures. */
+/* The same views in several sizes: large elements are judged in small pictures, at a tenth of the work, where
+ * they cover as many pixels as small ones do in large pictures. */
 #define LOD_CROWN_LEVELS 4u
 struct lod_crown_level {
 	struct lod_sights sights;
@@ -23,7 +23,7 @@ struct lod_crown {
 	bool points;                             /* gains are of the points that stand for elements */
 	uint32_t views, level_count;
 	struct lod_crown_level levels[LOD_CROWN_LEVELS];     /* the smallest pictures first */
-	struct lod_crown_level *level;           /* the one that is used now */
+	struct lod_crown_level *level;           /* the one in use */
 };
 
 struct lod_crown_options {
@@ -34,28 +34,30 @@ struct lod_crown_options {
 enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
 	struct lod_arena *arena, struct eco_error *error);
 
-/* The level that suits `count` elements drawn so large that they fill the crown. */
+/* Selects the level for `count` elements drawn so large that they fill the crown. */
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
 
-/* Edges of elements drawn at a scale, by their codes: on a grid so fine that a leaf a few pixels wide shows no difference. Codes often come to
- * the same edge then, and need but one look. */
+/* Edges of elements at a scale, by growth code: on a grid so fine that a leaf a few pixels wide shows no
+ * difference. Codes often share an edge then, and one look. */
 #define LOD_CROWN_EDGES 512u
-struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; };        /* the same step: the same edge; below LOD_CROWN_EDGES */
-/* `points`: points follow the scale alike, whatever the code. */
+/* The same step means the same edge; steps are below LOD_CROWN_EDGES. */
+struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; };
+/* `points`: points follow the scale alike, whatever their code. */
 void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool points);
 
-/* An element in a view, as it is drawn: itself or a point. */
+/* An element in a view, drawn as itself or as its point. */
 void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points);
 
-/* Some of the views: every `stride`th, from `first` on. */
+/* Every `stride`th view from `first` on. */
 struct lod_crown_views { uint32_t first, stride; };
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
-/* The element with edges multiplied by edge[0..count): sums over the views for each. Different elements may be asked about at once. */
+/* Sums over the views of the element's gain, for each of edge[0..count). Threads may ask about different
+ * elements. */
 void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
 	struct lod_gain *gain);
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
 
-/* Pixels of the views: covered and of the reference, covered and not, of the reference in all. */
+/* Pixels of the views: covered and in the reference, covered and not in it, in the reference. */
 struct lod_crown_sum { uint64_t right, wrong, wanted; };
 struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views);
 

@@ -1,21 +1,13 @@
 /* See rank_refine.h.
  *
- * Greedy picking cannot take back: who was picked early stays, with the code that was best then. Here the list is looked at where it is cut
- * at some keys. Each key has its own pictures, its scale and what a right and a wrong pixel are worth there (Q's gradient). Elements come in
- * turn, some sweeps long: of the codes and of the keys beside its own an element takes those that bring most, summed over all keys that
- * draw it, less a price per triangle (at keys of points: per point). Prices hold each key's number of triangles where it was. Pictures
- * count how often a pixel is covered, so that an element can be thought away.
+ * Greedy picking is final: an early pick stays, with the code that was best at the time. The refinement looks
+ * at the list cut at several keys. Each key has its own pictures, scale and values of a right and a wrong
+ * pixel (Q's gradient). Elements come in random turn, for several sweeps. An element takes those of the
+ * neighbouring codes and keys with the greatest sum of gains over all keys that draw it, less a price per
+ * triangle (at keys of points: per point). Prices keep the number of triangles of each key. Pictures count
+ * how often a pixel is covered, so that an element can be subtracted.
  *
- * An aspen of 2,896 leaves and a callistemon of 4,361, saved against Cook at equal Q (mean over uniform distances), other views than those
- * of the making: without this .58 and .71, with it .60 and .75. 24 views: .529 and .726 without; .607 and .742 with it; two sweeps with
- * every code tried in the first .595 and .740, four .608 and .756 for half as much time again; weights halfway to the balance
- * Precision = Recall .588 and .731, all the way .595 and .738; a second layer that counts twice as much .601 and .750, a third as much .608
- * and .741; softer prices .603 and .744. Keys from .05 of the list on alone: .699 on the callistemon, as small lists are left with codes of
- * the large ones. A pine of 4,920 went from .78 to .80 and a coconut palm of 25,158 from .53 to .59 (mean over distances mostly near).
- *
- * Where wrong pixels are what counts, more sweeps go on to help: an aspen's over those of the best of Lee's three at 50, 30 and 10 % of the
- * leaves, lists per sector of 3 degrees, .50 .52 .60 after 8, .48 .51 .60 after 20. Who stays is looked at again when it stayed 1, 2, 4, 8 times
- * there: as good in a fifth less time. */
+ * Variants and gains: lod/EXPERIMENTS.md, Refining the greedy order. */
 #include "lod/build/order/rank_refine.h"
 
 #include <math.h>
@@ -26,22 +18,23 @@
 #include "lod/sort.h"
 
 #define KEYS 20u
-#define KEY_LEAST 6u                     /* elements: shorter lists stay as they are */
-#define PLANES 4u                        /* bits of a pixel's count; one that is full stays so */
+#define KEY_LEAST 6u                     /* elements: shorter lists are not refined */
+#define PLANES 4u                        /* bits of a pixel's count; a full count stays full */
 #define SWEEPS 4u
 #define SWEEPS_WRONG_PIXELS 20u
 #define LOOKED 75000u                   /* elements: looks at them in all sweeps but the first */
 #define TOGETHER 64u                     /* elements that choose at once, each as if the others stayed */
 #define PIECE 8u
-#define SECOND 0.06                      /* what a second layer counts, of the first */
+#define SECOND 0.06                      /* value of a second layer, relative to the first */
 #define PRINTS 64u
 #define ROOM (4 * LOD_FOOTPRINT_PIXELS * (LOD_FOOTPRINT_PIXELS / 64))   /* words */
 #define APPLY_PIECES 8u
-#define RESTS 2                          /* sweeps that an element stays before it is left alone for one */
-#define STIFF 20.0                       /* how a price answers to a share of triangles too many */
-#define TRIAL_STRIDE 4u                  /* scales are tried on every so manieth view */
+#define RESTS 2                          /* sweeps without a move before an element rests for one */
+#define STIFF 20.0                       /* response of a price to a share of triangles in excess */
+#define TRIAL_STRIDE 4u                  /* trials of scales use every so many views */
 
-/* Share of the triangles; and whether leaves are points there: those are what a pack draws of the list's beginning (lod/build/measure/curve.c). */
+/* A key: its share of the triangles, and whether leaves are points there, as in a pack's beginning of the
+ * list (lod/build/measure/curve.c). */
 struct place { double share; bool points; };
 static const struct place few_points[] = { { 0.0015, true }, { 0.004, false }, { 0.006, true }, { 0.012, false }, { 0.02, true }, { 0.03, false },
 	{ 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false }, { 0.3, false }, { 0.35, true }, { 0.4, false },
@@ -53,7 +46,7 @@ _Static_assert(sizeof few_points == KEYS * sizeof(struct place) && sizeof many_p
 
 struct key {
 	bool points;                 /* leaves are points there, all at the key's scale */
-	uint32_t elements;           /* at first */
+	uint32_t elements;           /* before the refinement */
 	uint64_t budget, used;       /* triangles or points */
 	double scale;
 	struct lod_crown_edges edges;
@@ -69,13 +62,14 @@ struct refine {
 	struct lod_crown *crown;
 	uint32_t count, key_count;
 	struct key keys[KEYS];
-	uint8_t *first, *code;       /* per element: the first key that draws it (key_count: none), how far it grows */
+	/* Per element: the first key that draws it (key_count: none), its growth code. */
+	uint8_t *first, *code;
 	uint8_t *next_first, *next_code;
-	uint8_t *stays;              /* per element: how often it stayed in a row when it was looked at */
-	double *early;               /* per element: what it would bring one key earlier, per triangle */
-	uint32_t *turn;              /* who is looked at when */
-	uint32_t at, end, key_at;    /* who chooses now; which key is the first at work */
-	double stretch;              /* of scales that are tried */
+	uint8_t *stays;              /* per element: how often in a row it stayed when looked at */
+	double *early;               /* per element: its gain one key earlier, per triangle */
+	uint32_t *turn;              /* the sequence of elements */
+	uint32_t at, end, key_at;    /* range of turns that choose now; first key at work */
+	double stretch;              /* factor between two scales of a trial */
 };
 
 static uint32_t triangles_of(const struct refine *r, uint32_t element)
@@ -100,14 +94,15 @@ static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t
 
 /* ---- An element in a view ---- */
 
-/* What it covers there at each edge: pixels of one level, drawn when they are asked for first. */
+/* The element's footprints at each edge: pixels of one level, drawn when first needed. */
 struct print { uint32_t y, rows, word, words; const uint64_t *bits; };
 struct prints {
 	struct lod_fan_seen seen;
 	const struct lod_eye *eye;
-	double area;                 /* of the point that stands for it */
+	double area;                 /* of its point */
 	uint32_t pixels, count, used;
-	uint8_t slot[2][LOD_CROWN_EDGES];    /* of an edge, of the leaf and of its point: 1 + its place below, or 0 */
+	/* Of an edge, for the leaf and for its point: 1 + its place below, or 0. */
+	uint8_t slot[2][LOD_CROWN_EDGES];
 	struct print items[PRINTS];
 	struct lod_footprint drawn;
 	uint64_t room[ROOM];
@@ -120,7 +115,7 @@ static void see(const struct refine *r, struct prints *prints, uint32_t element,
 	prints->area = r->crown->foliage->area[element] / 2;
 }
 
-/* Few keys ask for points: made when they do. */
+/* Points are made on demand, since few keys use them. */
 static bool cover(struct lod_footprint *drawn, const struct prints *prints, double edge, uint32_t pixels, bool points)
 {
 	if (!points)
@@ -137,7 +132,7 @@ static void forget_prints(struct prints *prints, uint32_t pixels)
 	memset(prints->slot, 0, sizeof prints->slot);
 }
 
-/* Those of one key, three codes at most, may be held at a time. */
+/* Makes room for the footprints of one key, three codes at most. */
 static void make_room(struct prints *prints)
 {
 	uint32_t largest = prints->pixels * ((prints->pixels + 63) / 64);
@@ -209,7 +204,7 @@ static void redraw(const struct refine *r, struct key *key, uint32_t k)
 			key->used += cost_in(r, key, e);
 }
 
-/* Pixels covered and of the reference, covered and not, of the reference in all. */
+/* Pixels covered and in the reference, covered and not in it, in the reference. */
 struct tally { uint64_t right, wrong, wanted; };
 
 LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], const uint64_t *reference, uint32_t words)
@@ -220,8 +215,8 @@ LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], 
 	}
 }
 
-/* 1 - Q, or the share of wrong pixels; sets what pixels are worth. Where wrong pixels count, those of keys that have few weigh more, halfway
- * to where their logarithms would be summed: or long lists would pay for what short ones gain. */
+/* 1 - Q, or the share of wrong pixels; sets the values of pixels. With wrong pixels keys that have few weigh
+ * more, halfway to a sum of logarithms: otherwise long lists would pay for the gains of short ones. */
 static double loss_of(const struct tally *tally, struct key *key)
 {
 	double covered = fmax(1, (double)(tally->right + tally->wrong)), all = fmax(1, (double)tally->wanted);
@@ -267,7 +262,7 @@ static uint32_t trial_stride(const struct key *key)
 	return key->level->sights.count > 2 * TRIAL_STRIDE ? TRIAL_STRIDE : 1;
 }
 
-/* Covered or not is all that a trial asks: counted pictures stay as they are. */
+/* A trial needs only whether a pixel is covered: counted pictures stay as they are. */
 static double try_scale(const struct refine *r, uint32_t k, struct key *key, double scale)
 {
 	const struct lod_sights *sights = &key->level->sights;
@@ -291,7 +286,7 @@ static double try_scale(const struct refine *r, uint32_t k, struct key *key, dou
 	return loss_of(&tally, key);
 }
 
-/* Climbs from the scale of before. */
+/* Climbs from the present scale. */
 static void fit_scale(void *pieces, uint32_t k)
 {
 	struct refine *r = pieces;
@@ -318,7 +313,7 @@ static void fit_scale(void *pieces, uint32_t k)
 	measure(key, 1);
 }
 
-/* ---- What an element brings ---- */
+/* ---- The value of an element ---- */
 
 struct worth { double of[KEYS][ECO_GROWTHS]; };
 
@@ -329,7 +324,7 @@ static inline uint64_t bits_at(const struct print *print, uint32_t y, uint32_t w
 	return print->bits[(size_t)(y - print->y) * print->words + word - print->word];
 }
 
-/* `own`: what the element covers now and is to be thought away; or NULL. */
+/* `own`: the element's present footprint, which is subtracted; or NULL. */
 LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct print *print, const struct print *own)
 {
 	const struct lod_canvas *canvas = &key->level->canvas[view];
@@ -351,7 +346,7 @@ LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct
 	return right * key->right - wrong * key->wrong + second * key->second;
 }
 
-/* Which keys and codes are looked at. From `settled` on every choice draws the element: there only codes make a difference. */
+/* The keys and codes of a look. From `settled` on every choice draws the element, so only codes matter. */
 struct look { uint32_t element, low_key, end_key, settled, low_code, high_code; };
 
 static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view, struct prints *prints,
@@ -385,7 +380,7 @@ static void look(const struct refine *r, const struct look *l, struct worth *wor
 	}
 }
 
-/* Where nothing is better it stays as it is. */
+/* Chooses key and code; keeps the present ones unless others are better. */
 static void choose(struct refine *r, uint32_t element)
 {
 	struct worth worth;
@@ -411,7 +406,7 @@ static void choose(struct refine *r, uint32_t element)
 	r->early[element] = worth.of[best_first > low_key ? best_first - 1 : low_key][best_code] / triangles;
 }
 
-/* Who stayed twice is left alone once; where many sweeps follow, who stays is looked at ever less often. */
+/* An element that stayed twice rests for one sweep; with many sweeps it is looked at ever less often. */
 static void look_again(struct refine *r, uint32_t element)
 {
 	uint8_t stays = r->stays[element];
@@ -484,7 +479,7 @@ static void apply(struct refine *r)
 
 /* ---- Sweeps ---- */
 
-/* A price is what elements near the end of a key's list bring. */
+/* A key's price: the mean gain of elements near the end of its list. */
 static void set_price(void *pieces, uint32_t k)
 {
 	struct refine *r = pieces;
@@ -515,7 +510,7 @@ static bool goes_on(const struct refine *r, double share)
 	return !options->progress || options->progress(options->ctx, LOD_RANK_REFINE_FROM + (1 - LOD_RANK_REFINE_FROM) * share);
 }
 
-/* Something for each key, two at a time. */
+/* Runs a piece for each key, two at a time. */
 static bool run_keys(struct refine *r, void (*piece)(void *, uint32_t), double share)
 {
 	for (r->key_at = 0; r->key_at < r->key_count; r->key_at += 2) {
@@ -543,7 +538,7 @@ static bool sweep(struct refine *r, uint32_t number, uint32_t sweeps)
 			return false;
 	}
 	for (struct key *key = r->keys; key < r->keys + r->key_count; key++)
-		key->base_price += (key->price - key->base_price) * 0.7;         /* what held the budget */
+		key->base_price += (key->price - key->base_price) * 0.7; /* the price that kept the budget */
 	return true;
 }
 
@@ -583,7 +578,8 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 		r->first[r->in->order[i]] = (uint8_t)r->key_count;
 }
 
-/* By keys, and between two by what elements would have brought at the first of them. Who is drawn at every key stays in the order that was. */
+/* Sorts by keys, and between two keys by the gain at the first of them. Elements that all keys draw keep
+ * their order. */
 static void write_order(const struct refine *r, struct lod_arena *arena)
 {
 	struct lod_keyed *items = lod_arena_take(arena, r->count, sizeof *items);

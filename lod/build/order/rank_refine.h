@@ -1,11 +1,11 @@
-/* The order looked at again as a whole: from when on an element is drawn, and how far it grows. */
+/* Refines the order as a whole: from which key on an element is drawn, and its growth code. */
 #ifndef LOD_RANK_REFINE_H
 #define LOD_RANK_REFINE_H
 
 #include "lod/build/order/rank.h"
 #include "lod/build/order/rank_crown.h"
 
-/* What share of lod_rank_make's progress is done where it begins. */
+/* The share of lod_rank_make's progress before the refinement. */
 #define LOD_RANK_REFINE_FROM 0.7
 
 struct lod_rank_refining {
@@ -16,7 +16,7 @@ struct lod_rank_refining {
 	uint8_t *growth;             /* per element: in and out */
 	bool many_points;            /* leaves are points far into the list */
 };
-/* False where progress says to stop. Scratch memory of the arena is the caller's to release. */
+/* False if progress returns false. The caller releases scratch memory of the arena. */
 bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena *arena);
 
 #endif

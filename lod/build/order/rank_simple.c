@@ -1,10 +1,9 @@
-/* See rank_simple.h. Starts are halves of boxes turned step by step, of the leaf's own area, and choices of its own corners; the best of them
- * is then improved corner by corner, with smaller and smaller moves in the leaf's plane and out of it. Pictures of 40 pixels decide, so that
- * cut-outs and bent leaves need no case of their own.
+/* Candidates are halves of boxes turned step by step, of the leaf's own area, and subsets of its own corners.
+ * The best is improved corner by corner, with smaller and smaller moves in the leaf's plane and out of it.
+ * Pictures of 40 pixels decide, so cut-outs and bent leaves need no case of their own.
  *
- * A quad for leaves of three triangles and more is nearer to the leaf, and twice as dear: leaves that stand for others are drawn so large that
- * their outline matters little. Saved against Cook at equal Q, quads -> triangles: six plants of leaves of three and four triangles .749 .780 .805
- * .828 .863 .894 -> .789 .789 .825 .848 .887 .906. */
+ * A quad is nearer to a leaf of three triangles or more and costs twice as much; triangles save more
+ * (lod/EXPERIMENTS.md, Simple leaves: quads or triangles). */
 #include "lod/build/order/rank_simple.h"
 
 #include <string.h>
@@ -12,7 +11,7 @@
 #define PIXELS 40u
 #define VIEWS 5u
 #define AWAY 64.0                        /* radii: views that are nearly parallel */
-#define REACH 1.5                        /* radii: half a picture, and as far as corners may move */
+#define REACH 1.5                        /* radii: half a picture, and the reach of corners */
 #define TURNS 8u
 #define MOVES 3u                         /* sizes of moves */
 
@@ -76,7 +75,7 @@ static void cover(struct fit *fit, const struct lod_fan *fan, uint32_t view, uin
 		memcpy(rows + fit->print.y, fit->print.bits, fit->print.rows * sizeof *rows);
 }
 
-/* Pixels that only one of the two covers; stops early where they are more than the best has. */
+/* Pixels that only one of the two covers; stops early at the best's count. */
 static uint32_t count_wrong(struct fit *fit, const float (*corner)[3])
 {
 	const struct lod_fan fan = { corner, NULL, 3, NULL };
@@ -111,7 +110,8 @@ static void put(float to[3], const struct fit *fit, double u, double v)
 	to[0] = (float)p.x, to[1] = (float)p.y, to[2] = (float)p.z;
 }
 
-/* Boxes around the opaque part, face on, drawn in to twice its area: half of one is a triangle, pointing to one of the sides. */
+/* Boxes around the opaque part, face on, shrunk to twice its area: half of a box is a triangle that points to
+ * one of the sides. */
 static void try_boxes(struct fit *fit)
 {
 	static const double cosine[TURNS] = { 1, 0.92387953, 0.70710678, 0.38268343, 0, -0.38268343, -0.70710678, -0.92387953 };
@@ -149,7 +149,7 @@ static void try_boxes(struct fit *fit)
 	}
 }
 
-/* Its own corners, some left out. */
+/* Triangles of the leaf's own corners. */
 static void try_own(struct fit *fit, const struct lod_fan *leaf)
 {
 	for (uint32_t set = 0; set < 1u << leaf->corners; set++) {
