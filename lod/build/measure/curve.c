@@ -1,25 +1,30 @@
-/* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor s_opt that minimises the
- * distance of (Precision, Recall) to (1, 1) (and keeps the wrong pixels in bounds: curve_ways.c), and the wrong pixels that are left.
+/* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor
+ * s_opt that minimises the distance of (Precision, Recall) to (1, 1) with a bound on wrong pixels
+ * (curve_ways.c), and the remaining wrong pixels.
  *
- * What is measured is what will be drawn: the cut sets of lod/ladder.h, over views all around (probe.h), against the organ's own
- * full detail. Scales are kept relative to Cook's 1/lambda, whose singularity at 0 is thus taken out: s/s_Cook is a slow function
- * of log lambda, so the search starts from the neighbouring share's answer, walks in strides down to an eighth of an octave and ends
- * with a parabola. From many elements to few, as the error surface of a few elements is rough and that of many is not.
+ * The measured pictures are those of plans: the cuts of lod/ladder.h, in views all around (probe.h), against
+ * the organ's own full detail. Scales are kept relative to Cook's 1/lambda, which removes its singularity at
+ * 0: s/s_Cook is a slow function of log lambda, so the search starts at the neighbouring share's answer,
+ * walks in strides down to an eighth of an octave and ends with a parabola. It goes from many elements to
+ * few, since the error surface of few elements is rough.
  *
- * Leaves come in several forms, and the same vertices show many elements as points or few as they are. At each share some reaches
- * between these ends are tried, the same numbers of elements at all shares, so that a way may stay at one while vertices go into
- * finer forms; and the way through them is the one of least loss in all on which nothing that was drawn is dropped or coarsened
- * again (dynamic programming over the shares): what a ladder draws at a share is then what was measured there.
+ * Leaves have several forms, and the same vertices show many elements as points or few in full detail. At
+ * each share some reaches between these ends are tried, the same numbers of elements at all shares, so that a
+ * way may keep one while vertices go into finer forms. The chosen sequence of ways has the least total loss
+ * without dropping or coarsening any element (dynamic programming over the shares): a ladder then draws at a
+ * share what was measured there.
  *
- * A complex plant's organ is a coarse list for the whole plant and the rest of the same order in cells. Its curve is measured over
- * the whole: each ladder draws its part of the elements that the share reaches, as when all cells stand at one distance. All these
- * ladders share the curve.
+ * An organ of a complex plant is a coarse list for the whole plant and the rest of the same order in cells.
+ * Its curve is measured over the whole: each ladder draws its part of the elements that the share reaches, as
+ * if all cells were at one distance. All these ladders share the curve.
  *
- * Two touches make curves fit for a planner. The scales are smoothed over neighbouring shares, as a scale that jumps would be seen;
- * and the error is made non-increasing by the least-squares monotone fit (pool adjacent violators), as more vertices must never
- * look worse to it. All arithmetic is +, -, *, / and sqrt in fixed order: the same curves on every machine.
+ * Two steps fit curves to a planner. Scales are smoothed over neighbouring shares, since a jump would be
+ * visible. The error is made non-increasing by the least-squares monotone fit (pool adjacent violators),
+ * since more vertices must not look worse to the planner. All arithmetic is +, -, *, / and sqrt in fixed
+ * order: the same curves on every machine.
  *
- * Here: which shares, and from their samples a curve for all ladders that share one. What a sample takes is in curve_ways.c. */
+ * This file chooses the shares and turns their samples into a curve for all ladders that share it;
+ * curve_ways.c measures a sample. */
 #include "lod/build/measure/curve.h"
 
 #include <stdlib.h>
@@ -29,9 +34,9 @@
 #include "lod/build/grid.h"
 #include "lod/ladder.h"
 
-#define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the rest is for levels */
+#define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the others are for levels */
 
-/* ---- Which shares ---- */
+/* ---- Shares ---- */
 
 static void add_sample(struct lod_curve_organ *curve, double share, bool scale_is_free)
 {
@@ -47,7 +52,8 @@ static double grown(double n, double factor)
 	return n * factor > n + 1 ? n * factor : n + 1;
 }
 
-/* Shares of the numbers of primitives from one to `all`, four an octave, or fewer where that were too many; `per`: share of one. */
+/* Shares of the numbers of primitives from one to `all`, four an octave, or fewer if that were too many;
+ * `per`: share of one. */
 static void sample_geometrically(struct lod_curve_organ *curve, double all, double per)
 {
 	static const double factors[] = { 1.189207115002721, 1.2599210498948732, 1.4142135623730951, 2 };
@@ -64,7 +70,7 @@ static void sample_geometrically(struct lod_curve_organ *curve, double all, doub
 			add_sample(curve, (double)(uint64_t)(n + 0.5) * per, curve->scaled);
 }
 
-/* Lines or points one by one, then where each level of the largest ladder begins. */
+/* Lines or points one by one, then the beginning of each level of the largest ladder. */
 static void sample_levels(struct lod_curve_organ *curve)
 {
 	const struct eco_scene *scene = &curve->probe->scene;
@@ -96,8 +102,9 @@ static void choose_samples(struct lod_curve_organ *curve)
 
 /* ---- Smoothing ---- */
 
-/* Twice [1 2 1]/4 over the samples whose scale is free, as far as each has play: where leaves turn into another form the best scale may
- * change fast. The samples are evenly spaced in log share but for the first few. */
+/* Smooths twice with [1 2 1]/4 over the samples with a free scale, within each one's play: where leaves
+ * change their form the best scale may change fast. Samples are evenly spaced in log share but for the first
+ * few. */
 static void smooth_steps(struct lod_curve_organ *curve)
 {
 	double best[LOD_CURVE_SAMPLES_MAX];
@@ -116,7 +123,8 @@ static void smooth_steps(struct lod_curve_organ *curve)
 	}
 }
 
-/* Pool adjacent violators: the non-increasing sequence of errors nearest to the measured one. fp and fn keep their ratio. */
+/* Pool adjacent violators: the non-increasing sequence of errors nearest to the measured one. fp and fn keep
+ * their ratio. */
 static void make_monotone(struct lod_curve_organ *curve)
 {
 	double mean[LOD_CURVE_SAMPLES_MAX], weight[LOD_CURVE_SAMPLES_MAX];
@@ -222,7 +230,7 @@ static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progre
 	return code;
 }
 
-/* From other views: what is drawn is the same, but for its scale. */
+/* For other views: the same reach, at the best scale there. */
 static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -240,7 +248,7 @@ static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progre
 	return code;
 }
 
-/* One after the other: from all around, which says what is drawn, too, and from above. */
+/* A curve from all around, which also decides reaches; or, after it, the curve from above. */
 static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress, struct eco_error *error)
 {
 	bool any;
@@ -303,7 +311,7 @@ static void sum_up(struct lod_curve_organ *curve)
 	curve->unit[curve->units++] = curve->full / curve->elements;
 }
 
-/* Ladders from `first` on that share its curve and have none yet; `done` marks them. */
+/* Gathers ladders from `first` on that share its curve and have none yet; `done` marks them. */
 static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool *done, uint32_t *members)
 {
 	const struct lod_plant *plant = probe->plant;
@@ -364,7 +372,7 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 	uint32_t *members, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	for (int pass = 0; pass < 2 && !code; pass++) {       /* first only counts, for progress */
+	for (int pass = 0; pass < 2 && !code; pass++) {       /* the first only counts, for progress */
 		memset(done, 0, plant->ladder_count * sizeof *done);
 		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
 			struct lod_curve_organ curve;

@@ -1,19 +1,20 @@
-/* Drawing a share of an organ, the scale that serves it best, and which of its forms: see lod/build/measure/curve_ways.h. */
+/* Drawing a share of an organ, its best scale, and its best reach. */
 #include "lod/build/measure/curve_ways.h"
 
 #include <math.h>
 
 #include "lod/ladder.h"
 
-#define WRONG_MOST 2                 /* wrong pixels to each that there is to cover, beyond which each counts as much as all of Q. By 1 - Q
-                                      * alone a few leaves of a sparse crown (needles, bamboo) swell up to 8 wrong pixels to each. With 1,
-                                      * scenes lose, as plants hide each other's wrong pixels; with 1.5, herbs and dense crowns of 20 to 40
-                                      * leaves: a pine of needles at 2,048 vertices has Q .86 (.61 unbounded, .91 with 2), a herb at 64 .63 (.71) */
-#define LITTLE 0.001                 /* loss for which a scale gives way to those of its neighbours. On other views of eight plants
-                                      * that costs .0003, .004 at most; without this bound .0008, .017 at most; scales that are not
-                                      * smoothed vary a quarter more */
-#define FEW 64.0                     /* vertices below which a plant is but a dot, and what is best there matters in proportion */
-#define HOPELESS 0.04                /* loss more than the best reach's by which another is not looked at further until it is chosen */
+/* Wrong pixels for each pixel of the reference, beyond which each counts as much as all of Q. Without a bound
+ * a few leaves of a sparse crown (needles, bamboo) swell to 8 wrong pixels for each (lod/EXPERIMENTS.md,
+ * Bounds on wrong pixels). */
+#define WRONG_MOST 2
+/* Loss up to which a scale is smoothed towards its neighbours (lod/EXPERIMENTS.md, Smoothing scales). */
+#define LITTLE 0.001
+/* Vertices below which a plant is but a dot, and its loss counts in proportion. */
+#define FEW 64.0
+/* A reach that loses so much more than the best is not searched further unless it is chosen. */
+#define HOPELESS 0.04
 #define STEPS (LOD_CURVE_STEP_HIGH - LOD_CURVE_STEP_LOW + 1)
 
 /* ---- 2^(step/8) ---- */
@@ -109,7 +110,7 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 	return code;
 }
 
-/* Vertex of the parabola through a step and its neighbours, and how far from it the loss is small. */
+/* The vertex of the parabola through a step and its neighbours, and how far from it the loss stays small. */
 static enum eco_code refine(struct search *search, int best, struct lod_curve_way *way, struct eco_error *error)
 {
 	double low = 0, high = 0;
@@ -150,7 +151,7 @@ enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double shar
 
 /* ---- Reaches ---- */
 
-/* Elements that a sample's vertices come to, all in form `form`. */
+/* Number of elements whose cost, all in form `form`, is that of a sample. */
 static double elements_in(const struct lod_curve_organ *curve, uint32_t sample, uint32_t form)
 {
 	double e = curve->samples[sample].share * curve->full / curve->unit[form];
@@ -171,8 +172,8 @@ static void add_way(const struct lod_curve_organ *curve, struct lod_curve_sample
 		way->finer[i] = i <= stage ? e : i == stage + 1 ? f : 0;
 }
 
-/* From all in full detail to all in the coarsest form; between them every stride-th rung. Any way can go on: at its rung, or, where
- * that is too few elements for the vertices, in full detail. */
+/* Ways from all in full detail to all in the coarsest form, at every stride-th rung between. Any way can go
+ * on: at its rung, or in full detail if that is too few elements for the vertices. */
 static void place_ways(struct lod_curve_organ *curve, uint32_t at)
 {
 	struct lod_curve_sample *sample = &curve->samples[at];
@@ -222,7 +223,8 @@ static bool ascends(const struct lod_curve_way *before, const struct lod_curve_w
 	return true;
 }
 
-/* The ascending way of least loss in all: samples count alike, as they lie evenly in log share, but for the first few vertices. */
+/* The ascending sequence of ways with the least total loss (dynamic programming). Samples weigh alike, as
+ * they lie evenly in log share, except those of the first few vertices. */
 static void choose_ways(struct lod_curve_organ *curve, uint32_t count)
 {
 	static const double never = 1e30;

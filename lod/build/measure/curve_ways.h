@@ -1,21 +1,25 @@
-/* Inside the measurement of curves (lod/build/measure/curve.c): one share of an organ's vertices, drawn; the scale at which it loses least; and, for
- * leaves in several forms, how many elements it reaches. */
+/* The inside of the measurement of curves (lod/build/measure/curve.c). A share of an organ's vertices is
+ * drawn; the search finds the scale with the least loss and, for leaves in several forms, the number of
+ * elements to draw (reach). A way is one reach at one share. */
 #ifndef LOD_CURVE_WAYS_H
 #define LOD_CURVE_WAYS_H
 
 #include "lod/build/measure/curve.h"
 #include "lod/build/measure/probe.h"
 
-/* Scales are 2^(step/8) times Cook's: 1/4 to 8. Up to 4 some shrubs lose 0.015 of Q and a meadow 0.005; up to 64 sparse crowns become
- * balloons of a few leaves, and forests lose. */
+/* Scales are 2^(step/8) times Cook's, from 1/4 to 8. With other limits plants or scenes lose
+ * (lod/EXPERIMENTS.md, Limits of scales). */
 #define LOD_CURVE_STEP_LOW (-16)
 #define LOD_CURVE_STEP_HIGH 24
 #define LOD_CURVE_FORMS_MAX 4
-#define LOD_CURVE_WAYS_MAX 12        /* reaches tried at a share: from all in full detail (0) to all in the coarsest form */
+/* Reaches tried at a share: from all in full detail (0) to all in the coarsest form. */
+#define LOD_CURVE_WAYS_MAX 12
 
 struct lod_curve_way {               /* one reach at one share */
-	uint32_t rung;               /* number of the sample whose vertices, all in the coarsest form, are this reach; ECO_NONE: of full detail */
-	double reach, step, loss;    /* step: scale is 2^(step/8) times Cook's */
+	/* The sample whose vertices, all in the coarsest form, are this reach; ECO_NONE: that of full
+	 * detail. */
+	uint32_t rung;
+	double reach, step, loss;    /* step: the scale is 2^(step/8) times Cook's */
 	double play;                 /* steps by which the scale may differ from the best at little loss */
 	double finer[LOD_CURVE_FORMS_MAX];   /* elements in this form or a finer one */
 	bool given_up;               /* its scale is not the best */
@@ -25,19 +29,19 @@ struct lod_curve_sample {
 	double share;                /* of the organ's vertices */
 	double reach, step, play;
 	double fp, fn;
-	bool free;                   /* its scale is there to be chosen */
+	bool free;                   /* its scale is searched */
 	struct lod_curve_way ways[LOD_CURVE_WAYS_MAX];   uint32_t way_count, chosen;
 };
 
 struct lod_curve_organ {             /* ladders that share one curve */
 	struct lod_probe *probe;
-	uint32_t *members, member_count;         /* indices of ladders; [0] leads: the whole plant's where there is one */
-	bool far_only;               /* FAR ladders: measured against what the organ's others draw */
+	uint32_t *members, member_count; /* indices of ladders; [0] is the whole plant's if there is one */
+	bool far_only;               /* FAR ladders: measured against the organ's other ladders */
 	bool scaled;                 /* not wood */
 	bool forms;                  /* leaves in several forms */
 	double unit[LOD_CURVE_FORMS_MAX];    /* forms: mean vertices of an element, coarsest first */
 	uint32_t units;
-	double elements, full;       /* of all members; vertices */
+	double elements, full;       /* of all members; full: in vertices */
 	struct lod_curve_sample samples[LOD_CURVE_SAMPLES_MAX];
 	uint32_t sample_count;
 	struct lod_solved solved;
@@ -53,28 +57,29 @@ static inline uint64_t lod_curve_primitives(const struct lod_curve_organ *curve,
 	return list == ECO_NONE ? 0 : curve->probe->lists[list].primitive_count;
 }
 
-/* 2^(step / 8), for a step of [LOD_CURVE_STEP_LOW, LOD_CURVE_STEP_HIGH]: linear between whole steps, so that every machine has the same. */
+/* 2^(step / 8) for a step in [LOD_CURVE_STEP_LOW, LOD_CURVE_STEP_HIGH]: linear between whole steps, so that
+ * every machine has the same. */
 double lod_curve_scale(double step);
 
-/* Adds a ladder of the plant to the probe's pictures, as it is drawn at that sample. */
+/* Adds a ladder of the plant to the probe's pictures, as drawn at that sample. */
 enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder, const struct eco_curve *sample,
 	struct eco_error *error);
 /* Clears the probe's pictures and draws a share of all members. */
 enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step, struct eco_error *error);
 
-/* The best scale for way->reach, from step `start` on: fills step, loss and play. `warm`: that is near the answer, and is enough where the
- * loss there is more than `most`; then the way is given up. */
+/* Searches the best scale for way->reach from step `start` on; sets step, loss and play. `warm`: `start` is
+ * near the answer; if the loss there is more than `most` the way is given up. */
 enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way, double start, bool warm,
 	double most, struct eco_error *error);
 
-/* Tries all ways of sample `at`, each from the scale that was best for the same rung at the next larger share (NULL: there is none), or
- * from its neighbour's. */
+/* Tries all ways of sample `at`, each from the best scale of the same rung at the next larger share (NULL:
+ * none), or from that of its neighbour. */
 enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at, const struct lod_curve_sample *larger,
 	struct eco_error *error);
 
-/* Chooses a way for each of the first `count` samples, and with it reach, step and play: the ascending ones of least loss in all. What was
- * given up is looked for where it is chosen nevertheless, as what goes before it or comes after it was worth that. It only gets better, so
- * this ends. */
+/* Chooses a way for each of the first `count` samples, and with it reach, step and play: the ascending
+ * sequence of ways with the least total loss. If it contains ways that were given up their scales are
+ * searched, and the choice is repeated; losses only fall, so this ends. */
 enum eco_code lod_curve_settle(struct lod_curve_organ *curve, uint32_t count, struct eco_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* A plant seen from all around. See probe.h. */
+/* A plant seen from all around. */
 #include "lod/build/measure/probe.h"
 
 #include <math.h>
@@ -10,9 +10,9 @@
 #include "lod/geometry.h"
 
 #define DISTANCE_RADII 16.0
-#define FRAME 1.04                   /* half the picture over the bounding sphere's silhouette */
-#define PIXELS_AT_ONCE (1u << 22)    /* of all pictures that are drawn at a time */
-#define SHARED_PRIMITIVES 8192u      /* fewer are drawn faster than threads begin */
+#define FRAME 1.04 /* half the picture over the radius of the bounding sphere's silhouette */
+#define PIXELS_AT_ONCE (1u << 22)    /* of all pictures drawn at a time */
+#define SHARED_PRIMITIVES 8192u      /* fewer primitives are drawn faster than threads start */
 
 struct lod_drawing {                 /* one cut, as triangles, lines or points; offsets into `floats` */
 	uint8_t kind;
@@ -57,7 +57,7 @@ static void bounds(struct lod_probe *probe, const struct eco_model *model)
 	probe->radius = far2 > 0 ? sqrt(far2) : 1;
 }
 
-/* Each view a golden angle on from the last: a rotation, so no libm. */
+/* Each view is a golden angle on from the last: a rotation, without libm. */
 void lod_probe_look(struct lod_probe *probe, double low, double high)
 {
 	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
@@ -87,7 +87,7 @@ static size_t view_pixels(const struct lod_probe *probe)
 	return (size_t)probe->options.pixels * probe->options.pixels;
 }
 
-/* One raster, or, where views can be drawn at a time, as many as stay small together. */
+/* One raster, or, if views are drawn in parallel, as many as stay small together. */
 static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *error)
 {
 	size_t most = probe->options.each ? PIXELS_AT_ONCE / (view_pixels(probe) + 1) + 1 : 1;
@@ -122,7 +122,7 @@ static bool allocate(struct lod_probe *probe)
 		&& probe->chunks;
 }
 
-/* Chunks as the pack will have them: ladders ask how many triangles some elements have. */
+/* Chunks as in the pack: ladders ask how many triangles some elements have. */
 static void count_chunks(struct lod_probe *probe, struct eco_list *list, const struct lod_list_draft *draft)
 {
 	const struct eco_elements *e = &draft->elements;
@@ -184,7 +184,7 @@ void lod_probe_free(struct lod_probe *probe)
 	memset(probe, 0, sizeof *probe);
 }
 
-/* ---- What to draw ---- */
+/* ---- Drawings ---- */
 
 void lod_probe_clear(struct lod_probe *probe)
 {
@@ -292,7 +292,7 @@ static void start_view(const struct lod_probe *probe, struct lod_raster *raster,
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 }
 
-/* ---- Views, several at a time: each writes only what is its own ---- */
+/* ---- Views, several at a time: each writes only its own data ---- */
 
 struct drawing_views {
 	struct lod_probe *probe;
