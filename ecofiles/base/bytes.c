@@ -1,5 +1,5 @@
-/* Every format of this project is built from these few functions. Both directions go through one place each that knows about
- * bounds (take, grow), so that no parser ever compares an offset by hand. */
+/* All formats of this project are read and written by these functions. take and grow alone compare with
+ * bounds, so that no parser compares an offset by hand. */
 #include "ecofiles/base/bytes.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
-/* Little-endian reading and writing, byte by byte, with bounds. A reader that ran out sets `failed` and returns zeros from then
- * on: check once at the end. A writer grows its buffer; `failed` means out of memory. */
+/* Little-endian reading and writing, byte by byte, with bounds. A reader that runs out sets `failed` and
+ * returns zeros from then on: check it once at the end. A writer grows its buffer; `failed` means out of
+ * memory. */
 #ifndef ECO_BYTES_H
 #define ECO_BYTES_H
 
@@ -18,7 +19,7 @@ float eco_read_f32(struct eco_reader *r);
 double eco_read_f64(struct eco_reader *r);
 uint64_t eco_read_varint(struct eco_reader *r);      /* LEB128, at most 10 bytes, canonical or `failed` */
 int64_t eco_read_zigzag(struct eco_reader *r);
-const uint8_t *eco_read_bytes(struct eco_reader *r, size_t count);   /* NULL when it ran out */
+const uint8_t *eco_read_bytes(struct eco_reader *r, size_t count);   /* NULL: it ran out */
 
 void eco_write_u8(struct eco_writer *w, uint8_t v);
 void eco_write_u16(struct eco_writer *w, uint16_t v);

@@ -1,5 +1,6 @@
-/* fork, limits, a memory file or a pipe for the result, a shared page for the error, and a pipe that closes when the child dies: the
- * parent waits for that with a deadline, so that not even a child that ignores its signals holds it up. */
+/* fork, limits, a memory file or a pipe for the result, a shared page for the error, and a pipe that
+ * closes when the child dies. The parent waits for that pipe with a deadline, so that a child that ignores
+ * its signals cannot hold it up. */
 #include "ecofiles/base/guard.h"
 
 #include <errno.h>
@@ -33,13 +34,14 @@
 
 #define GIB (1ull << 30)
 #define FILES_MAX 512u               /* a mosaic opens its parts */
-#define GRACE_S 5u                   /* between the signal that can be caught and the one that cannot */
+#define GRACE_S 5u                   /* from the signal that can be caught to the one that cannot */
 #define CRASH_STACK (64u << 10)
 
-/* What both see. The child may write anything here: it is read after its death and checked. */
+/* Memory that parent and child share. The child may write anything here: the parent reads it after the
+ * child's death and checks it. */
 struct shared {
 	struct eco_error error;
-	int no_memory;               /* it crashed after an allocation had failed */
+	int no_memory;               /* the child crashed after an allocation had failed */
 };
 
 struct eco_guard {
@@ -49,18 +51,19 @@ struct eco_guard {
 	pid_t pid;
 	int slot;                    /* in `children`; -1: none was free */
 	int life;                    /* reading end of a pipe that closes when the child is dead */
-	int data;                    /* eco_guard_start: reading end of the pipe it writes to */
+	int data;                    /* eco_guard_start: reading end of the pipe that the child writes to */
 	FILE *stream;
 	double waited_s;
-	bool late, ended;            /* the clock's limit is over; the stream's end was met */
+	bool late, ended;            /* past the clock's limit; at the end of the stream */
 };
 
-/* ---- Who runs, for eco_guard_interrupt ---- */
+/* ---- Children that run, for eco_guard_interrupt ---- */
 
 #define CHILDREN 64
 static _Atomic pid_t children[CHILDREN];
 static atomic_bool interrupted[CHILDREN];
-/* One at a time: a pipe's writing end that another child inherits would stay open for as long as that one lives. */
+/* One fork at a time: another child would inherit the writing end of a pipe and keep it open as long as it
+ * lives. */
 static pthread_mutex_t forking = PTHREAD_MUTEX_INITIALIZER;
 
 static void enlist(struct eco_guard *g)
@@ -158,7 +161,8 @@ static uint64_t address_space_bytes(void)
 
 static struct shared *crash_note;
 
-/* A pointer that is null because an allocation failed, an exception for want of memory that nobody caught: errno still says so. */
+/* A library may crash after a failed allocation: by a null pointer, or by an exception that nobody caught.
+ * errno still tells. */
 static void crashed(int number)
 {
 	if (errno == ENOMEM)
@@ -191,13 +195,14 @@ static void default_signals(void)
 	sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-/* Out of the way of standard input, output and error, which the parent may have closed. */
+/* Moves a descriptor above those of standard input, output and error, which the parent may have closed. */
 static int lift(int descriptor)
 {
 	return descriptor > STDERR_FILENO ? descriptor : fcntl(descriptor, F_DUPFD, STDERR_FILENO + 1);
 }
 
-/* Of the parent's descriptors only these two: not the pack that is being written, not what a library keeps open. */
+/* Closes every descriptor inherited from the parent but these two: the pack being written, and files that
+ * libraries keep open. */
 static void close_others(int a, int b)
 {
 	int low = a < b ? a : b, high = a < b ? b : a;
@@ -209,7 +214,8 @@ static void close_others(int a, int b)
 	close_range((unsigned)high + 1, ~0u, 0);
 }
 
-/* Standard input is nobody's; what libraries print would only confuse, except where a sanitizer has something to say. */
+/* Closes standard input, and silences what libraries print, but under sanitizers, whose reports must be
+ * seen. */
 static void silence(void)
 {
 	int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -224,7 +230,7 @@ static void silence(void)
 		close(null);
 }
 
-/* If the machine runs out of memory, this is the process to end. */
+/* Asks the kernel to kill this process first if the machine runs out of memory. */
 static void volunteer(void)
 {
 	int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
@@ -232,12 +238,12 @@ static void volunteer(void)
 	if (file < 0)
 		return;
 	if (write(file, "1000", 4) < 0)
-		errno = 0;               /* then it is ended as any other */
+		errno = 0;               /* then the kernel treats it as any other process */
 	close(file);
 }
 
-/* Where the filter is not to be had, this is what keeps GDAL and PROJ from asking a server that a file names, and from running a
- * program that it holds. */
+/* Keeps GDAL and PROJ from fetching from a server that a file names, and from running a program that it
+ * holds. Needed where the kernel or the container allows no filter (guard_filter.h). */
 static void stay_offline(void)
 {
 	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" }, { "PROJ_NETWORK", "OFF" },
@@ -271,7 +277,7 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	if (getppid() != parent)
-		_exit(1);                    /* it died before that */
+		_exit(1);                    /* the parent died before prctl */
 	default_signals();
 	to = lift(to);
 	life = lift(life);
@@ -297,7 +303,7 @@ static double now_s(void)
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Until there is something to read or the other end is closed; past the clock's limit the child is ended. */
+/* Waits until there is something to read or the other end is closed; ends the child at the clock's limit. */
 static void await(struct eco_guard *g, int descriptor)
 {
 	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };
@@ -377,7 +383,8 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d", g->what, WEXITSTATUS(status));
 }
 
-/* Waits for the child's end and gives the verdict. The slot is freed before the id can be another process's. */
+/* Waits for the child's end and gives the verdict. Frees the slot before another process can get the
+ * child's id. */
 static enum eco_code reap(struct eco_guard *g, struct eco_error *error)
 {
 	bool stopped = false;
@@ -386,7 +393,7 @@ static enum eco_code reap(struct eco_guard *g, struct eco_error *error)
 	int status = 0;
 
 	await(g, g->life);
-	kill(g->pid, SIGKILL);           /* does nothing to one that is ending by itself */
+	kill(g->pid, SIGKILL);           /* does nothing to a child that is ending by itself */
 	while (waitid(P_PID, (id_t)g->pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR)
 		;
 	if (g->slot >= 0) {
@@ -437,7 +444,7 @@ static struct eco_guard *new_guard(const char *what, const struct eco_guard_limi
 	return g;
 }
 
-/* Forks with both ends in hand; `to` is the descriptor that the child writes to. */
+/* Forks, with all pipes open; the child writes to the descriptor `to`. */
 static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, struct eco_error *error)
 {
 	int life[2] = { -1, -1 };

@@ -1,5 +1,5 @@
-/* A list of what is refused, not of what is allowed: libraries and C libraries of other versions ask for things that nobody foresaw, and
- * reading a file must not fail for that. What does harm is well known. */
+/* A list of refused calls, not of allowed ones: another version of a library or of the C library may make
+ * calls that nobody foresaw, and reading a file must not fail for that. The harmful calls are well known. */
 #include "ecofiles/base/guard_filter.h"
 
 #include <errno.h>
@@ -13,19 +13,19 @@
 #define CALL(name) SCMP_SYS(name)
 
 static const int refused[] = {
-	/* talking to anybody */
+	/* network and messages */
 	CALL(socket), CALL(socketpair), CALL(connect), CALL(bind), CALL(listen), CALL(accept), CALL(accept4), CALL(sendto), CALL(sendmsg),
 	CALL(sendmmsg), CALL(mq_open), CALL(msgget), CALL(semget), CALL(shmget),
-	/* programs and processes, others' memory */
+	/* programs, processes, memory of others */
 	CALL(execve), CALL(execveat), CALL(fork), CALL(vfork), CALL(ptrace), CALL(process_vm_readv), CALL(process_vm_writev), CALL(pidfd_open),
 	CALL(pidfd_getfd), CALL(pidfd_send_signal), CALL(kcmp), CALL(rt_sigqueueinfo), CALL(rt_tgsigqueueinfo), CALL(tkill),
-	/* what names of files mean */
+	/* changes to names of files */
 	CALL(creat), CALL(mkdir), CALL(mkdirat), CALL(mknod), CALL(mknodat), CALL(rmdir), CALL(unlink), CALL(unlinkat), CALL(rename),
 	CALL(renameat), CALL(renameat2), CALL(link), CALL(linkat), CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod),
 	CALL(fchmodat), CALL(chown), CALL(lchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat), CALL(futimesat),
 	CALL(setxattr), CALL(lsetxattr), CALL(removexattr), CALL(lremovexattr), CALL(open_by_handle_at), CALL(inotify_init1),
 	CALL(fanotify_init),
-	/* the system, and ways around all this */
+	/* the system's state, and ways around this filter */
 	CALL(mount), CALL(umount2), CALL(pivot_root), CALL(chroot), CALL(setns), CALL(unshare), CALL(swapon), CALL(swapoff), CALL(reboot),
 	CALL(sethostname), CALL(setdomainname), CALL(settimeofday), CALL(clock_settime), CALL(adjtimex), CALL(init_module),
 	CALL(finit_module), CALL(delete_module), CALL(kexec_load), CALL(bpf), CALL(perf_event_open), CALL(userfaultfd), CALL(add_key),
@@ -34,7 +34,7 @@ static const int refused[] = {
 	CALL(setfsgid), CALL(setsid), CALL(setpgid), CALL(setrlimit), CALL(syslog), CALL(vhangup), CALL(iopl), CALL(ioperm),
 };
 
-/* Opening for anything but reading, in either call. */
+/* open and openat for anything but reading. */
 static int refuse_writing(scmp_filter_ctx filter)
 {
 	static const int bits[] = { O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND };
@@ -49,14 +49,15 @@ static int refuse_writing(scmp_filter_ctx filter)
 	return failed;
 }
 
-/* Calls with arguments behind a pointer cannot be judged; the C library falls back on the older ones. */
+/* The filter cannot see arguments behind a pointer, so such calls are refused; the C library falls back on
+ * older ones. */
 static int refuse_unseen(scmp_filter_ctx filter)
 {
 	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(openat2), 0)
 		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(clone3), 0);
 }
 
-/* Threads, but no processes; signals to oneself, but to nobody else; limits may be asked for, but not changed. */
+/* Threads are allowed, processes are not; signals only to oneself; limits may be read but not changed. */
 static int refuse_others(scmp_filter_ctx filter)
 {
 	scmp_datum_t self = (scmp_datum_t)getpid();
@@ -75,7 +76,7 @@ bool eco_guard_filter(void)
 	if (failed)
 		return false;
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);       /* some do not exist on some machines */
+		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);       /* some calls do not exist on some machines */
 	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter);
 	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
 	failed = failed != 0 || seccomp_load(filter) != 0;

@@ -1,6 +1,7 @@
-/* Where a value stands in the text is found again from its path of ordinal numbers: jansson keeps members in the order of the text
- * and duplicate keys are refused, so the n-th member of an object is the n-th key written, whatever its escapes. The text has been
- * accepted by jansson before, so the scanner below only has to skip, never to judge; it is bounded by the text's end all the same. */
+/* The position of a value is found again from its path of ordinal numbers: jansson keeps members in the
+ * order of the text, and duplicate keys are refused, so that the n-th member of an object is the n-th key
+ * written, whatever its escapes. jansson has accepted the text before, so the scanner below only skips and
+ * never judges; the text's end bounds it all the same. */
 #include "ecofiles/base/json_read.h"
 
 #include <stdarg.h>
@@ -24,13 +25,13 @@ static const char *type_name(const json_t *value)
 	}
 }
 
-/* Behind the byte order mark that some editors write in front of UTF-8. */
+/* Offset behind the byte order mark that some editors write in front of UTF-8. */
 static size_t text_start(const struct eco_json_file *file)
 {
 	return file->size >= 3 && memcmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
 }
 
-/* What is no JSON, by its first bytes; NULL: nothing that is known. */
+/* Names a file that is not JSON by its first bytes; NULL: not known. */
 static const char *other_kind(const struct eco_json_file *file)
 {
 	static const struct { const char *start, *says; } kinds[] = {
@@ -47,7 +48,7 @@ static const char *other_kind(const struct eco_json_file *file)
 	return NULL;
 }
 
-/* What people mean by the commonest mistakes; `end` is behind the token that the parser does not understand. */
+/* A hint for the commonest mistakes; `end` is behind the token that the parser refused. */
 static const char *hint(const struct eco_json_file *file, size_t end, const char *says)
 {
 	size_t at = end > 0 && end <= file->size ? end - 1 : 0;
@@ -102,7 +103,7 @@ struct eco_json eco_json_item(const struct eco_json *array, size_t index)
 		.value = json_array_get(array->value, index) };
 }
 
-/* ---- Places ---- */
+/* ---- Positions ---- */
 
 static size_t skip_space(const char *text, size_t size, size_t at)
 {

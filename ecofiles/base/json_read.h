@@ -1,15 +1,15 @@
-/* JSON from outside, read so that every complaint has a line and a column.
+/* JSON from outside, read so that every error has a line and a column.
  *
- * jansson keeps no positions. A node here knows its parent, so that an error can walk from the document's root to the value in the
- * text once more, and only then: reading costs nothing extra and no index is kept.
+ * jansson keeps no positions. A node here knows its parent; only when there is an error, the path from the
+ * root to the value is walked in the text again. So reading costs nothing extra and no index is kept.
  *
  *   json_t *root = eco_json_open(&file);                                  file: name, text, size, error
  *   struct eco_json top = eco_json_root(&file, root);
- *   if (!eco_json_object(&top, fields) || !eco_json_number(&top, "fps", 0.001, 1000, &fps)) fail: file.error has been written
+ *   if (!eco_json_object(&top, fields) || !eco_json_number(&top, "fps", 0.001, 1000, &fps)) fail: file.error is set
  *   json_decref(root);
  *
- * Functions that return bool return false after an error; an absent optional field leaves *out alone and is true. Texts returned
- * live as long as the root. */
+ * Functions that return bool return false after an error; an absent optional field leaves *out alone and
+ * is true. Texts returned live as long as the root. */
 #ifndef ECO_JSON_READ_H
 #define ECO_JSON_READ_H
 
@@ -31,27 +31,29 @@ struct eco_json {
 	const struct eco_json *parent;       /* must outlive this node */
 	const char *key;                     /* in an object, for messages; NULL in an array or at the root */
 	size_t index;                        /* among the parent's members or items, in the order of the text */
-	const json_t *value;                 /* NULL: not there */
+	const json_t *value;                 /* NULL: absent */
 };
 
-/* Parses UTF-8, with or without a byte order mark; NULL after an error, which for syntax has the parser's position. Keys that come
- * twice are an error. */
+/* Parses UTF-8, with or without a byte order mark. NULL after an error; a syntax error has the parser's
+ * position. A key that comes twice is an error. */
 json_t *eco_json_open(const struct eco_json_file *file);
 struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root);
 struct eco_json eco_json_member(const struct eco_json *object, const char *key);
 struct eco_json eco_json_item(const struct eco_json *array, size_t index);
 
-/* "NAME:LINE:COLUMN: text", the place where `at` begins (where its parent does if it is absent). Returns `code`. */
+/* Writes the error "NAME:LINE:COLUMN: text" for the start of `at` (of its parent if it is absent). Returns
+ * `code`. */
 enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
-/* "out of memory"; false, for `return`. */
+/* Writes "out of memory"; returns false, for `return`. */
 bool eco_json_no_memory(const struct eco_json *at);
 /* Line and column (in characters, from 1) of a node. */
 void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column);
 
-/* An object with no members but `fields` (ends with NULL); the error names the stranger and lists what is known. */
+/* An object with no members but `fields` (ends with NULL); the error names the unknown member and lists
+ * the known ones. */
 bool eco_json_object(const struct eco_json *at, const char *const *fields);
-/* An object whose keys are not fields but names, count_max at most. */
+/* An object of at most count_max members whose keys are names, not fields. */
 bool eco_json_names(const struct eco_json *at, size_t count_max);
 bool eco_json_array(const struct eco_json *at, size_t count_max);
 bool eco_json_required(const struct eco_json *object, const char *key);

@@ -1,10 +1,11 @@
-/* Chance that is the same on every machine: SplitMix64 (Steele, Lea, Flood 2014), a counter of full period and a good mixer, in integers only. */
+/* Random numbers that are the same on every machine: SplitMix64 (Steele, Lea, Flood 2014), a counter of
+ * full period and a good mixer, in integers only. */
 #ifndef ECO_MIX_H
 #define ECO_MIX_H
 
 #include <stdint.h>
 
-/* The next 64 bits of a sequence that any state begins. */
+/* The next 64 bits of a sequence; any state begins one. */
 static inline uint64_t eco_mix_next(uint64_t *state)
 {
 	uint64_t z = *state += 0x9e3779b97f4a7c15u;
@@ -14,7 +15,7 @@ static inline uint64_t eco_mix_next(uint64_t *state)
 	return z ^ (z >> 31);
 }
 
-/* Of a row, say: bits that depend on its number and a seed alone. */
+/* 64 bits that depend on a seed and a number (of a row, for example) alone. */
 static inline uint64_t eco_mix(uint64_t seed, uint64_t number)
 {
 	uint64_t state = seed * 0xd1b54a32d192ed03u + number * 0x9e3779b97f4a7c15u;
@@ -27,7 +28,7 @@ static inline double eco_mix_unit(uint64_t bits)
 	return (double)(bits >> 11) / 9007199254740992.0;
 }
 
-/* A slot of a table for three numbers; the low bits are as good as the high ones. */
+/* A slot in a hash table for three numbers; its low bits are as good as the high ones. */
 static inline uint32_t eco_mix_slot(uint32_t a, uint32_t b, uint32_t c)
 {
 	uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);

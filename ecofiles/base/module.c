@@ -1,5 +1,5 @@
-/* dlopen, once for each module, under one lock. That lock is held while a process forks, so that no child (guard.h) begins with the loader
- * half way through another thread's library. */
+/* Modules are loaded by dlopen, once each, under one lock. The lock is also held while a process forks, so
+ * that no child (guard.h) begins while another thread is half way through loading a library. */
 #include "ecofiles/base/module.h"
 
 #include <dlfcn.h>
@@ -30,7 +30,7 @@ static bool is_there(const char *folder, const char *file, char path[PATH_MAX])
 	return snprintf(path, PATH_MAX, "%s/%s", folder, file) < PATH_MAX && access(path, F_OK) == 0;
 }
 
-/* The folder of the executable, then its parent. */
+/* Looks in the executable's folder, then in the folder above it. */
 static bool find_beside(const char *file, char path[PATH_MAX])
 {
 	char folder[PATH_MAX];
@@ -66,7 +66,7 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package %s installed?)", file,
 			modules[module].for_what, dlerror(), modules[module].package);
 	table = dlsym(handle, modules[module].symbol);
-	/* it stays mapped: libraries such as these do not stand being unloaded */
+	/* the module stays mapped even so: libraries such as these do not survive unloading */
 	if (table == NULL || *table != ECO_MODULE_VERSION)
 		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: make builds it anew", path);
 	loaded[module] = table;

@@ -1,14 +1,16 @@
-/* Libraries that few scenes need, each behind a table of functions in a module (eco*.so) that is loaded when something first calls it:
- * GDAL alone brings more than a hundred libraries with it, which every program would map and start at every call.
+/* Modules (eco*.so): libraries that few scenes need, each behind a table of functions, loaded when
+ * something first calls it. GDAL alone depends on more than a hundred libraries, which every program would
+ * otherwise map and start at every call.
  *
  *   const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, &error);
  *   if (gdal == NULL)
  *           return ECO_NOT_FOUND;
  *   code = gdal->rows_open(&rows, &source, &error);
  *
- * A module is looked for in the folder that ECO_MODULES names, if that is set, else beside the running executable, else in the folder
- * above it (programs of tests lie one below). It is linked with what it needs of ecofiles; nothing of the executable is visible to it.
- * The tables are plain C; each module defines its own under the name that the comment says. */
+ * A module is looked for in the folder that ECO_MODULES names, if it is set, else beside the running
+ * executable, else in the folder above (test programs lie one below). It is linked with the parts of
+ * ecofiles that it needs and sees nothing of the executable. The tables are plain C; each module defines
+ * its own under the name in the comment. */
 #ifndef ECO_MODULE_H
 #define ECO_MODULE_H
 
@@ -27,12 +29,13 @@ extern "C" {
 
 enum eco_module { ECO_MODULE_ASSIMP, ECO_MODULE_CAIRO, ECO_MODULE_GDAL, ECO_MODULE_IMAGE, ECO_MODULE_PROJ, ECO_MODULE_COUNT };
 
-/* The module's table, loaded at the first call and then kept until the program ends (libraries keep state of their own). NULL: it cannot
- * be loaded; then the error is ECO_NOT_FOUND and says what was looked for, where, and what to do. Thread-safe. */
+/* The module's table, loaded at the first call and kept until the program ends (libraries keep state of
+ * their own). NULL: it cannot be loaded; the error is ECO_NOT_FOUND and says what was looked for, where,
+ * and what to do. Thread-safe. */
 const void *eco_module(enum eco_module module, struct eco_error *error);
 
-/* Each table begins with this number; one of another version is refused. To be raised whenever a table, or a type that passes through
- * one, changes. */
+/* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
+ * a type that passes through one, changes. */
 #define ECO_MODULE_VERSION 3u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
@@ -45,8 +48,8 @@ struct eco_notes;
 
 struct eco_assimp_module {               /* eco_assimp_module */
 	uint32_t version;
-	/* Positions, uv from the top left, materials, parts and images; triangles_in and what assimp could not triangulate are counted. Not
-	 * cleaned. Only in a guarded child. */
+	/* Positions, uv from the top left, materials, parts and images, not cleaned; triangles_in and
+	 * triangles that assimp could not make are counted. Only in a guarded child. */
 	enum eco_code (*read)(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file, uint32_t triangles_max,
 		struct eco_notes *notes, struct eco_error *error);
 };
@@ -59,7 +62,7 @@ struct eco_chart_path;
 struct eco_chart_style;
 struct eco_chart_file;
 
-struct eco_cairo_module {                /* eco_cairo_module: as the functions of chart.h */
+struct eco_cairo_module {                /* eco_cairo_module: the functions of chart.h */
 	uint32_t version;
 	enum eco_code (*open)(struct eco_canvas **canvas, uint32_t width, uint32_t height, struct eco_error *error);
 	void (*close)(struct eco_canvas *canvas);
@@ -87,15 +90,16 @@ struct eco_raster;
 
 struct eco_gdal_module {                 /* eco_gdal_module */
 	uint32_t version;
-	/* All rasters of the job on one grid (import_ground.h). Only in a guarded child. */
+	/* Reads all rasters of the job onto one grid (import_ground.h). Only in a guarded child. */
 	enum eco_code (*ground_read)(struct eco_ground_job *job, FILE *out, struct eco_error *error);
-	/* Does a driver of OGR other than CSV's claim the file? Only in a guarded child, as the next. */
+	/* Whether a driver of OGR other than CSV's claims the file. Only in a guarded child, as rows_open. */
 	bool (*rows_knows)(const char *path);
 	enum eco_code (*rows_open)(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
 	enum eco_code (*raster_write)(const struct eco_raster *raster, const char *path, struct eco_error *error);
 };
 
-/* A square of heights, rows from the north, the first sample's centre at west, north; written as GeoTIFF. */
+/* A grid of heights, rows from the north; the first sample's centre is at (west, north). Written as
+ * GeoTIFF. */
 struct eco_raster {
 	const float *samples;
 	uint32_t side;
@@ -103,15 +107,16 @@ struct eco_raster {
 	int epsg;
 };
 
-/* ---- ecoimage.so: pictures other than PNG, and how they look to people (OpenImageIO) ---- */
+/* ---- ecoimage.so: pictures other than PNG, and comparing pictures as people see them (OpenImageIO) ---- */
 
 struct eco_image_module {                /* eco_image_module */
 	uint32_t version;
-	/* These return 0 or write a sentence to `text`. Results are malloc'ed. Thread-safe.
-	 * `name`: a file to open when bytes is NULL, else only its extension counts. More than pixels_max pixels is an error. */
+	/* These return 0, or an error after writing a sentence to `text`. Results are malloc'ed.
+	 * Thread-safe. `name`: a file to open when bytes is NULL, else only its extension counts. More
+	 * than pixels_max pixels is an error. */
 	int (*decode)(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width, uint32_t *height,
 		uint8_t **rgba, char *text, size_t text_size);
-	/* Pixels that a person would see to differ: as eco_pixels_compare. */
+	/* Counts pixels that a person would see to differ, as eco_pixels_compare does. */
 	int (*compare)(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
 		size_t text_size);
 };
@@ -127,8 +132,9 @@ struct eco_track_path;
 
 struct eco_proj_module {                 /* eco_proj_module */
 	uint32_t version;
-	/* From an inventory's coordinates to the scene's CRS (positions_crs.h): open fails for what PROJ does not know. convert writes what
-	 * the scene's CRS says, not yet from the origin; *converted is false where PROJ knows no way, and *why says why. */
+	/* From an inventory's coordinates to the scene's CRS (positions_crs.h): open fails for a CRS that
+	 * PROJ does not know. convert writes coordinates in the scene's CRS, not yet relative to the
+	 * origin; *converted is false where PROJ knows no way, and *why says why. */
 	enum eco_code (*crs_open)(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error);
 	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
 	void (*crs_close)(struct eco_crs_path *path);

@@ -1,7 +1,8 @@
-/* Ear clipping in the plane in which the polygon is largest (Newell's normal). An ear is a convex corner whose closed triangle
- * holds no other corner, except at its own three places: a corner on the cut edge would make the next cut run outside, which is where
- * simpler clippers go wrong. Polygons of models have four to some thirty corners, so the cubic worst case does not matter; very large
- * ones become fans. */
+/* Ear clipping in the coordinate plane in which the polygon is largest (Newell's normal). An ear is a
+ * convex corner whose closed triangle holds no other corner, except at the triangle's own three places.
+ * The triangle must be closed: if a corner lies on the cut edge, the next cut runs outside the polygon,
+ * which is where simpler clippers fail. Polygons of models have four to some thirty corners, so the cubic
+ * worst case does not matter; very large ones become fans. */
 #include "ecofiles/base/polygon.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@
 
 struct flat { const double *corners; int x, y; double sign; };
 
-/* The axis along which the normal is longest is left out; sign makes the polygon run counter-clockwise. */
+/* Drops the axis along which the normal is longest; `sign` makes the polygon run counter-clockwise. */
 static struct flat flatten(const double *corners, uint32_t n)
 {
 	double normal[3] = { 0, 0, 0 };
@@ -63,7 +64,8 @@ static bool is_ear(const struct flat *f, const uint32_t *ring, uint32_t n, uint3
 	return true;
 }
 
-/* The corner to cut off next: the first ear; in what has none, the one whose triangle is smallest, so that little goes wrong. */
+/* The next corner to cut off: the first ear; without an ear, the corner with the smallest triangle, which
+ * does least harm. */
 static uint32_t choose(const struct flat *f, const uint32_t *ring, uint32_t n, uint32_t from)
 {
 	uint32_t best = 0;

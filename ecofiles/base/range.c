@@ -1,14 +1,14 @@
-/* Low and range as in LZMA's coder: low has 33 bits, the highest a carry into bytes that were held back. Probabilities have 16 bits, and range
- * at least 24, so that a bit that is as likely as can be costs 1/700 bit. */
+/* Low and range as in LZMA's coder: low has 33 bits, the highest of which is a carry into bytes held back.
+ * Probabilities have 16 bits and range at least 24, so that the most probable bit costs 1/700 bit. */
 #include "ecofiles/base/range.h"
 
 #include <assert.h>
 
 #define TOP (1u << 24)
-#define LEAST 48u                /* a probability never goes below so many 65536ths */
-#define SEEN_MAX 127u            /* older bits fade */
+#define LEAST 48u                /* least probability, in 65536ths */
+#define SEEN_MAX 127u            /* limits the memory, so that older bits fade */
 
-/* How far a probability moves after n bits: 1 / (n + 2), in 1/65536. */
+/* The share by which a probability moves after n bits: 1 / (n + 2), in 1/65536. */
 #define R(n) 65536 / ((n) + 2)
 #define R4(n) R(n), R((n) + 1), R((n) + 2), R((n) + 3)
 #define R16(n) R4(n), R4((n) + 4), R4((n) + 8), R4((n) + 12)
@@ -37,7 +37,8 @@ void eco_range_read(struct eco_range *r, const uint8_t *bytes, size_t size)
 		r->code = r->code << 8 | next_byte(r);
 }
 
-/* Bytes of 255 may become 0 by a carry, so they are only counted. Before the first byte there is nothing to carry into. */
+/* A carry can turn bytes of 255 into 0, so they are only counted. Before the first byte there is nothing
+ * to carry into. */
 static void shift_low(struct eco_range *r)
 {
 	if ((uint32_t)r->low < 0xff000000u || r->low >> 32) {
@@ -66,7 +67,7 @@ static inline void normalize(struct eco_range *r)
 	}
 }
 
-/* In line, as half the time that leaves take to be read goes by here. */
+/* In line: half of the time of decoding leaves is spent here. */
 static inline bool code_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 {
 	uint32_t bound = (r->range >> 16) * m->zero;
@@ -112,7 +113,7 @@ uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
 			r->low += (uint64_t)r->range * v;
 		} else {
 			v = r->code / r->range;
-			v = v >> take ? (1u << take) - 1 : v;        /* only of bytes that nobody wrote */
+			v = v >> take ? (1u << take) - 1 : v;        /* only in damaged bytes */
 			r->code -= r->range * v;
 		}
 		got = got << take | v;
@@ -172,7 +173,7 @@ void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count
 	}
 }
 
-/* A count of at most `most`, each step with a model. */
+/* A count of at most `most` in unary, each step with a model of its own. */
 static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
 {
 	uint32_t n = 0;
@@ -210,7 +211,7 @@ uint32_t eco_range_end(struct eco_range *r)
 {
 	if (!r->writer)
 		return r->at < r->size ? UINT32_MAX : (uint32_t)(r->at - r->size);
-	/* of the numbers that are left the one with the most zeros at its end */
+	/* of the numbers in [low, low + range), the one with the most zeros at its end */
 	uint64_t mask = UINT32_MAX;
 	uint32_t zeros = 0;
 

@@ -13,7 +13,7 @@ bool eco_room(void *array, uint32_t *capacity, uint32_t count, size_t size)
 
 	if (count < *capacity)
 		return true;
-	/* pointers of all types look alike here, but may not be read as one another */
+	/* memcpy: pointers of all types look alike here, but aliasing forbids reading one as another */
 	memcpy(&items, array, sizeof items);
 	bigger = *capacity < MOST ? realloc(items, wanted * size) : NULL;
 	if (bigger == NULL)

@@ -1,4 +1,4 @@
-/* One table of codes: what a program prints, what a problem document is named after and what a process exits with agree. */
+/* One table of codes, so that printed texts, names of problem documents and exit statuses agree. */
 #include "ecofiles/base/status.h"
 
 #include <assert.h>
@@ -21,7 +21,7 @@ static const struct {
 	[ECO_INTERRUPTED] = { "interrupted", 1 },
 };
 
-/* Texts quote what came from outside; it must not steer a terminal. */
+/* Texts quote input: control characters must not reach a terminal. */
 static void tame(char *text)
 {
 	for (; *text; text++)

@@ -1,13 +1,14 @@
-/* Status and error text: what was wrong, where, what to do.
+/* Status and error text: what was wrong, where, and what to do.
  *
- * Every fallible function returns an eco_code and takes a struct eco_error (may be NULL). The first failure writes the text;
- * later ones on the way out do not overwrite it. A bug is an assert (kept in release); bad input is a status. */
+ * Every fallible function returns an eco_code and takes a struct eco_error (may be NULL). The first
+ * failure writes the text; later ones on the way out do not overwrite it. A bug is an assert (kept in
+ * release); bad input is a status. */
 #ifndef ECO_STATUS_H
 #define ECO_STATUS_H
 
 #include <stdint.h>
 
-/* Where an index may name nothing. */
+/* An index that names nothing. */
 #define ECO_NONE UINT32_MAX
 
 enum eco_code {

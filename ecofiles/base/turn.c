@@ -1,6 +1,7 @@
-/* Sine and cosine by octants: the angle is brought to [0, 1/8 turn] as an integer, so that symmetric angles give values that are
- * symmetric to the last bit and quarter turns are exact; there Taylor's series to x^17 is below half a unit in the last place.
- * libm is not used because its results differ between machines, and a plan must not. */
+/* Sine and cosine by octants: the angle is brought to [0, 1/8 turn] as an integer, so that symmetric
+ * angles give values symmetric to the last bit and quarter turns are exact. Taylor's series to x^17 is
+ * within half a unit in the last place there. libm is not used: its results differ between machines, and a
+ * plan must not. */
 #include "ecofiles/base/turn.h"
 
 #include <assert.h>
@@ -24,7 +25,7 @@ static double cosine_series(double x)
 		+ y * (1.0 / 479001600.0 + y * (-1.0 / 87178291200.0 + y * (1.0 / 20922789888000.0))))))));
 }
 
-/* For an angle of `step` / 65536 turns in the first quarter. */
+/* Sine and cosine of `step` / 65536 turns in the first quarter. */
 static void quarter_sincos(uint32_t step, double *sine, double *cosine)
 {
 	const double radians = 1.57079632679489661923 / QUARTER;

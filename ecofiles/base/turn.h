@@ -1,5 +1,6 @@
-/* Angles as integers. A turn is 65536 steps counter-clockwise from +X; sine and cosine come from a fixed polynomial in plain IEEE
- * doubles, so that server, client and build agree to the last bit on every machine (no libm result decides anything). */
+/* Angles as integers: a turn is 65536 steps counter-clockwise from +X. Sine and cosine come from a fixed
+ * polynomial in plain IEEE doubles, so that server, client and build agree to the last bit on every
+ * machine. */
 #ifndef ECO_TURN_H
 #define ECO_TURN_H
 

@@ -1,5 +1,5 @@
-/* Union-find over numbers: parent[i] = i at first. The smaller root wins, so that a set is named by its first member whatever the order
- * of joining. */
+/* Union-find over numbers: parent[i] = i at first. The smaller root wins, so that a set is named by its
+ * first member whatever the order of joining. */
 #ifndef ECO_UNION_H
 #define ECO_UNION_H
 
