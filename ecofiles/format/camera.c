@@ -1,11 +1,12 @@
 /* Camera scripts: a few keyframes -> many views.
  *
- * Every number of a view (eye, target, up, field of view) is a cubic Hermite spline through the keyframes, on the actual times. Its
- * slope at an inner keyframe is that of the chord between the two neighbours (Catmull-Rom), at the ends that of the first and last
- * chord: velocity is continuous, and a number that does not change between three keyframes stands still. Between keyframes a and
- * b the spline leaves their smooth blend by at most 4/27 (t_b - t_a) (|slope_a| + |slope_b|); that is all the overshoot there is.
+ * Every number of a view (eye, target, up, field of view) is a cubic Hermite spline through the keyframes,
+ * on the actual times. Its slope at an inner keyframe is that of the chord between the two neighbours
+ * (Catmull-Rom), at either end that of the outermost chord. So velocity is continuous, and a number that
+ * is equal at three keyframes stands still between them. Between keyframes a and b the overshoot beyond
+ * their smooth blend is at most 4/27 (t_b - t_a) (|slope_a| + |slope_b|).
  *
- * A script is checked whole when it is read, every frame of it, so that a fault in frame 900 is not found after 899 pictures. */
+ * Reading a script checks every frame, so that a fault in frame 900 is not found after 899 pictures. */
 #include "ecofiles/format/view.h"
 
 #include <assert.h>
@@ -96,7 +97,7 @@ static void set_slopes(struct eco_camera *camera)
 	}
 }
 
-/* The last keyframe that is not after `time_s`, but never the last of all unless it is the only one. */
+/* The last keyframe not after `time_s`; never the very last one, unless there is only one. */
 static uint32_t segment(const struct eco_camera *camera, double time_s)
 {
 	uint32_t low = 0, high = camera->key_count - 1;
@@ -122,7 +123,7 @@ static void interpolate(const struct eco_camera *camera, double time_s, double o
 		return;
 	}
 	double h = b->time_s - a->time_s, s = (time_s - a->time_s) / h, r = 1 - s;
-	/* as a difference from a: what does not change is exactly what was written */
+	/* as a difference from a: a number that does not change keeps its exact value */
 	for (int n = 0; n < NUMBERS; n++)
 		out[n] = a->number[n] + s * s * (3 - 2 * s) * (b->number[n] - a->number[n]) +
 			h * s * r * (r * a->slope[n] - s * b->slope[n]);
@@ -152,7 +153,7 @@ double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct 
 static bool count_frames(const struct eco_json *root, struct eco_camera *camera)
 {
 	double length_s = camera->keys[camera->key_count - 1].time_s - camera->keys[0].time_s;
-	/* 0.1 s * 30 is not quite 3: the last frame counts if it misses the end by a millionth of a frame */
+	/* 0.1 s * 30 is not quite 3: a last frame within a millionth of a frame of the end counts */
 	double frames = floor(length_s * camera->fps + 1e-6) + 1;
 	if (frames > FRAMES_MAX) {
 		eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,

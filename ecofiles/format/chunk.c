@@ -1,4 +1,5 @@
-/* What surrounds the coded streams: names, orders, sizes and the payload's frame. */
+/* Chunks without their coding: kinds and coders that go together, draw order, sizes, and the payload's
+ * frame. */
 #include "ecofiles/format/chunk.h"
 
 #include <assert.h>
@@ -39,7 +40,7 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 	}
 }
 
-/* ends may be NULL, to count. */
+/* Counts the chunks; fills ends unless it is NULL. */
 static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent, uint64_t largest, uint32_t *ends)
 {
 	uint32_t n = 0;
@@ -49,7 +50,7 @@ static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent
 
 		size = size < smallest ? smallest : size;
 		size = size > largest ? largest : size;
-		/* What would be a tiny last chunk joins this one. */
+		/* A remainder below half a chunk joins this one. */
 		if (count - sent <= size + size / 2)
 			size = count - sent <= largest ? count - sent : (count - sent + 1) / 2;
 		sent += size;

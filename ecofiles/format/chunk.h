@@ -8,25 +8,28 @@
  *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners ascending
  *   .   s Draco bitstreams, in that order, nothing after them
  *
- * What a stream holds (flags: bit 0 `wide`, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`):
+ * Contents of a stream (flags: bit 0 `wide`, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`):
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
  *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
- *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, before it corners = 1: one row
- *             a triangle in the order that the mesh decodes to; columns uv of each corner (2 values, less the uv that the
- *             corner's vertex had when it was last seen, or else the last uv), then the extra values (1 each, difference to the
- *             row before); flags and predictors 0.
- *   SHAPES    no stream records (s = 0): the rest, followed by as many zeros as byte 3 says, is one range-coded stream of all elements
- *             in stored order, as of ELEMENTS, read by eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c): a table of
- *             shapes, then for each element which shape it is, how it is turned, its lengths, the step to its first corner along the
- *             curve, its extra values; or that it is none, and its corners, each one that was there before or what is left after a
- *             prediction, and texture coordinates. What the values mean is in shape.h and chunk_corners.h.
- * A chunk of an ELEMENTS list of triangles may say coder SHAPES: it does where that is smaller. A chunk of a MESH list may say coder
- * ELEMENTS: one stream of corners = 3, drawn in stored order. It does where edgebreaker would lose or alter a triangle, or is larger.
+ *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream of
+ *             corners = 1 comes before it: one row a triangle in the order that the mesh decodes to; columns: uv of
+ *             each corner (2 values, less the last uv of the corner's vertex, or else the last uv of all), then the
+ *             extra values (1 each, difference to the row before); flags and predictors 0.
+ *   SHAPES    no stream records (s = 0). The rest, followed by as many zeros as byte 3 says, is one range-coded
+ *             stream of all elements in the stored order of ELEMENTS, read by eco_shapes_code_head and
+ *             eco_shapes_code_leaf (chunk_shapes.c). It begins with a table of shapes. A placed element has its
+ *             shape's number, its turn, its lengths, the step to its first corner along the curve, and its extra
+ *             values. Any other element has its corners, each one either a corner that was there before or the
+ *             miss of a prediction, and texture coordinates. shape.h and chunk_corners.h define the values.
+ * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
+ * has coder ELEMENTS (one stream of corners = 3, drawn in stored order) where edgebreaker would lose or
+ * alter a triangle, or is larger.
  *
- * Decoding is a bomb by nature. Before Draco sees a byte: sizes and counts must match what the caller expects (from the hashed
- * list and chunk records), each Draco header must be the version, method and flags that our encoder writes, and its own counts
- * must equal the declared ones. A payload whose hash is not its id must not reach eco_chunk_decode. */
+ * A small payload can claim to be huge. So before Draco sees a byte, sizes and counts must match the
+ * caller's (from the hashed list and chunk records), each Draco header must have the version, method and
+ * flags that our encoder writes, and its counts must equal the declared ones. Check that a payload's hash
+ * is its id before eco_chunk_decode. */
 #ifndef ECO_CHUNK_H
 #define ECO_CHUNK_H
 
@@ -38,11 +41,12 @@
 #define ECO_CHUNK_ELEMENTS_MAX (1u << 20)
 #define ECO_CHUNK_BYTES_MAX (1u << 26)
 
-/* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and attributes must be set). ELEMENTS
- * and KD sort inside the chunk (corner count, then Morton; but small chunks at the start of a list keep their order, see chunk_encode.c)
- * and the decoder permutes, so what comes back is a permutation of what
- * went in. `order`, if not NULL, receives end - first indices: order[i] is the input index, relative to first, of the i-th element
- * that decoding will give (for KD and MESH, whose order Draco decides, it must be NULL). Not for FORM. *bytes is malloc'ed. */
+/* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and
+ * attributes must be set). ELEMENTS and KD sort inside the chunk (by corner count, then Morton; small
+ * chunks at the start of a list keep their order, see chunk_encode.c) and the decoder permutes, so
+ * decoding gives a permutation of the input. `order`, if not NULL, receives end - first indices: order[i]
+ * is the input index, relative to first, of the i-th decoded element. It must be NULL for KD and MESH,
+ * whose order Draco decides. Not for FORM. *bytes is malloc'ed. */
 struct eco_chunk_input {
 	const struct eco_list *list;
 	const struct eco_elements *elements;
@@ -51,10 +55,11 @@ struct eco_chunk_input {
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
 	struct eco_error *error);
 
-/* Encodes another form of elements [first, end) of the partner: `partner` is the input that the partner's chunk was encoded from, `list`
- * the form's (coder FORM), and element i of `forms` the form of the partner's INPUT element i, all with the same number of corners (1
- * for points, 2 for lines, 3 or 4 for triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any
- * number of forms may share a partner; each is encoded and decoded without the others. */
+/* Encodes another form of the partner's elements [first, end). `partner` is the input that the partner's
+ * chunk was encoded from, `list` the form's list (coder FORM). Element i of `forms` is the form of the
+ * partner's INPUT element i; all have the same number of corners (1 for points, 2 for lines, 3 or 4 for
+ * triangles). Decoded, element i of the form's chunk belongs to element i of the partner's. Any number of
+ * forms may share a partner; each is encoded and decoded without the others. */
 enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const struct eco_list *list,
 	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 
@@ -69,8 +74,8 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order);
 
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes);
 
-/* Where to end chunks: fills ends[] with element indices so that chunk sizes start at `smallest` elements and grow with what was
- * already sent: a first picture soon, then chunks that cost little each. Returns the count; at most `max`. */
+/* Chooses chunk ends: fills ends[] with element indices. Chunks start at `smallest` elements and grow with
+ * the elements already sent: a first picture soon, then little overhead. Returns the count, at most `max`. */
 uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max);
 
 #endif

@@ -1,4 +1,4 @@
-/* In integers, so that all machines see the same corners. */
+/* Prediction of corners, in integers, so that all machines get the same corners. */
 #include "ecofiles/format/chunk_corners.h"
 
 #include <string.h>
@@ -7,9 +7,10 @@
 #include "ecofiles/format/shape.h"
 
 #define SUM_MAX ((int64_t)1 << 30)
-#define UNIT 1024                /* a base whose length does not follow the element's */
+#define UNIT 1024                /* length of the bases that do not grow with the element */
 
-/* An edge: weights of edges that are short need not be as fine as those of their ends. */
+/* Adds an edge as a base. Bases are edges, not vectors from corner 0: these are longer and would need
+ * finer weights. */
 static void add_edge(struct eco_frame *f, const int32_t *from, const int32_t *to)
 {
 	int32_t *base = f->base[f->bases++];

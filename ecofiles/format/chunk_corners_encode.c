@@ -1,6 +1,7 @@
-/* Which trends the elements of a chunk follow, and how each is stored. Trends are fitted as k-means fits middles: each is fitted to the
- * elements that it predicts best, from those that the trends so far predict worst. Fits make the sum of misses small, not of their squares,
- * as most leaves may bend alike and some be something else. */
+/* The encoder's choices: the trends of a chunk, and how each element is stored. Trends are fitted as
+ * k-means fits centres: a new trend starts from the elements that the present ones predict worst, then
+ * each is fitted to the elements that it predicts best. A fit minimises the sum of misses, not of their
+ * squares, as most leaves may bend alike and a few differently. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,11 +9,11 @@
 #include "ecofiles/format/chunk_shapes.h"
 
 #define ROUNDS 4
-#define STEADY 1e-3              /* so much of a unit is added to where a system might not have one solution */
-#define WEIGHT_COST 9.0          /* bits, about, of one weight */
+#define STEADY 1e-3              /* added to the diagonal, in units: systems may be singular */
+#define WEIGHT_COST 9.0          /* bits of one weight, about */
 #define LEAVES_MAX 512u
 
-/* What coordinates must not miss by more than, squared: as far as rounding to the coarse grid could move a corner. */
+/* Greatest squared error of a corner: as far as rounding to the coarse grid could move it. */
 static const int64_t room = 3 * (1 << ECO_EXACT_SHIFT >> 1) * (1 << ECO_EXACT_SHIFT >> 1);
 
 static int64_t distance2(const int32_t *a, const int32_t *b)
@@ -31,7 +32,8 @@ static int64_t floor_div(int64_t v, int64_t by)
 	return v >= 0 ? v / by : -((by - 1 - v) / by);
 }
 
-/* The point of the lattice that is nearest to `exact`: among those that are nearest for each number of steps along the first axis. */
+/* Finds the lattice point nearest to `exact`: the best of those that are nearest for each number of steps
+ * along the first axis. */
 static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], const int32_t *from, const int32_t *exact, int32_t *miss, int32_t *at)
 {
 	int64_t along[3], best = room + 1, off[3];
@@ -81,7 +83,7 @@ static bool find_again(const struct eco_shapes_codec *c, struct eco_leaf *l, uin
 	return true;
 }
 
-/* Bits, or UINT32_MAX where a corner could not be near enough. */
+/* Bits of the element under a trend, or UINT32_MAX where a corner would be too far off. */
 static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, uint8_t trend)
 {
 	bool plain = trend == c->head.trends[l->corners - 3];
@@ -137,9 +139,9 @@ struct fit {
 	const int32_t *const *at;
 	struct eco_trend trend[ECO_TRENDS_MAX];
 	uint8_t of[LEAVES_MAX];
-	double miss[LEAVES_MAX];     /* bits that its trend misses by */
-	double share;                /* elements for each of these */
-	struct eco_frame *frames;    /* of corners 2 on, of each */
+	double miss[LEAVES_MAX];     /* bits of the misses under its trend */
+	double share;                /* elements that each sampled one stands for */
+	struct eco_frame *frames;    /* frames of corners 2 and on, for each */
 };
 
 static struct eco_frame *frame_of(const struct fit *f, uint32_t i, uint32_t k)
@@ -161,7 +163,8 @@ static bool make_frames(struct fit *f)
 	return f->frames != NULL;
 }
 
-/* Solves a x = b for up to ECO_BASES_MAX unknowns, a symmetric and positive: Gauss's method, where pivots are not too small. */
+/* Solves a x = b by Gauss's method for up to ECO_BASES_MAX unknowns; a is symmetric and positive. False: a
+ * pivot is too small. */
 static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n)
 {
 	for (uint32_t i = 0; i < n; i++) {
@@ -183,7 +186,7 @@ static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX
 	return true;
 }
 
-/* How far the weights miss, as a vector. */
+/* The vector from the weighted guess to the corner. */
 static void miss_of(const struct eco_frame *f, const double *weight, const int32_t *at, uint32_t k, double miss[3])
 {
 	for (int i = 0; i < 3; i++) {
@@ -198,7 +201,7 @@ static int32_t usual_weight(uint32_t k, uint32_t base)
 	return base + 1 < k ? 1 << ECO_WEIGHT_BITS : 0;
 }
 
-/* Base j weighs what is usual and no longer is an unknown. */
+/* Fixes the weight of base j at the default, so that it is no unknown. */
 static void pin(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n, uint32_t j, double weight)
 {
 	for (uint32_t l = 0; l < n; l++) {
@@ -208,7 +211,7 @@ static void pin(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX],
 	b[j] = weight;
 }
 
-/* Weights of corner k, but for those of the bases in `pinned`. */
+/* Fits the weights of corner k, except those of the bases in `pinned`. */
 static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t pinned, int32_t *weight)
 {
 	double x[ECO_BASES_MAX] = { 0 };
@@ -258,7 +261,7 @@ static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i
 	return bits;
 }
 
-/* What corner k of all that follow the trend takes, and its weights. */
+/* Bits of corner k over all elements that follow the trend, and of its weights. */
 static double cost_with(const struct fit *f, uint8_t trend, uint32_t k, const int32_t *weight)
 {
 	double bits = 0;
@@ -273,7 +276,7 @@ static double cost_with(const struct fit *f, uint8_t trend, uint32_t k, const in
 	return bits;
 }
 
-/* Weights that do not pay become what is usual. */
+/* Resets weights that do not pay to the default. */
 static void prune(struct fit *f, uint8_t trend, uint32_t k)
 {
 	int32_t *weight = f->trend[trend].weight[k], tried[ECO_BASES_MAX];
@@ -291,7 +294,7 @@ static void prune(struct fit *f, uint8_t trend, uint32_t k)
 	}
 }
 
-/* Fits all trends, gives each element to the best, and returns the bits of all. */
+/* Fits all trends, gives each element to the best one, and returns the bits of all. */
 static double refine(struct fit *f)
 {
 	double bits = 0;

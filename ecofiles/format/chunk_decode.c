@@ -1,5 +1,5 @@
-/* Bytes to elements, in draw order. Each stored row is written straight to where it will be drawn: a chunk is decoded where the
- * client is slowest, so nothing is copied twice. */
+/* Bytes to elements, in draw order. Each stored row is written straight to its place in draw order:
+ * nothing is copied twice, as decoding is where a client is slowest. */
 #include "ecofiles/format/chunk.h"
 
 #include <assert.h>
@@ -8,7 +8,7 @@
 
 #include "ecofiles/format/chunk_payload.h"
 
-/* The declared counts, before anything is allocated from them. */
+/* Checks the declared counts before anything is allocated from them. */
 static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk, size_t size_bytes,
 	struct eco_error *error)
 {
@@ -25,7 +25,8 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	return ECO_OK;
 }
 
-/* Of a SHAPES payload: nothing is declared but what the chunk's record says. Fans of n corners have n - 2 primitives. */
+/* Bounds a SHAPES payload, which declares no counts, by the chunk's record. A fan of n corners has n - 2
+ * primitives. */
 static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct eco_payload *payload, uint32_t *corner_count, struct eco_error *error)
 {
 	const uint64_t elements = chunk->element_count, most = (ECO_CORNERS_MAX - 2) * elements;
@@ -36,7 +37,8 @@ static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct ec
 	return ECO_OK;
 }
 
-/* That the payload is of the list's kind and declares the chunk's counts; *corner_count of all elements. */
+/* Checks that the payload is of the list's kind and declares the chunk's counts; *corner_count receives
+ * the corners of all elements. */
 static enum eco_code check_payload(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
 	uint32_t *corner_count, struct eco_error *error)
 {
@@ -96,7 +98,8 @@ static enum eco_code allocate(const struct eco_list *list, const struct eco_chun
 
 struct place { uint32_t element, corner; };
 
-/* Where each stored row goes: its element in draw order, and that one's first corner. `places` come with the rows' corners in `corner`. */
+/* Maps each stored row to its element in draw order and that element's first corner. On entry `corner`
+ * holds each row's number of corners. */
 static bool find_places(struct place *places, bool permuted, uint32_t ordinal, uint32_t row_count)
 {
 	uint32_t *order = malloc(row_count * sizeof *order);
@@ -165,7 +168,7 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 
 /* ---- Shapes ---- */
 
-/* Element i of `stored` goes where places[i] says. */
+/* Moves element i of `stored` to where places[i] says. */
 static void put_in_order(const struct eco_elements *stored, const struct place *places, struct eco_elements *elements)
 {
 	size_t from = 0, extra = elements->extra_count;
@@ -183,7 +186,8 @@ static void put_in_order(const struct eco_elements *stored, const struct place *
 	}
 }
 
-/* How many corners an element has is known when it is decoded, and where it goes when all are: they are moved once. */
+/* An element's number of corners is known when it is decoded, its place only when all are: so elements are
+ * moved once. */
 static enum eco_code decode_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
 	uint32_t ordinal, struct eco_elements *elements, struct eco_error *error)
 {
@@ -206,7 +210,8 @@ static enum eco_code decode_shapes(const struct eco_list *list, const struct eco
 	return code;
 }
 
-/* All streams of Draco start as our encoder writes them, with the declared counts: checked before the first byte is decoded. */
+/* Checks that every Draco stream starts as our encoder writes it, with the declared counts, before its
+ * first byte is decoded. */
 static enum eco_code check_streams(const struct eco_payload *payload, struct eco_error *error)
 {
 	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;

@@ -1,9 +1,11 @@
-/* Elements to bytes. Inside a chunk the order is free, because the decoder permutes: so elements of one corner count go together
- * and along a Morton curve, which makes the difference from each first corner to the next small (12 to 17 % of the size).
+/* Elements to bytes. The decoder permutes, so the order inside a chunk is free: elements are stored by
+ * corner count and along a Morton curve, which makes the steps between first corners small (12 to 17 % of
+ * the size).
  *
- * But for the first chunks. Of a hundred elements it matters much which are drawn first (a stand at
- * 3,000 vertices: Q 0.84 or 0.91), and little what they cost (half a percent of a pack): there the rows lie so that the decoder's
- * permutation gives the elements in the order they came in, as far as their corner counts let it. */
+ * Small chunks at the start of a list are the exception: there the rows lie so that the decoder's
+ * permutation gives the elements in input order, as far as their corner counts allow. Which of the first
+ * hundred elements are drawn first matters much, and their bytes little (lod/EXPERIMENTS.md, Order in the
+ * first chunks). */
 #include "ecofiles/format/chunk.h"
 
 #include <assert.h>
@@ -13,13 +15,13 @@
 
 #include "ecofiles/format/chunk_payload.h"
 
-#define KEPT_FIRST 96u           /* chunks that begin before this element keep their order, ... */
-#define KEPT_MOST 64u            /* ... if they have no more than so many */
+#define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */
+#define KEPT_MOST 64u            /* if it has at most so many elements */
 
-/* Where an input element is, in the order in which it will be stored. */
+/* An input element, to be sorted into stored order. */
 struct stored {
 	uint8_t corners;
-	uint32_t key[3];             /* first corner, from the least of the chunk on: steps along the curve then take few bits */
+	uint32_t key[3];             /* first corner relative to the chunk's least: small steps */
 	uint32_t element;            /* relative to the input's first */
 	size_t corner_at;            /* index of its first corner among all corners */
 };
@@ -55,7 +57,8 @@ static int compare_input(const void *left, const void *right)
 	return a->element < b->element ? -1 : a->element > b->element;
 }
 
-/* Rows of each corner count take the elements of that count in input order, row by row as the decoder draws them. */
+/* Each row takes the next input element of its corner count, in the order in which the decoder draws the
+ * rows. */
 static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t ordinal, struct eco_error *error)
 {
 	uint32_t *permutation = malloc(count * sizeof *permutation), next[256];
@@ -95,7 +98,7 @@ static bool values_fit(const int32_t *values, size_t count)
 	return true;
 }
 
-/* What comes back on the finer grid must be within bounds, too. */
+/* Positions must also be within bounds on the finer grid that decoding returns. */
 static bool exact_fits(const struct eco_elements *e, size_t corner_at, uint32_t corners)
 {
 	const int32_t most = ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT;
@@ -126,7 +129,7 @@ static enum eco_code check_input(const struct eco_chunk_input *input, struct eco
 	return ECO_OK;
 }
 
-/* Allocates and fills the elements of [first, end) in input order, and bounds their values. */
+/* Allocates `out`, fills it with elements [first, end) in input order, and checks their values. */
 static enum eco_code find_elements(const struct eco_chunk_input *input, struct stored **out, struct eco_error *error)
 {
 	const struct eco_elements *e = input->elements;
@@ -232,7 +235,7 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 	return ECO_OK;
 }
 
-/* ELEMENTS as placed shapes and corners, where that is smaller than `*bytes`. */
+/* Encodes ELEMENTS as SHAPES and keeps that if it is smaller than `*bytes`. */
 static enum eco_code try_shapes(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
@@ -264,7 +267,7 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 	return code;
 }
 
-/* MESH: edgebreaker or plain triangles, whichever keeps everything and is smaller. */
+/* MESH: edgebreaker or plain triangles, whichever loses nothing and is smaller. */
 static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
@@ -329,7 +332,7 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	return code;
 }
 
-/* What the form's own values must fulfil; counts are those of the partner's input. */
+/* Checks the form's own values; counts are those of the partner's input. */
 static enum eco_code check_forms(const struct eco_chunk_input *partner, const struct eco_list *list, const struct eco_elements *forms,
 	struct eco_error *error)
 {

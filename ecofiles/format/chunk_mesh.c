@@ -1,17 +1,18 @@
-/* Connected wood through edgebreaker. It codes a vertex once for all its triangles and finds the triangles' order from their
- * neighbours, and pays for that with an order and corners of its own choice, and with triangles that it drops. So the encoder
- * decodes what it made, finds each triangle again, and stores colours and texture coordinates in the order found; if a triangle is
- * missing or altered, the caller codes the chunk in another way. */
+/* Connected wood through edgebreaker. It codes a vertex once for all its triangles and derives the
+ * triangles' order from their neighbours. In return it chooses order and first corners itself, and may
+ * drop triangles. So the encoder decodes its output, finds each triangle again, and stores colours and
+ * texture coordinates in that order; if a triangle is missing or altered, the caller codes the chunk in
+ * another way. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/chunk_payload.h"
 
-/* A triangle, its corners turned so that the least position comes first: the same for all three ways to begin. */
+/* A triangle with its corners rotated so that the least position comes first: three rotations become one. */
 struct turned {
 	int32_t position[9];
-	uint32_t index;              /* of the triangle before turning */
-	uint8_t first;               /* which of its corners comes first now */
+	uint32_t index;              /* the triangle's number */
+	uint8_t first;               /* the corner that comes first now */
 };
 
 static int compare_positions(const int32_t *a, const int32_t *b, int count)
@@ -53,10 +54,10 @@ static struct turned *turn_all(const int32_t *position, uint32_t triangles)
 	return turned;
 }
 
-/* Which input triangle each decoded one is, and which of its corners comes first. */
+/* For a decoded triangle: the input triangle, and which of its corners comes first. */
 struct match { uint32_t triangle; uint8_t corner; };
 
-/* NULL with *same = false where the two are not the same triangles; NULL with *same = true when out of memory. */
+/* NULL with *same = false: not the same triangles; NULL with *same = true: out of memory. */
 static struct match *match_triangles(const int32_t *input, const int32_t *decoded, uint32_t triangles, bool *same)
 {
 	struct turned *a = turn_all(input, triangles), *b = turn_all(decoded, triangles);
@@ -91,7 +92,8 @@ static int compare_corners(const void *left, const void *right)
 	return order != 0 ? order : a->index < b->index ? -1 : a->index > b->index;
 }
 
-/* Corners at equal positions become one vertex. vertices: 3 per vertex, room for all corners; index: one per corner. */
+/* Merges corners at equal positions into one vertex. vertices: 3 per vertex, room for all corners; index:
+ * one per corner. */
 static enum eco_code weld(const int32_t *position, uint32_t corner_count, int32_t *vertices, uint32_t *index,
 	uint32_t *vertex_count, struct eco_error *error)
 {
@@ -162,7 +164,7 @@ static enum eco_code side_make(struct side *side, const struct eco_list *list, u
 	return ECO_OK;
 }
 
-/* What is known of a corner's uv before it is coded: where its vertex was on the texture when it was last seen. */
+/* Predicts a corner's uv: the last uv of its vertex, or else the last uv of all. */
 struct uv_memory {
 	int32_t (*uv)[2];            /* by vertex */
 	bool *seen;
@@ -195,7 +197,7 @@ static void uv_memory_free(struct uv_memory *memory)
 	free(memory->seen);
 }
 
-/* Encodes uv and extra values in decoded order. Values too far apart for Draco: *fits = false. */
+/* Encodes uv and extra values in decoded order. *fits = false: values are too far apart for Draco. */
 static enum eco_code encode_side(const struct eco_list *list, const struct eco_elements *e, uint32_t first, uint32_t triangles,
 	const struct match *matches, const uint32_t *vertex, struct eco_stream *stream, bool *fits, struct eco_error *error)
 {
@@ -277,7 +279,7 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 	*fits = narrow(position, corner_count);
 	if (code != ECO_OK || !*fits)
 		return code;
-	/* Whatever Draco makes of it, the triangles can be coded otherwise: its failures are not ours. */
+	/* A failure of Draco is not ours: the triangles can be coded otherwise. */
 	*fits = eco_draco_encode_mesh(s->vertices, vertex_count, s->index, triangles, &bytes, &stream->size, NULL) == ECO_OK;
 	if (!*fits)
 		return ECO_OK;

@@ -1,4 +1,5 @@
-/* A payload's frame: which streams it has and where. See chunk.h for the bytes; this is what encoder and decoder share. */
+/* A payload's frame, shared by encoder and decoder: its streams and where they lie. The bytes are in
+ * chunk.h. */
 #ifndef ECO_CHUNK_PAYLOAD_H
 #define ECO_CHUNK_PAYLOAD_H
 
@@ -15,36 +16,37 @@ struct eco_stream {
 	uint16_t predictors;
 	uint8_t zeros;               /* SHAPES: bytes at the end that are zero and not stored */
 	uint32_t elements;
-	const uint8_t *bytes;        /* of the payload when reading; malloc'ed when writing */
+	const uint8_t *bytes;        /* reading: within the payload; writing: malloc'ed */
 	size_t size;
 };
 
 struct eco_payload {
 	uint8_t coder;
-	uint32_t stream_count;       /* SHAPES: 1, of which only bytes, size and zeros are set */
+	uint32_t stream_count;       /* SHAPES: 1, with only bytes, size and zeros set */
 	struct eco_stream streams[ECO_PAYLOAD_STREAMS_MAX];
 };
 
-/* Parses and bounds everything but the streams' own bytes. */
+/* Parses and bounds everything except the streams' own bytes. */
 enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size, struct eco_error *error);
-/* Appends nothing else; *bytes is malloc'ed. */
+/* Writes the whole payload; *bytes is malloc'ed. */
 enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error);
 void eco_payload_free_streams(struct eco_payload *payload);
 
-/* Primitives of an element. */
+/* Primitives of an element with so many corners. */
 uint32_t eco_corners_primitives(uint8_t corners);
 /* Whether elements of the list may have that many corners. */
 bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners);
-/* The kind, coder and attributes go together. */
+/* Checks that kind, coder and attributes go together. */
 enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error);
 
 struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream);
 
-/* SHAPES, in chunk_shapes.c. `elements` in stored order; soup_bits: what one takes as corners. The stream's bytes are malloc'ed. */
+/* SHAPES, in chunk_shapes.c. `elements` are in stored order; soup_bits: bits of an element stored as
+ * corners. The stream's bytes are malloc'ed. */
 struct eco_placed_element { uint32_t element; size_t corner_at; };
 enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
 	struct eco_stream *stream, struct eco_error *error);
-/* Fills the elements, whose counts say what is expected and whose arrays are allocated, in stored order. */
+/* Fills the elements in stored order. Their counts say what is expected; their arrays are allocated. */
 enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored,
 	struct eco_error *error);
 

@@ -1,20 +1,21 @@
-/* Elements as rows of small integers. Draco's sequential coder has one model of symbol frequencies per column, so what matters is
- * that the values of a column are small and alike. Most of a leaf is known from its first corners: the fourth corner of a quad is
- * the parallelogram of the others but for a residual, a hexagon continues as its first three corners began. Which rule fits is a
- * matter of the model, not of this code: each is tried and the cheapest is stored, four bits a corner. The same goes for coding
- * differences from row to row, which cost nothing where all leaves show the same piece of a texture. */
+/* Elements as rows of small integers. Draco's sequential coder has one model of symbol frequencies per
+ * column, so the values of a column should be small and alike. Most of a leaf follows from its first
+ * corners: a quad's fourth corner is near the parallelogram of the others, a hexagon continues as its
+ * first three corners began. The best rule depends on the model, so each is tried and the cheapest is
+ * stored, four bits a corner. The same goes for differences from row to row, which cost nothing where all
+ * leaves show the same piece of a texture. */
 #include "ecofiles/format/chunk_rows.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and k-4 relative to corner 0
- * (which is 0 itself). */
+/* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
+ * k-4 relative to corner 0. */
 static const int8_t predictors[ECO_ROWS_PREDICTORS][4] = {
-	{ 0, 0, 0, 0 },              /* corner 0: nothing known */
+	{ 0, 0, 0, 0 },              /* nothing (corner 0) */
 	{ 8, 0, 0, 0 },              /* the corner before */
-	{ 8, -8, 0, 0 },             /* the parallelogram of corner 0 and the two before: a quad's last corner */
+	{ 8, -8, 0, 0 },             /* the parallelogram of corner 0 and the two before: a quad's last */
 	{ 16, -8, 0, 0 },            /* straight on */
 	{ 16, -16, 8, 0 },           /* an affine regular hexagon */
 	{ 13, -13, 8, 0 },           /* an affine regular pentagon, 13/8 for the golden ratio */
@@ -89,7 +90,7 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 		rows->columns[i].values = at;
 		at += (size_t)rows->columns[i].components * shape->rows;
 	}
-	/* the low bits of ground; an encoder takes them up if there are any */
+	/* the low bits of ground heights; an encoder uses this column if there are any */
 	rows->columns[rows->column_count] = (struct eco_draco_column){ .components = 1, .values = at };
 	if (shape->ground_columns > 0 && shape->uv_shift > 0)
 		rows->column_count++;
@@ -102,7 +103,7 @@ void eco_rows_free(struct eco_chunk_rows *rows)
 	memset(rows, 0, sizeof *rows);
 }
 
-/* Positions are stored relative to corner 0 here; eco_rows_encode takes the prediction off once it is chosen. */
+/* Stores positions relative to corner 0; eco_rows_encode subtracts the prediction once it is chosen. */
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
 	const struct eco_rows_shape *s = &rows->shape;
@@ -171,7 +172,7 @@ static unsigned bit_length(uint32_t v)
 	return v == 0 ? 0 : 32u - (unsigned)__builtin_clz(v);
 }
 
-/* Bits that the residuals of corner k take under a predictor, roughly, from a sample of the rows. */
+/* Roughly the bits of corner k's residuals under a predictor, from a sample of the rows. */
 static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corner, unsigned predictor)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
@@ -211,7 +212,8 @@ static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 	return chosen;
 }
 
-/* From the last corner to the first: a prediction needs the corners before it as they were. */
+/* Subtracts predictions, from the last corner to the first: a prediction needs the corners before it
+ * unchanged. */
 static void take_predictions(struct eco_chunk_rows *rows)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
@@ -230,11 +232,11 @@ static void take_predictions(struct eco_chunk_rows *rows)
 	}
 }
 
-/* Texture coordinates of whole pictures and of atlases are multiples of a power of two. */
+/* Finds uv_shift: texture coordinates of whole pictures and of atlases are multiples of a power of two. */
 static void take_uv_shift(struct eco_chunk_rows *rows)
 {
 	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv ? rows->shape.corners : 0, all = 0;
-	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: they are adjacent */
+	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: adjacent */
 	size_t total = 2 * (size_t)rows->shape.rows * count;
 
 	for (size_t i = 0; i < total; i++)
@@ -245,7 +247,7 @@ static void take_uv_shift(struct eco_chunk_rows *rows)
 		values[i] /= 1 << rows->shape.uv_shift;
 }
 
-/* What is known of a ground sample's height from the samples before it. */
+/* The height of a ground sample as predicted from the samples before it. */
 static int32_t ground_height(const struct eco_chunk_rows *rows, uint32_t row)
 {
 	const int32_t *x = rows->columns[0].values, *z = rows->columns[2].values;
@@ -258,7 +260,7 @@ static int32_t ground_height(const struct eco_chunk_rows *rows, uint32_t row)
 	return row > columns ? plus(z[row - 1], minus(z[row - columns], z[row - columns - 1])) : z[row - 1];
 }
 
-/* A sample is as far east as the one south of it, and as far north as the one west of it. */
+/* Predicts that a sample is as far east as the one south of it, and as far north as the one west of it. */
 static int32_t ground_place(const struct eco_chunk_rows *rows, uint32_t row, unsigned axis)
 {
 	const int32_t *values = rows->columns[axis].values;
@@ -269,7 +271,8 @@ static int32_t ground_place(const struct eco_chunk_rows *rows, uint32_t row, uns
 	return row % columns > 0 ? values[row - 1] : 0;
 }
 
-/* Coarse ground is rounded but at its border: where the low bits are nearly always 0, they are a column of their own. */
+/* Coarse ground is rounded except at its border: low bits that are nearly always 0 become a column of
+ * their own. */
 static void take_low_bits(struct eco_chunk_rows *rows)
 {
 	struct eco_draco_column *low = &rows->columns[rows->column_count];
@@ -323,7 +326,7 @@ static void give_ground(struct eco_chunk_rows *rows)
 	give_low_bits(rows);
 }
 
-/* What Draco can code without allocating too much: the values of a column, the differences between them. */
+/* Whether Draco can code a column's values, or their differences, without allocating too much. */
 static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit, bool *differences_fit)
 {
 	size_t count = (size_t)column->components * rows;
@@ -337,7 +340,8 @@ static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bo
 	*differences_fit = (int64_t)high - low <= ECO_DRACO_VALUE_MAX;
 }
 
-/* Whether a column is smaller as values or as differences is left to the coder itself. Sets shape.wide where neither can be. */
+/* Asks the coder which is smaller, each column's values or its differences. Sets shape.wide where neither
+ * fits. */
 static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	for (uint32_t i = 0; rows->shape.order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
@@ -361,7 +365,7 @@ static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_
 	return ECO_OK;
 }
 
-/* The columns that Draco sees of a wide stream: high halves, then low halves. *storage is malloc'ed. */
+/* Splits the columns of a wide stream for Draco: high halves, then low halves. *storage is malloc'ed. */
 static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns, int32_t **storage,
 	struct eco_error *error)
 {

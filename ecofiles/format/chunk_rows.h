@@ -1,4 +1,4 @@
-/* How elements lie in Draco's rows: one row an element, corner by corner as differences that are small and alike.
+/* Elements in Draco's rows: one row an element, corner by corner as differences that are small and alike.
  *
  *   eco_rows_make(&rows, &shape, ...);           columns for so many elements of one corner count
  *   eco_rows_put(&rows, row, &element);          encoder: element -> row
@@ -8,20 +8,22 @@
  *
  * Columns of a row with m corners:
  *   position 0 (3 values; split: 1, 1, 1)
- *   position k = 1..m-1 (3)                      what is left of corner k, relative to corner 0, after a linear prediction from the
- *                                                corners before it; which prediction is stored per stream and corner
- *   uv 0, uv k - uv k-1 (2 each)                 where the list has UV; without the low `uv_shift` bits, which are all zero
+ *   position k = 1..m-1 (3)            corner k relative to corner 0, less a linear prediction from the corners
+ *                                      before it; the prediction is stored per stream and corner
+ *   uv 0, uv k - uv k-1 (2 each)       where the list has UV; without the low `uv_shift` bits, which are all zero
  *   extra (1 each)
  *
- * Of each column Draco codes the values or the differences to the row before, whichever is smaller (its stream says which; kd: the
- * values).
+ * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
+ * says which; kd: values).
  *
- * Split positions suit rows whose order is given. Of ground samples x is stored as the difference to the sample south of it and y as
- * that to the sample west of it, which are nearly always 0, and z as what is left of it after the prediction left + up - upper left
- * (left in the first row, up at the start of a row, where x does not advance). With a `uv_shift` that is of z without its low
- * `uv_shift` bits, which are one more column, the last: of coarse ground only the border has any.
+ * Split positions suit rows whose order is given. For ground samples, x is the difference to the sample
+ * south of it, y the difference to the sample west of it (both nearly always 0), and z the miss of the
+ * prediction left + up - upper left (left in the first row, up at the start of a row, where x does not
+ * advance). With a `uv_shift`, z goes without its low `uv_shift` bits, which are one more column, the
+ * last: on coarse ground only the border has any.
  *
- * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and value & 65535. */
+ * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and
+ * value & 65535. */
 #ifndef ECO_CHUNK_ROWS_H
 #define ECO_CHUNK_ROWS_H
 
@@ -40,8 +42,8 @@ struct eco_rows_shape {
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
-	uint8_t uv_shift;            /* 0..15; ground: of heights */
-	uint8_t shift;               /* 0..7: what eco_rows_get gives is 2^shift times what was put; not with `split` */
+	uint8_t uv_shift;            /* 0..15; ground: low bits of heights */
+	uint8_t shift;               /* 0..7: eco_rows_get gives 2^shift times the value; not with `split` */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end */
@@ -54,10 +56,10 @@ struct eco_chunk_rows {
 	int32_t *storage;
 };
 
-/* One element: arrays of the caller. `uv` may be NULL where the shape has none, as may `extra`. */
+/* One element, in arrays of the caller. `uv` and `extra` may be NULL where the shape has none. */
 struct eco_rows_element { int32_t *position, *uv, *extra; };
 
-/* Largest magnitude of a position, uv or extra value that a chunk can hold. */
+/* Largest magnitude of a position, uv or extra value in a chunk. */
 #define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
 
 /* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners, ECO_ROWS_EXTRA_MAX extra values; split
@@ -69,7 +71,7 @@ void eco_rows_free(struct eco_chunk_rows *rows);
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 
-/* Encoding sets shape.predictors, uv_shift and wide to what is best; they must be stored with the stream. */
+/* Encoding sets shape.predictors, uv_shift and wide to the best; they must be stored with the stream. */
 enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
 

@@ -1,12 +1,13 @@
-/* SHAPES: the elements of a chunk as placed shapes, and what is left over as corners, all in one adaptively coded stream, as most chunks
- * are small: where there are forty leaves, the frame of a second stream or a table of symbols costs more than what it holds.
+/* SHAPES: the elements of a chunk as placed shapes, and the other elements as corners, in one adaptively
+ * coded stream. Most chunks are small: with forty leaves, a second stream's frame or a table of symbols
+ * costs more than its content.
  *
- * Stored order is that of ELEMENTS, so that forms of the elements need not know how these are coded: along a Morton curve through their
- * first corners. So not an element's centre is stored, but where that puts its first corner: the way along the curve from the element
- * before, which takes log2(n!) bits less than n places would. Centres have other steps than corners, and the two orders may differ by a
- * little; a step back is a rare symbol.
+ * Stored order is that of ELEMENTS, along a Morton curve through first corners, so that forms of the
+ * elements do not depend on this coding. A placed element stores the position of its first corner, as the
+ * step along the curve from the element before: this takes log2(n!) bits less than n positions. Centres
+ * have other steps than corners, so the two orders may differ by a little; a step back is a rare symbol.
  *
- * One function codes and decodes: what is written is what is read. */
+ * The same functions encode and decode. */
 #include "ecofiles/format/chunk.h"
 
 #include <stdlib.h>
@@ -48,7 +49,7 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 	eco_near_start(&c->near, c->miss[0], sizeof c->miss / sizeof c->miss[0][0]);
 }
 
-/* ---- What the chunk's elements share ---- */
+/* ---- The chunk's common data ---- */
 
 /* A value that must be within [low, high]. */
 static int32_t code_number(struct eco_shapes_codec *c, struct eco_bit *models, int32_t value, int32_t low, int32_t high)
@@ -70,7 +71,7 @@ static void code_span(struct eco_shapes_codec *c, struct eco_span *s)
 		c->failed = true;
 }
 
-/* Zeros at the end that all coordinates have. */
+/* Number of zero bits at the end of all coordinates. */
 static uint32_t common_shift(const struct eco_shapes *shapes)
 {
 	uint32_t any = 1u << 12;
@@ -124,7 +125,8 @@ static void code_shapes(struct eco_shapes_codec *c)
 		code_shape(c, &s->items[i], shift);
 }
 
-/* Corners are near those before, if nothing else is known: so edges weigh 1, what is across them 0, up to what is stored. */
+/* The default trend puts a corner near those before it: edges weigh 1, vectors across them 0. Weights are
+ * coded relative to it. */
 static void code_trends(struct eco_shapes_codec *c, uint32_t m)
 {
 	struct eco_shapes_head *h = &c->head;
@@ -157,7 +159,7 @@ void eco_shapes_code_head(struct eco_shapes_codec *c)
 		code_shapes(c);
 }
 
-/* ---- Where elements are ---- */
+/* ---- Positions ---- */
 
 static uint64_t spread(uint64_t v)
 {
@@ -178,7 +180,7 @@ static uint32_t gather(uint64_t v)
 	return (uint32_t)(v | v >> 32) & 0x1fffff;
 }
 
-/* A count of at most `most`, each step with a model. */
+/* A count of at most `most` in unary, each step with a model of its own. */
 static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, uint32_t most, uint32_t value)
 {
 	uint32_t n = 0;
@@ -188,8 +190,8 @@ static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, u
 	return n;
 }
 
-/* From one key to the next: of n random ones the gaps are exponentially distributed, with a mean that both sides know. How many bits the gap
- * has is coded from there, up or down, then the bits themselves. */
+/* The gap from one key to the next. The gaps of n random keys are exponentially distributed, with a mean
+ * that both sides know. Codes the gap's number of bits relative to the mean's, up or down, then the bits. */
 static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key)
 {
 	uint64_t end = (uint64_t)1 << bits, mean = (end - c->key) / c->left;
@@ -218,7 +220,7 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 	return c->key;
 }
 
-/* Where the first corner is on the coarse grid, from head.first. */
+/* The first corner on the coarse grid, relative to head.first. */
 static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t first[3])
 {
 	uint32_t width = c->head.first[0].bits, bits = width < KEY_BITS ? width : KEY_BITS, rest = width - bits;
@@ -239,7 +241,7 @@ static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t fir
 
 /* ---- Elements ---- */
 
-/* Where a centre puts the first corner, in 2^place_shift: of the offset only, which both sides know. */
+/* The step from centre to first corner, in 2^place_shift, from the offset alone, which both sides know. */
 static int64_t lead_of(const struct eco_shapes *s, const int32_t *offset, uint32_t axis)
 {
 	return ((int64_t)offset[axis] + (1 << s->place_shift >> 1)) >> s->place_shift;
@@ -328,7 +330,7 @@ static void remember(struct eco_shapes_codec *c, const struct eco_leaf *l, uint3
 	memcpy(c->seen + 3 * (size_t)c->seen_count++, l->position + 3 * k, 3 * sizeof *c->seen);
 }
 
-/* A corner that was there before: how long ago. False, with nothing known of it, where it was not. */
+/* A corner that occurred before is coded by how long ago. False: it did not occur, and only that is coded. */
 static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k)
 {
 	uint32_t ago = c->seen_count - l->found[k], bits = eco_bit_length(ago);
@@ -344,7 +346,7 @@ static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t 
 	return true;
 }
 
-/* A corner by what its trend misses; without one, in the world's axes from the corner before. */
+/* A corner as the miss of its trend; without a trend, in the world's axes from the corner before. */
 static void code_corner(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k, struct eco_frame *frame)
 {
 	int32_t *miss = l->miss + 3 * k, *at = l->position + 3 * k;
@@ -396,7 +398,8 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 		}
 }
 
-/* Leaves have like textures, here or there in an image: what is left after the steps from corner to corner of the one before. */
+/* Texture coordinates: the same picture may lie elsewhere in the image, so the steps from corner to corner
+ * of the element before predict this one's. */
 static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	for (uint32_t i = 0; i < 2u * l->corners; i++) {

@@ -1,4 +1,4 @@
-/* Which of a chunk's elements are placed shapes, in which steps, and the writing of them. */
+/* The encoder of SHAPES: which elements are placed, with which steps, and the writing of them. */
 #include "ecofiles/format/chunk.h"
 
 #include <assert.h>
@@ -10,14 +10,14 @@
 #include "ecofiles/format/chunk_payload.h"
 #include "ecofiles/format/chunk_shapes.h"
 
-#define USES_LEAST 4u            /* elements of one shape: for fewer its entry costs more than it saves */
-#define UNITS_SAMPLE 256u        /* elements by which steps and trends are chosen */
+#define USES_LEAST 4u            /* fewest elements of a shape: with fewer, its entry costs too much */
+#define UNITS_SAMPLE 256u        /* elements in the sample that steps and trends are chosen by */
 
 struct encoding {
 	const struct eco_chunk_input *input;
 	const struct eco_placed_element *elements;
 	uint32_t count;
-	uint32_t *of;                /* per stored element */
+	uint32_t *of;                /* shape of each stored element */
 	struct eco_placing *placing;
 	struct eco_shapes_codec codec;
 };
@@ -85,7 +85,7 @@ static double cost_of(const struct encoding *c, const struct eco_shapes *shapes,
 	return placed * (width + 40) + left * fmax(soup_bits, width + 50);
 }
 
-/* One kind of step coarser; false where it cannot be. */
+/* Makes one kind of step coarser; false where it is at its limit. */
 static bool coarsen(struct eco_shapes *s, int kind)
 {
 	if (kind == 0 ? s->way_bits == 0 : kind == 1 ? s->roll_bits == 0 : kind == 2 ? s->place_shift >= ECO_EXACT_SHIFT
@@ -100,8 +100,8 @@ static bool coarsen(struct eco_shapes *s, int kind)
 	return true;
 }
 
-/* Coarser steps take fewer bits, and leave more elements to corners. From the finest that could be of use, one kind of step after the
- * other is made coarser as long as that pays. */
+/* Coarser steps take fewer bits, but fewer elements fit and the others are stored as corners. Starts from
+ * the finest useful steps and makes one kind after the other coarser as long as that pays. */
 static void choose_steps(struct encoding *c, double soup_bits)
 {
 	struct eco_shapes best = c->codec.shapes;
@@ -125,7 +125,7 @@ static void choose_steps(struct encoding *c, double soup_bits)
 	c->codec.shapes = best;
 }
 
-/* The span of the coarse grid in which first corners are; whether they follow each other along the curve. */
+/* Finds the range of first corners on the coarse grid, and whether they are in order along the curve. */
 static void measure_first(struct encoding *c)
 {
 	struct eco_shapes_head *h = &c->codec.head;
@@ -142,7 +142,7 @@ static void measure_first(struct encoding *c)
 	h->first[0].bits = (uint8_t)eco_bit_length(widest);
 }
 
-/* False: the shape is somewhere where its first corner would not be within the span of first corners. */
+/* Whether the placed shape's first corner stays within the range of first corners. */
 static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing *p, const struct eco_shape *shape)
 {
 	int32_t offset[3 * ECO_CORNERS_MAX];
@@ -182,7 +182,7 @@ static void measure_extra(struct encoding *e)
 	}
 }
 
-/* Trends are found on a sample. */
+/* Fits trends to a sample. */
 static bool find_trends(struct encoding *e)
 {
 	uint32_t step = e->count / UNITS_SAMPLE + 1;
@@ -254,7 +254,7 @@ static void measure_sizes(struct encoding *e)
 		e->codec.head.size[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
 }
 
-/* Writes the chunk and keeps that in `stream` if it is the smallest so far. False: out of memory. */
+/* Writes the chunk and keeps it in `stream` if it is the smallest so far. False: out of memory. */
 static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *stream)
 {
 	struct eco_writer w = { 0 };
@@ -270,8 +270,8 @@ static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *s
 	return good;
 }
 
-/* With shapes of ever more elements, at last none: what a shape of few saves may be less than what its entry takes. In stored order, as steps along
- * the curve or not. */
+/* Tries shapes of ever more uses, at last none: a shape of few elements may save less than its entry
+ * takes. Tries each with and without steps along the curve. */
 static bool write_smallest(struct encoding *e, struct eco_stream *stream)
 {
 	static const uint32_t uses[] = { 1, 8, 24, UINT32_MAX };
@@ -291,7 +291,7 @@ static bool write_smallest(struct encoding *e, struct eco_stream *stream)
 	return good;
 }
 
-/* Room for all corners of the chunk, and twice as many slots at least. */
+/* Room for all corners of the chunk, and at least twice as many slots. */
 static bool make_seen(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;

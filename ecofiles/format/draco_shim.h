@@ -1,9 +1,9 @@
-/* Draco behind five C functions: integers in, bytes out, and back; and meshes of glTF files. Nothing else of Draco is visible; exceptions
- * end here.
+/* Draco behind a few C functions: integers in, bytes out, and back; and meshes of glTF files. Nothing else
+ * of Draco is visible; exceptions end here.
  *
- * Rows are what Draco calls a point cloud: each row has the same columns, each column 1 to 3 int32. What is encoded is encoded
- * without loss. Callers check the header of a stream (eco_draco_rows_start, eco_draco_mesh_start) before decoding it: the counts in
- * it are what bounds memory. */
+ * Rows are Draco's point cloud: each row has the same columns, each column 1 to 3 int32. Coding is
+ * lossless. Callers check the header of a stream (eco_draco_rows_start, eco_draco_mesh_start) before
+ * decoding it: the counts in it bound the memory. */
 #ifndef ECO_DRACO_SHIM_H
 #define ECO_DRACO_SHIM_H
 
@@ -28,18 +28,19 @@ enum eco_draco_order {
 	ECO_DRACO_KD                 /* rows come back as a multiset, cheaper; columns of a row stay together */
 };
 
-/* What Draco 1.5 writes at the start of a stream; `rows` >= 1. False: not a stream that the encoder below could have written. */
+/* Checks the start of a stream as Draco 1.5 writes it; `rows` >= 1. False: our encoder could not have
+ * written it. */
 bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows);
 bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
 
-/* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX, or, with
- * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer up to the largest symbol.
- * *bytes is malloc'ed. */
+/* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX or, with
+ * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer
+ * up to the largest symbol. *bytes is malloc'ed. */
 #define ECO_DRACO_VALUE_MAX (1 << 20)
 enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
 	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 
-/* How many bytes a column's values take in a sequential stream, but for a constant. */
+/* Bytes of a column in a sequential stream, up to a constant. */
 enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error);
 
 /* Decodes exactly those rows and columns into columns[].values, or fails with ECO_DAMAGED. */
@@ -56,18 +57,20 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
 enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
 	struct eco_error *error);
 
-/* A mesh that another program wrote (KHR_draco_mesh_compression), with the attributes that are asked for by their unique ids. */
+/* A mesh that another program wrote (KHR_draco_mesh_compression), with the attributes asked for by unique
+ * id. */
 struct eco_draco_attribute {
 	uint32_t id;
-	uint8_t components;          /* 1 to 16 wanted; those that the stream lacks are 0 */
+	uint8_t components;          /* 1 to 16; components that the stream lacks are 0 */
 	float *values;               /* out: components per point, malloc'ed; integers as they are, not as fractions */
 };
 struct eco_draco_mesh {
 	uint32_t faces, points;
 	uint32_t *index;             /* 3 per face, each < points; malloc'ed */
 };
-/* Streams of bitstream version 2.2 with at most so many faces and points: counts are compared before anything is allocated for them.
- * Even so small streams may take much memory and time: run it in the child of guard.h. On failure mesh and values are empty. */
+/* Decodes bitstream version 2.2 with at most so many faces and points; counts are compared before anything
+ * is allocated for them. Small streams may still take much memory and time: run it in the child of
+ * guard.h. On failure mesh and values are empty. */
 enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
 	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error);
 

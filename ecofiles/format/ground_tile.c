@@ -1,4 +1,3 @@
-/* Samples of a ground tile: see ground_tile.h. */
 #include "ecofiles/format/ground_tile.h"
 
 static void span_of(struct eco_ground_span *s, uint32_t samples, uint8_t level, uint32_t index)
@@ -50,7 +49,7 @@ uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows)
 	return level;
 }
 
-/* Index of the tile whose first sample, the ring's or its own, is at `first`. */
+/* Index of the tile whose first sample (of the ring, or its own) is at `first`. */
 static uint32_t index_of(int32_t first, uint8_t level)
 {
 	uint32_t stride = 1u << level;

@@ -1,13 +1,14 @@
-/* Which samples of the ground a tile holds: what its maker, the checks, the server and every client must agree on.
+/* Samples of a ground tile: the rule that the builder, the checks, the server and every client share.
  *
  *   eco_ground_spans(&x, &y, &tile, columns, rows);     the tile's samples along both axes
- *   eco_ground_span_at(&x, i)                           where its i-th column lies, in samples of the full grid
- *   eco_ground_tile_of(&tile, &list, &elements, ...)    the other way round: which tile a decoded list is, or what is wrong with it
+ *   eco_ground_span_at(&x, i)                           place of its i-th column, in samples of the full grid
+ *   eco_ground_tile_of(&tile, &list, &elements, ...)    the inverse: the tile of a decoded list, or an error
  *
- * Along an axis a tile of level L covers ECO_GROUND_CELLS << L samples, less where the grid ends. It holds one sample every 2^L, and the
- * last that it covers; and on either side, where the grid goes on, one more: a ring that is not drawn, but from which normals at the
- * tile's border are the same on both sides. Samples are those of the full grid, neither averaged nor moved, so that tiles of any two
- * levels agree wherever both have a sample. */
+ * Along an axis a tile of level L covers ECO_GROUND_CELLS << L samples, fewer where the grid ends. It
+ * holds one sample every 2^L, and the last that it covers. On either side where the grid goes on it holds
+ * one more, the ring, which is not drawn: with it the normals at the border are the same in both tiles.
+ * Samples are those of the full grid, neither averaged nor moved, so tiles of any two levels agree
+ * wherever both have a sample. */
 #ifndef ECO_GROUND_TILE_H
 #define ECO_GROUND_TILE_H
 
@@ -18,24 +19,25 @@
 struct eco_ground_span {
 	uint32_t low, high;          /* first and last sample covered */
 	uint32_t stride;
-	uint32_t inner;              /* samples held of these, both ends included: at least 2 */
-	uint32_t count;              /* the same with the ring */
+	uint32_t inner;              /* samples held in [low, high]: at least 2 */
+	uint32_t count;              /* samples held, with the ring */
 	uint32_t before;             /* 1 if a sample of the ring comes first, else 0 */
-	uint32_t last;               /* sample of the grid */
+	uint32_t last;               /* last sample of the grid */
 };
 
-/* The tile lies on the grid (eco_ground_on_grid). */
+/* Requires that the tile lies on the grid (eco_ground_on_grid). */
 void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y, const struct eco_ground_tile *tile, uint32_t columns,
 	uint32_t rows);
 uint32_t eco_ground_span_at(const struct eco_ground_span *span, uint32_t i);      /* i < count */
 
-/* Level, column and row say a tile that covers at least one cell. */
+/* Whether level, column and row name a tile that covers at least one cell. */
 bool eco_ground_on_grid(const struct eco_ground_tile *tile, uint32_t columns, uint32_t rows);
 
 /* The lowest level at which one tile covers everything. */
 uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows);
 
-/* Finds level, column and row of a whole decoded list; every sample must be at its place. `columns`, `rows`: of the full grid. */
+/* Finds level, column and row of a whole decoded list; every sample must be in its place. `columns`,
+ * `rows`: of the full grid. */
 enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_list *list, const struct eco_elements *elements,
 	uint32_t columns, uint32_t rows, struct eco_error *error);
 

@@ -1,10 +1,10 @@
-/* Heights between samples. */
+/* Heights between samples, by linear interpolation on the triangles of heights.h. */
 #include "ecofiles/format/heights.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Position on one axis: cell and share within it, clamped to the grid. */
+/* A position on one axis as a cell and a share within it, clamped to the grid. */
 static bool locate(double at, double first, double step, uint32_t count, uint32_t *cell, double *share)
 {
 	double place = (at - first) / step;

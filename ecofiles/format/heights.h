@@ -1,8 +1,8 @@
 /* The ground in memory: a grid of heights under a scene.
  *
- * Sample (c, r) is the height at x = x_m + c * step_x_m, y = y_m + r * step_y_m: the centre of a raster's pixel. A cell between
- * four samples is two triangles along the diagonal from its south-west to its north-east corner, in pictures and in heights, so
- * that nothing floats. */
+ * Sample (c, r) is the height at x = x_m + c * step_x_m, y = y_m + r * step_y_m, the centre of a raster's
+ * pixel. A cell between four samples is two triangles along the diagonal from its south-west to its
+ * north-east corner. Pictures and plants use the same triangles, so that nothing floats. */
 #ifndef ECO_HEIGHTS_H
 #define ECO_HEIGHTS_H
 
@@ -14,11 +14,11 @@ struct eco_ground {
 	double x_m, y_m;             /* the south-west sample, metres from the scene's origin */
 	double step_x_m, step_y_m;   /* > 0 */
 	float *height_m;             /* columns * rows, row by row from the south-west, minus the origin's z; owned */
-	uint64_t filled;             /* samples the rasters did not have, filled from their neighbours */
+	uint64_t filled;             /* samples missing in the rasters, filled from neighbours */
 };
 
-/* Height at (x, y) in *z, exactly on the triangles above. Outside the grid: the height of the nearest point of its border, and
- * false. */
+/* Height at (x, y) in *z, exactly on the triangles. Outside the grid: false, and the height of the nearest
+ * point of its border. */
 bool eco_ground_height(const struct eco_ground *ground, double x, double y, double *z);
 void eco_ground_free(struct eco_ground *ground);
 

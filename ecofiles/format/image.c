@@ -1,4 +1,4 @@
-/* Which reader a picture needs, by its first bytes, and writing files so that a reader never sees half of one. */
+/* Chooses a picture's reader by its first bytes, and writes files so that a reader never sees half of one. */
 #include "ecofiles/format/image.h"
 
 #include <assert.h>
@@ -27,7 +27,8 @@ static enum eco_code decode(struct eco_image *image, const char *name, const voi
 
 /* ---- Formats by their first bytes ---- */
 
-/* A name whose extension suits the content, so that the right reader is tried first; NULL if the content does not tell. */
+/* A name whose extension suits the content, so that the right reader is tried first; NULL: the content
+ * does not tell. */
 static const char *name_for(const uint8_t *bytes, size_t size)
 {
 	static const struct { const char *magic, *name; size_t at, count; } kinds[] = {

@@ -1,8 +1,8 @@
 /* Pictures in and out: textures of models, PNG frames of the viewer.
  *
- * libpng does the work for PNG; for all other formats OpenImageIO does, in a module of its own (module.h) that is loaded when the first
- * such picture is asked for: linking it would cost every program 200 ms and 131 MB at start. Where it cannot be loaded, calls fail
- * with ECO_NOT_FOUND. All functions are thread-safe. */
+ * libpng reads and writes PNG. OpenImageIO reads all other formats, in a module (module.h) that is loaded
+ * for the first such picture: linking it would cost every program 200 ms and 131 MB at start. Without the
+ * module these calls fail with ECO_NOT_FOUND. All functions are thread-safe. */
 #ifndef ECO_IMAGE_H
 #define ECO_IMAGE_H
 
@@ -30,14 +30,16 @@ struct eco_pixels {
 	const uint8_t *bytes;
 };
 
-/* Encodes a PNG file, as small as it gets without taking long; *bytes is malloc'ed. The same pixels give the same bytes. */
+/* Encodes a PNG file, as small as is possible without taking long; *bytes is malloc'ed. The same pixels
+ * give the same bytes. */
 enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 /* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
 
-/* Pixels of a picture that a person would see to differ from the other, of the same size with 3 channels: Yee's measure at a display of
- * 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`. OpenImageIO 2.4 reads a channel of brightness that is not there, so
- * differences of hue count and those of brightness alone do not. Both have at least 1 and at most ECO_PIXELS_MAX pixels. */
+/* Counts pixels of a picture that a person would see to differ from another of the same size with 3
+ * channels: Yee's measure for a display of 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`.
+ * OpenImageIO 2.4 misreads the brightness channel, so differences of hue count and those of brightness
+ * alone do not. Both have 1 to ECO_PIXELS_MAX pixels. */
 enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error);
 
 #endif

@@ -1,4 +1,5 @@
-/* libpng reports by longjmp: all that must be freed lives in one struct, outside the frame that is left. */
+/* libpng reports errors by longjmp: everything that must be freed lives in one struct, outside the frame
+ * that is left. */
 #include "ecofiles/format/image_png.h"
 
 #include <assert.h>
@@ -11,11 +12,11 @@
 struct coding {
 	png_structp png;
 	png_infop info;
-	const uint8_t *from; size_t size, at;        /* what is read */
-	uint8_t *bytes; size_t used, capacity;       /* what is written */
+	const uint8_t *from; size_t size, at;        /* input */
+	uint8_t *bytes; size_t used, capacity;       /* output */
 	uint8_t *rgba;
 	png_bytep *rows;
-	char text[200];                              /* what libpng said */
+	char text[200];                              /* libpng's message */
 	bool too_large, no_memory;
 	jmp_buf back;
 };
@@ -65,7 +66,7 @@ static void take(png_structp png, png_bytep to, size_t count)
 	c->at += count;
 }
 
-/* Whatever the samples are, as 8-bit RGBA. */
+/* Has libpng convert any samples to 8-bit RGBA. */
 static void spread(struct coding *c)
 {
 	png_set_expand(c->png);
@@ -203,7 +204,8 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 	return code;
 }
 
-/* Painted leaves are smaller as they are, photographs as differences; libpng's own rule for a row takes the wrong side half of the time. */
+/* Encodes without filters and with them, and keeps the smaller file: painted leaves are smaller without,
+ * photographs with. libpng's own rule for a row is wrong half of the time. */
 enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
 {
 	uint8_t *differences;

@@ -1,4 +1,4 @@
-/* What every part of the system needs to know about a list without decoding it. */
+/* Properties of lists that need no decoding. */
 #include "ecofiles/format/list.h"
 
 #include <assert.h>
@@ -79,7 +79,7 @@ float eco_size(uint32_t code)
 	return ldexpf(quarter[code % 4], (int)whole - (int)(ECO_SIZE_ONE / 4));
 }
 
-/* Of all directions the mean square is a third, of level ones 1. */
+/* The mean square is 1/3 for normals in all directions, 1 for level leaves. */
 uint8_t eco_level_code(double mean_square)
 {
 	double share = (3 * mean_square - 1) / 2;

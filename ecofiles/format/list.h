@@ -1,12 +1,13 @@
-/* The one idea: everything drawable is a list in priority order, stored in chunks, fetched as a prefix, drawn as a range.
+/* The one idea: everything drawable is a list in priority order, stored in chunks, fetched as a prefix,
+ * drawn as a range.
  *
  *   list      elements in priority order, on one integer grid, cut into chunks
- *   element   what is kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or 3 to 6 (a
- *             leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
- *   primitive what a range counts: a point, a line, a triangle, an instance, a ground sample. A fan of n corners has n-2.
- *   vertices  what a budget counts: point 1, line 2, triangle 3 (a logical primitive; instances multiply)
+ *   element   kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or 3 to 6
+ *             (a leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
+ *   primitive the unit of ranges: a point, a line, a triangle, an instance, a ground sample; n-2 in a fan of n corners
+ *   vertices  the unit of budgets: point 1, line 2, triangle 3 (for each primitive drawn; instances multiply)
  *
- * Ranges [first, end) are always in primitives of the list's draw order (after decoding and permuting). */
+ * Ranges [first, end) are in primitives of the list's draw order (after decoding and permuting). */
 #ifndef ECO_LIST_H
 #define ECO_LIST_H
 
@@ -25,17 +26,19 @@ enum eco_list_kind {
 	ECO_LIST_IMAGE           /* one chunk: a PNG file */
 };
 
-/* How a chunk's payload becomes elements. All integers inside are what Draco's lossless integer attributes give back.
- * ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; afterwards the elements of a chunk are
- *           put into draw order by the seeded permutation eco_chunk_permutation(ordinal, element count).
- * FORM      another form of the elements of list `partner`: one element for each of its elements, all with the same number of corners
- *           (1: a point, 2: a line, 3, or 4: a quad) and never dearer than it, stored in the stored order of the partner's chunk of the
- *           same ordinal and permuted by the same permutation: element i of one list is element i of the other, drawn in another way.
- * KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
- * ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
- * MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
- * BYTES     the payload is a file (PNG).
- * SHAPES    of chunks, not of lists: a chunk of an ELEMENTS list of triangles in which elements of one shape are placed (shape.h). */
+/* How a chunk's payload becomes elements. All integers inside come from Draco's lossless integer
+ * attributes.
+ *   ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; then the seeded permutation
+ *             eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw order.
+ *   FORM      another form of the elements of list `partner`: one element for each, all with the same number of corners
+ *             (1: a point, 2: a line, 3, or 4: a quad), never with more vertices. Chunks match by ordinal and have the
+ *             partner's stored order and permutation: element i is element i of the partner, drawn in another way.
+ *   KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
+ *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
+ *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
+ *   BYTES     the payload is a file (PNG).
+ *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one shape are
+ *             stored as placings of it (shape.h). */
 enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES, ECO_CODER_SHAPES };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
@@ -43,9 +46,9 @@ enum eco_attr {
 	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
 	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
 	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
-	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then 16 bits of the leaf's key less that of the list's tile (two values) */
+	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then the leaf tile key's low 16 bits less those of the list's tile */
 	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
-	ECO_ATTR_GROWTH = 32,    /* triangles: how far this element follows the scale of its cut, a code for eco_growth */
+	ECO_ATTR_GROWTH = 32,    /* triangles: how far it follows its cut's scale, a code for eco_growth */
 	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */
 };
 #define ECO_UV_ONE 4096
@@ -62,7 +65,7 @@ struct eco_list {
 	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
-	uint32_t partner;            /* FORM: list id of the elements that these are forms of; else ECO_NONE */
+	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
 	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
@@ -79,10 +82,10 @@ struct eco_chunk {
 
 #define ECO_EXACT_SHIFT 3u
 
-/* Elements in draw order: what a maker of lists hands to the encoder and what the decoder gives back. Owns its arrays. */
+/* Elements in draw order: input of the encoder and output of the decoder. Owns its arrays. */
 struct eco_elements {
 	uint32_t element_count, corner_count, primitive_count;
-	uint32_t extra_count;        /* values per element in `extra`: PLANT and PLACE 2, COLOR, WIDTH, GROWTH and SIZE 1, as the list has them */
+	uint32_t extra_count;        /* values per element: 2 for PLANT and PLACE, 1 for the others */
 	uint8_t *corners;            /* per element */
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */
@@ -93,16 +96,17 @@ struct eco_elements {
 };
 void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);
-/* Where an attribute's values begin among an element's extra values; the list must have it. */
+/* Index of an attribute's first value among an element's extra values; the list must have the attribute. */
 uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute);
 
-/* Vertices that one primitive of the list counts for: 1, 2 or 3; 0 for instances, ground and images. */
+/* Vertices of one primitive of the list: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);
 
-/* Area factor of an element of growth code `code` where its cut's scale is `scale`: an element that grows into empty sky does harm, one
- * that grows over others does not. 1 at scale 1 whatever the code, so that full detail is the model, and always for code 0: outlines stay
- * sharp while what lies behind them still fills gaps. Below 1 the scale itself. Elements of lists without ECO_ATTR_GROWTH have code
- * ECO_GROWTH_PLAIN: the scale itself. */
+/* Area factor of an element with growth code `code` in a cut with scale `scale`. An element that grows
+ * into empty sky does harm, one that grows over others does not: so elements at an outline have low codes
+ * and stay sharp, while those behind them fill gaps. 1 for code 0, and for scale 1 whatever the code, so
+ * that full detail is the model. Below 1 it is the scale itself. Elements of lists without ECO_ATTR_GROWTH
+ * have code ECO_GROWTH_PLAIN: the scale itself. */
 #define ECO_GROWTHS 8u
 #define ECO_GROWTH_PLAIN 5u
 float eco_growth(uint32_t code, float scale);
@@ -112,9 +116,10 @@ float eco_growth(uint32_t code, float scale);
 #define ECO_SIZE_ONE 32u
 float eco_size(uint32_t code);
 
-/* Leaves of a plant, as light falls on them: a share of them level, the others in all directions. From the mean of squares of the heights of their
- * unit normals, by area; 0 where it is not known. Of broadleaved trees it is 27 % in the mean (Ross's index of 0.25: Sellers 1985; land surface
- * models), of conifers and flowers far more, of grass nothing. */
+/* How level the leaves of a plant lie, for lighting: a share of them is taken as level, the others as
+ * facing all directions. The share comes from the mean square, by area, of the height of their unit
+ * normals. Code 0 is not known, and stands for the mean of broadleaved trees, 27 % (Ross's index of 0.25:
+ * Sellers 1985; land surface models). Conifers and flowers have far more, grass none. */
 #define ECO_LEVEL_USUAL 0.27
 uint8_t eco_level_code(double mean_square);
 double eco_level_share(uint8_t code);
