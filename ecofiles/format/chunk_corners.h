@@ -5,14 +5,14 @@
  * other ways: how far along the first edge and across it the next corner lies, whether it is level, how
  * far the tip leaves the plane of the first corners. So a corner is predicted as a weighted sum of a few
  * vectors, its bases. The miss is stored along the first edge, a direction across it that is level or
- * points towards the third corner, and their normal. Along one or two of these axes misses are small or
- * alike; along the plant's axes they would be equally large on all three. A trend is one set of weights.
+ * points towards the third corner, and their normal: along one or two of these axes misses are small or
+ * alike, along the plant's axes they would be equally large on all three. A trend is one set of weights.
  * Elements that begin at another corner or run the other way round need other weights, so a chunk has a
  * few trends, and each element names the one it follows, or none.
  *
  * Misses are rounded to a body-centred cubic lattice. With steps half as wide again as the grid's, no
- * corner is moved further than by the grid, and the bits are 3/4 fewer (Conway and Sloane 1988, "Sphere
- * Packings, Lattices and Groups", chapter 2: the best covering of space by balls of one size). */
+ * corner is moved further than by the grid, and a corner takes 3/4 bit less (Conway and Sloane 1988,
+ * "Sphere Packings, Lattices and Groups", chapter 2: the best covering of space by balls of one size). */
 #ifndef ECO_CHUNK_CORNERS_H
 #define ECO_CHUNK_CORNERS_H
 

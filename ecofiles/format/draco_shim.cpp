@@ -1,6 +1,6 @@
-// The only C++ of ecofiles that knows Draco. Draco's decoders believe what a stream says about itself: how many attributes of how
-// many components there are decides how much they allocate. So the decoders are subclassed at the two points where Draco has read
-// these declarations and not yet acted on them, and anything but the expected columns is refused there.
+// The only C++ of ecofiles that knows Draco. Draco's decoders allocate what a stream declares: so many
+// attributes of so many components. So the decoders are subclassed at the two points where Draco has read
+// these declarations and not yet acted on them; there anything but the expected columns is refused.
 #include "ecofiles/format/draco_shim.h"
 
 #include <algorithm>
@@ -51,7 +51,8 @@ struct Expected {
 	uint32_t rows;               // 0: meshes, whose point count is known only after the connectivity
 };
 
-// A decoder that stops before the first attribute is decoded unless the declared attributes are the expected columns.
+// A decoder that stops before the first attribute is decoded unless the declared attributes are the expected
+// columns.
 template <class Base>
 class Guarded : public Base {
  public:
@@ -149,7 +150,8 @@ enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &ex
 	return ECO_OK;
 }
 
-// What a mesh stream holds after decoding, checked before it is used: Draco does not bound face indices itself.
+// What a mesh stream holds after decoding, checked before it is used: Draco does not bound face indices
+// itself.
 enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex, struct eco_error *error)
 {
 	const draco::PointAttribute *a = mesh.attribute(0);
@@ -203,7 +205,7 @@ struct Bounds {
 	bool exceeded;               // out: they were
 };
 
-// The counts at the front of the connectivity, which the decoder would believe.
+// Checks the counts at the front of the connectivity, which the decoder would trust.
 bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bounds *bounds)
 {
 	const uint8_t *bytes = reinterpret_cast<const uint8_t *>(buffer.data_head());
@@ -222,7 +224,7 @@ bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bou
 	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
 }
 
-// A decoder that stops where a count exceeds its bound, before it allocates for it.
+// A decoder that stops where a count exceeds its bound, before allocating for it.
 template <class Base, bool kEdgebreaker>
 class Bounded : public Base {
  public:
@@ -329,9 +331,10 @@ enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds, 
 
 }  // namespace
 
-// Draco counts symbols in an array with a place for each integer up to the largest: of a dozen plants in a tile, megabytes cleared and
-// scanned for a dozen numbers, most of the time that large forests take to pack. The linker sends its calls here (--wrap): sparse
-// symbols are sorted instead, and the same terms added in the same order, so that the streams are the same to the bit.
+// Draco counts symbols in an array with one place for each integer up to the largest. For a dozen plants in a
+// tile it clears and scans megabytes for a dozen numbers, which was most of the time of packing large
+// forests. The linker sends its calls here (--wrap): sparse symbols are sorted instead and the same terms
+// added in the same order, so that the streams are the same to the bit.
 #define COMPUTE_SHANNON_ENTROPY(prefix) prefix##_ZN5draco21ComputeShannonEntropyEPKjiiPi
 extern "C" {
 int64_t COMPUTE_SHANNON_ENTROPY(__real_)(const uint32_t *symbols, int count, int largest, int *unique);
@@ -370,7 +373,8 @@ bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_orde
 
 bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 {
-	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; then the traversal: standard (0) or valence (2)
+	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; then the traversal: standard (0) or valence
+	// (2)
 	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
 	size_t at = sizeof head + 1;
 	uint32_t vertices, count, symbols, splits;
@@ -404,7 +408,7 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 		if (!encode_cloud(cloud, order, 0, columns, column_count, &best, error))
 			return ECO_BAD_INPUT;
 		if (order == ECO_DRACO_KD) {
-			// Whether choosing axes pays depends on the points: try without.
+			// Whether choosing axes pays depends on the points: try without as well.
 			if (!encode_cloud(cloud, order, 10, columns, column_count, &other, error))
 				return ECO_BAD_INPUT;
 			if (other.size() < best.size())
@@ -414,8 +418,8 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 	});
 }
 
-// The coder of symbols alone says which of two ways is smaller: an encoder around it, with its options and a copy of the values, takes
-// several times as long as a dozen values do.
+// Asks the coder of symbols alone which way is smaller: for a dozen values a whole encoder, with its options
+// and a copy of the values, takes several times as long.
 enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error)
 {
 	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
@@ -440,8 +444,8 @@ enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint3
 	});
 }
 
-// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level; Draco compares it with that of
-// the header only after decoding so many points.
+// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level. Draco
+// compares it with the header's only after decoding that many points, so it is compared here first.
 static bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
 {
 	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;

@@ -97,7 +97,7 @@ int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max
 	}
 }
 
-// What `idiff -p` does: bytes as they are, its luminance and its field of view.
+// As `idiff -p`: bytes as they are, its luminance and its field of view.
 int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
 	size_t text_size)
 {
@@ -121,7 +121,8 @@ int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height,
 
 } // namespace
 
-// One thread: callers decide about threads, and a pool would not survive the fork of a guarded import.
+// One thread: the callers decide about threads, and a thread pool would not survive the fork of a guarded
+// import.
 __attribute__((constructor)) static void start()
 {
 	OIIO::attribute("threads", 1);

@@ -55,14 +55,14 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: its samples are 2^level apart; points: how level the leaves lie that they stand for
-	                              * (eco_level_share); else 0 */
+	uint8_t level;               /* ground: samples are 2^level apart; points: how level their leaves lie (eco_level_share);
+	                              * else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
 	double grid_step[3];         /* metres; position = origin + integer * step */
-	float unit_area;             /* points and summaries: projected area (m^2, random orientation: area / 2) one point stands for
-	                              * when all are drawn: a splat is a screen-facing square of area unit_area * scale */
+	float unit_area;             /* points and summaries: projected area (m^2, random orientation: area / 2) of one point when all
+	                              * are drawn: a splat is a screen-facing square of area unit_area * scale */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
@@ -90,9 +90,9 @@ struct eco_elements {
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */
 	int32_t *extra;              /* extra_count per element, or NULL */
-	int32_t *exact;              /* fans: 3 per corner, where it was before position was rounded, on a grid that is 2^ECO_EXACT_SHIFT times
-	                              * finer; or NULL. For encoders: such elements come back on the finer grid, either where position says
-	                              * or as near to `exact` as rounding would put them. Decoders leave it NULL */
+	int32_t *exact;              /* fans: 3 per corner, the corners before rounding, on a grid 2^ECO_EXACT_SHIFT times finer; or
+	                              * NULL. For encoders: decoding gives such elements on the finer grid, where position says or as
+	                              * near to `exact` as rounding to position could be. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);

@@ -27,7 +27,7 @@ struct eco_image {           /* 8-bit RGBA, straight alpha, sRGB, first row at t
 	uint32_t width, height;
 	uint8_t *rgba;
 };
-/* Does it cut anything out: is alpha below 0.5 anywhere? */
+/* Whether the image cuts anything out: alpha is below 0.5 somewhere. */
 bool eco_image_has_holes(const struct eco_image *image);
 
 struct eco_material {
@@ -42,20 +42,21 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 	char name[64];
 };
 
-#define ECO_ORGAN_FOUND 255u     /* no rule says which: lod/build/organ.h finds out */
+#define ECO_ORGAN_FOUND 255u     /* no rule says: lod/build/organ.h finds it */
 
-/* How the file's numbers were understood. Up: the axis of the file that points up; found: as the format says, else by shape, Y or Z. */
+/* How the file's numbers were understood. Up: the file's axis that points up; FOUND: from the format, else
+ * by shape, Y or Z. */
 enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
 static inline const char *eco_up_name(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
 enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
 struct eco_model_source {
-	char format[64];         /* of the first file, for people */
+	char format[64];         /* of the first file, for messages */
 	enum eco_up up;          /* not FOUND */
-	enum eco_how up_how;     /* given, format, shape, or the format's convention as the shape does not tell */
+	enum eco_how up_how;     /* given, format, shape, or the format's convention */
 	double unit_m;           /* metres per unit */
-	enum eco_how unit_how;   /* given, format, guessed from the height, or what makes height_m of it */
-	double size[3];          /* of what is kept, Z up, in the file's units */
-	double below;            /* so much of it, in these units, hangs or reaches below the ground */
+	enum eco_how unit_how;   /* given, format, guessed from the height, or set by height_m */
+	double size[3];          /* of the triangles kept, Z up, in the file's units */
+	double below;            /* depth below the ground, in these units */
 };
 
 struct eco_model {           /* owns all its arrays; zero-initialised is empty */
@@ -65,7 +66,7 @@ struct eco_model {           /* owns all its arrays; zero-initialised is empty *
 	uint32_t *index;         /* 3 per triangle */
 	uint32_t *material;      /* 1 per triangle */
 	uint32_t *part;          /* 1 per triangle, index into parts; NULL without parts */
-	uint8_t *organ;          /* 1 per triangle: enum eco_organ (pack.h) or ECO_ORGAN_FOUND; NULL: no rule says anything */
+	uint8_t *organ;          /* 1 per triangle: enum eco_organ (pack.h) or ECO_ORGAN_FOUND; or NULL */
 	struct eco_material *materials;
 	struct eco_image *images;
 	struct eco_part *parts;  uint32_t part_count;

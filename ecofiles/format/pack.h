@@ -5,8 +5,8 @@
  *   scene.plants = ...;                             fill the other tables of a struct eco_scene
  *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync of the folder: all or nothing
  *
- *   eco_pack_open(&pack, path, &error);             maps, checks header and section hashes, bounds every index: then immutable,
- *   ... any number of threads read pack->scene ...  shared by all threads without locks
+ *   eco_pack_open(&pack, path, &error);             maps, checks header and section hashes, bounds every index
+ *   ... any number of threads read pack->scene ...  immutable, so without locks
  *   eco_pack_close(pack);
  *
  * File (little-endian, sections 64-byte aligned, padding zero):
@@ -15,19 +15,20 @@
  *   8    u32 version = 7      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
- *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA, whose chunks
- *          carry their own hashes), u32 record size, u32 0
+ *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA,
+ *          whose chunks carry their own hashes), u32 record size, u32 0
  *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
  *
  *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
- *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds are the root tile's)
+ *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds: the root tile's)
  *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS  12 PALETTE
  *        13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
  *
- * Each section starts at the first multiple of 64 after the one before; the file ends with the last section. META and CHUNK_DATA
- * have no records (count and size of a record 0); PALETTE has 3 bytes a colour. In the chunk table, a payload either follows the
- * payloads so far or lies within them (equal payloads are stored once), so that no byte of CHUNK_DATA is without a hash. Field order
- * inside records is that of the structs below; see pack_record.c, which reads and writes each field by name. */
+ * Each section starts at the first multiple of 64 after the one before; the file ends with the last
+ * section. META and CHUNK_DATA have no records (count and size of a record 0); PALETTE has 3 bytes a
+ * colour. In the chunk table, a payload either follows the payloads so far or lies within them (equal
+ * payloads are stored once), so that every byte of CHUNK_DATA has a hash. Fields of a record are in the
+ * order of the structs below; pack_record.c reads and writes each by name. */
 #ifndef ECO_PACK_H
 #define ECO_PACK_H
 
@@ -39,7 +40,7 @@
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
-enum eco_need {                  /* what a scene uses; what is not listed is not read, sent, compiled or loaded */
+enum eco_need {                  /* what a scene uses; a reader skips what is not listed */
 	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8, ECO_NEED_CUTOUTS = 16,
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256
 };
@@ -47,8 +48,8 @@ enum eco_need {                  /* what a scene uses; what is not listed is not
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
 extern const char *const eco_organ_names[ECO_ORGAN_COUNT];
 
-/* Where something of a plant is: a sphere in plant space. A plant's first anchor is the whole plant; the others are its cells.
- * Distance bands (lod/eye.h) are taken from the eye to an anchor's centre. */
+/* A sphere in plant space. A plant's first anchor is the whole plant; the others are its cells. Distance
+ * bands (lod/eye.h) are taken from the eye to an anchor's centre. */
 struct eco_anchor {
 	float center[3];
 	float radius;
@@ -56,19 +57,20 @@ struct eco_anchor {
 
 #define ECO_LEVELS_MAX 6
 enum eco_ladder_flag {
-	ECO_LADDER_FAR = 1,          /* drawn only where the plant's cells are not (the plant's band is at or beyond the gate) */
+	ECO_LADDER_FAR = 1,          /* drawn where the plant's cells are not (its band: at or beyond the gate) */
 	ECO_LADDER_NEAR = 2,         /* a cell: drawn only where the plant's band is below the gate */
-	ECO_LADDER_ABOVE = 4         /* after its curve comes another of as many samples, with the same shares and reaches, measured from above */
+	ECO_LADDER_ABOVE = 4         /* a second curve, measured from above, has the same shares and reaches */
 };
 
-/* A sequence of cut sets over the lists of one organ at one anchor, in ascending vertices:
- *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one an element), simple (one
- *           triangle an element) and triangles; all but the triangles may be absent. Coarse forms give way to finer ones from
- *           the front: elements [0,f) of the finer form with the elements [f,e) of the coarser one, until f = e.
- *           Which e a share of vertices has is in the curve (`reach`).
+/* A sequence of sets of cuts over the lists of one organ at one anchor, in ascending vertices:
+ *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one an
+ *           element), simple (one triangle an element) and triangles; all but the triangles may be absent. Finer forms
+ *           replace coarser ones from the front: elements [0,f) of the finer form with elements [f,e) of the coarser
+ *           one, until f = e. The curve says which e belongs to a share of vertices (`reach`).
  *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
- *   plain:  the first p/3 triangles, scaled                                                       (triangles only, no levels)
- * lod/ladder.h turns (ladder, vertices) into cuts. Lists that are absent are ECO_NONE; a FAR ladder may have lines only. */
+ *   plain:  the first p/3 triangles, scaled                                         (triangles only, no levels)
+ * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
+ * only. */
 struct eco_ladder {
 	uint32_t plant, anchor;      /* anchor: index into the scene's anchors */
 	uint8_t organ, flags;
@@ -76,12 +78,12 @@ struct eco_ladder {
 	uint8_t reserved;
 	uint32_t points, lines, simple, triangles;
 	uint32_t level_end[ECO_LEVELS_MAX];
-	uint32_t total, before;      /* points (or lines) in this anchor's region: all of them, and those that the plant's whole-plant
-	                              * ladder of the same organ and texture already holds (0 for it and for wood) */
+	uint32_t total, before;      /* points (or lines) in this anchor's region: all, and those that the whole-plant ladder of the
+	                              * same organ and texture already holds (0 in that ladder and in wood) */
 	float importance;            /* multiplies this ladder's share of the budget; 1 is neutral */
-	float area;                  /* m^2, a leaf counted once, of all elements in this region (those of `total`) */
+	float area;                  /* m^2 of all elements in this region, a leaf counted once */
 	float length;                /* m, of all lines */
-	float epsilon;               /* m, greatest distance of a line from what it stands for */
+	float epsilon;               /* m, greatest distance of a line from the wood it stands for */
 	uint32_t curve_first, curve_count;
 };
 
@@ -91,12 +93,13 @@ static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
 	return ladder->flags & ECO_LADDER_ABOVE ? 2 * ladder->curve_count : ladder->curve_count;
 }
 
-/* One sample of a ladder's curve, measured on the whole organ (for cells: the curve of the organ, by density). Sampled
- * geometrically from one element up to everything; `share` strictly ascending in (0, 1]. */
+/* One sample of a ladder's curve, measured on the whole organ (for cells: the curve of the organ, by
+ * density). Samples run geometrically from one element up to everything; `share` strictly ascends in (0,
+ * 1]. */
 struct eco_curve {
 	float share;                 /* lambda: vertices drawn / vertices of the ladder at full detail */
-	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. Cuts get scale / (primitives drawn /
-	                              * primitives of the stage): bounded where s_opt itself is singular, so it may be interpolated */
+	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. A cut's scale is this / (primitives
+	                              * drawn / primitives of the stage). Bounded where s_opt is singular, so it may be interpolated */
 	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
 	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above */
 };
@@ -111,8 +114,8 @@ struct eco_plant {
 };
 
 struct eco_tile {
-	double low[3], high[3];      /* bounds of all its plants' bodies, in the coordinates of its own eco file */
-	double area;                 /* m^2 of all plants, scaled: what the summary stands for */
+	double low[3], high[3];      /* bounds of all its plants, in the coordinates of its own eco file */
+	double area;                 /* m^2 of all plants, scaled */
 	uint64_t instance_count;     /* plants in the whole subtree, nested eco files counted each time */
 	uint32_t summary;            /* list id of the point summary, or ECO_NONE */
 	uint32_t group_first, group_count;
@@ -121,11 +124,12 @@ struct eco_tile {
 
 struct eco_group {               /* the plants of one species in one leaf tile */
 	uint32_t tile, plant, list;
-	uint64_t place_first;        /* the same plants for the planner: places [place_first, place_first + the list's primitives) */
+	uint64_t place_first;        /* the same plants in section PLACES: as many, from this place on */
 };
 
-/* An instance as integers on its list's grid. The planner must look at plants, and the server decodes nothing: so the pack keeps
- * them twice, coded in the instance lists (sent) and plain in section PLACES (mapped, never sent; `ecopack verify` compares). */
+/* An instance as integers on its list's grid. The pack keeps instances twice: coded in the instance lists
+ * (sent), and plain in section PLACES (mapped, never sent), because the planner must look at plants and
+ * the server decodes nothing. `ecopack verify` compares the two. */
 struct eco_place {
 	int32_t position[3];
 	uint16_t turn;               /* yaw, 1/65536 turns */
@@ -135,26 +139,27 @@ struct eco_place {
 
 struct eco_child {               /* child tile ids are greater than their parent's: the tree has no cycle */
 	uint32_t tile;
-	bool placed;                 /* another eco file with a transform; false: same coordinates as the parent */
+	bool placed;                 /* another eco file with a transform; else the parent's coordinates */
 	double at[3];                /* metres, in the parent's coordinates */
 	uint16_t turn;               /* 1/65536 turns about Z, counter-clockwise */
 	float scale;
 };
 
-/* A tile of the ground: a square of ECO_GROUND_CELLS cells a side between samples of the scene's grid that lie 2^level apart (less
- * where the grid ends). The tiles are a quadtree, the first is the root and covers all; children follow their parents, level by level,
- * and together cover what their parent covers. A tile without children is as fine as the ground is. Which samples a tile holds is
- * said in ground_tile.h. All ground lists have one grid: the scene's, with the south-west sample at 0, 0. */
+/* A tile of the ground: a square of ECO_GROUND_CELLS cells a side between samples of the scene's grid that
+ * lie 2^level apart (smaller where the grid ends). The tiles are a quadtree: the first is the root and
+ * covers everything; children follow their parents, level by level, and together cover their parent. A
+ * tile without children has the finest detail there. ground_tile.h says which samples a tile holds. All
+ * ground lists have the scene's grid, with the south-west sample at 0, 0. */
 #define ECO_GROUND_CELLS 64u
-#define ECO_GROUND_LEVELS 8u         /* so that tiles that touch differ by a factor of at most ECO_GROUND_CELLS */
+#define ECO_GROUND_LEVELS 8u         /* touching tiles differ by at most a factor ECO_GROUND_CELLS */
 #define ECO_GROUND_SIDE_MAX ((ECO_GROUND_CELLS << (ECO_GROUND_LEVELS - 1)) + 1)   /* samples a side: 8193 */
 struct eco_ground_tile {
-	uint32_t list;               /* of one chunk */
+	uint32_t list;               /* a list of one chunk */
 	uint32_t column, row;        /* in tiles of its level, from the south-west */
 	uint8_t level, child_count;  /* children: 0, 1, 2 or 4 */
 	uint32_t child_first;        /* 0 without children */
-	float error_m;               /* largest vertical distance to the finest ground, not less than that of a child */
-	float low_m, high_m;         /* of the finest ground in it, z of the scene */
+	float error_m;               /* distance to the finest ground, not below that of a child */
+	float low_m, high_m;         /* z in the scene of the finest ground in it */
 };
 
 struct eco_scene {
@@ -178,7 +183,7 @@ struct eco_scene {
 };
 
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
-/* The same from a decoded instance list. */
+/* The same for an instance of a decoded list. */
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);
 
 /* ---- Reading ---- */
@@ -192,7 +197,7 @@ struct eco_pack {
 	size_t map_size;
 };
 
-/* Opens and validates everything but the payloads (whose hashes are checked by whoever reads them first, eco_pack_payload). */
+/* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
 /* The same from memory that stays owned by the caller (fuzzing, tests). */
 enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size, struct eco_error *error);
@@ -202,15 +207,16 @@ void eco_pack_close(struct eco_pack *pack);
 enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
 	struct eco_error *error);
 
-/* Checks a scene's tables against each other (every index in range, counts add up, bounds finite, tree acyclic, unused space zero).
- * Called by open; separate so that a client can check what a stream declared. */
+/* Checks a scene's tables against each other (every index in range, counts add up, bounds finite, tree
+ * acyclic, unused space zero). Called by open; public so that a client can check the scene that a stream
+ * declared. */
 enum eco_code eco_scene_check(const struct eco_scene *scene, struct eco_error *error);
-/* What can be said of one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
+/* Checks one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
 enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error);
 enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error);
 enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error);
 
-/* Record coders, one function a table row, shared by pack and wire. */
+/* Record coders, one pair a table, shared by pack and wire. */
 struct eco_reader;
 struct eco_writer;
 void eco_list_write(struct eco_writer *w, const struct eco_list *list);
@@ -223,43 +229,43 @@ void eco_place_write(struct eco_writer *w, const struct eco_place *place);     /
 
 struct eco_pack_writer;
 
-/* What is at `path` is only replaced if it is a pack or empty. */
+/* A file at `path` is replaced only if it is a pack or empty. */
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error);
 
-/* Encodes `elements` in chunks that end at element `ends[i]` and appends them; sets chunk_first, chunk_count, primitive_count and
- * element_count of the stored list; its grid is finer by 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the
- * partner's elements as they were given for it, and `elements` holds one form of each in the same order; the ends are the same, too. A
- * partner may have several forms. Chunks with
- * equal payload are stored once. */
+/* Encodes `elements` in chunks that end at elements `ends[i]` and appends them. Sets chunk_first,
+ * chunk_count, primitive_count and element_count of the stored list, whose grid is finer by
+ * 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the partner's elements
+ * as they were given, `elements` holds one form of each in the same order, and the ends are the same. A
+ * partner may have several forms. Chunks with equal payload are stored once. */
 enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
 	struct eco_error *error);
-/* The same in two steps, for lists without a partner: the first needs no writer and may run in any thread, many at a time. Encoded
- * chunks are freed by the caller, whatever happens. */
+/* The same in two steps, for lists without a partner: encoding needs no writer and may run in many threads
+ * at a time. The caller frees encoded chunks in any case. */
 struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
 enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, struct eco_error *error);
 enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
 	uint32_t *list_id, struct eco_error *error);
 void eco_encoded_free(struct eco_encoded *encoded);
-/* A list of one BYTES chunk. */
+/* Adds a list of one BYTES chunk. */
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
 	uint32_t *list_id, struct eco_error *error);
-/* A list of another pack, whose payloads are checked and taken as they are. Of `list` the references to other lists, tiles, plants and
- * colours are those of the pack to be. */
+/* Adds a list of another pack, with its payloads, after checking them. In `list` the references to other
+ * lists, tiles, plants and colours are those of the new pack. */
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
 	uint32_t from_list, uint32_t *list_id, struct eco_error *error);
-/* All elements of a list of points that was added, decoded from what was written. */
+/* All elements of a list of points added before, decoded from the payloads written. */
 enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
-/* The same of a pack that is open. */
+/* The same for a list of an open pack. */
 enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
-/* Its chunks, their offsets not yet final (valid until the next add). */
+/* The chunks added so far, with offsets not yet final (valid until the next add). */
 const struct eco_chunk *eco_pack_chunks(const struct eco_pack_writer *writer);
 /* The list as stored so far (valid until the next add). */
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id);
 
-/* Writes the tables (lists and chunks come from the writer itself, the others from `scene`; arrays stay the caller's), syncs and
- * renames. The writer is freed whatever happens; on failure the target is untouched. */
+/* Writes the tables (lists and chunks from the writer, the others from `scene`; the caller keeps its
+ * arrays), syncs and renames. Frees the writer in any case; on failure the target is untouched. */
 enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene, const char *meta_json,
 	struct eco_error *error);
 void eco_pack_abort(struct eco_pack_writer *writer);   /* removes the unfinished file; NULL is fine */

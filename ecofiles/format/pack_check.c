@@ -1,6 +1,6 @@
-/* The one place where a scene's tables are distrusted. Everything after it (planner, wire, client) may index without looking. Work
- * is linear in the tables: ranges that could overlap are bounded by their sum, because a small file whose ranges all cover one
- * large table would otherwise cost the product. */
+/* The one place that distrusts a scene's tables: everything after it (planner, wire, client) may index
+ * without checks. Work is linear in the tables. Ranges that could overlap are bounded by their sum:
+ * otherwise a small file whose ranges all cover one large table would cost the product. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +34,7 @@ static bool name_ends(const char name[64])
 	return memchr(name, 0, 64) != NULL;
 }
 
-/* ---- Records by themselves ---- */
+/* ---- Single records ---- */
 
 enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error)
 {
@@ -151,7 +151,8 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 	return ECO_OK;
 }
 
-/* One form for each element, chunk by chunk, of no more vertices. The chunk ranges of both are known to be in range. */
+/* A form has one element for each of the partner's, chunk by chunk, with no more vertices. The chunk
+ * ranges of both have been checked. */
 static enum eco_code check_forms(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->lists[id], *partner = &s->lists[list->partner];
@@ -204,7 +205,7 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 	return ECO_OK;
 }
 
-/* A list that a ladder names must be there, of that kind, and the plant's. */
+/* A list named by a ladder must exist, be of that kind, and be the plant's. */
 static bool ladder_list_fits(const struct eco_scene *s, uint32_t list, uint8_t kind, uint32_t plant)
 {
 	if (list == ECO_NONE)
@@ -213,7 +214,7 @@ static bool ladder_list_fits(const struct eco_scene *s, uint32_t list, uint8_t k
 		&& !(s->lists[list].attributes & ECO_ATTR_PLANT);
 }
 
-/* What has a partner stands for the ladder's triangles. */
+/* A list with a partner must be a form of the ladder's triangles. */
 static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t triangles)
 {
 	return list == ECO_NONE || s->lists[list].partner == ECO_NONE || s->lists[list].partner == triangles;
@@ -338,7 +339,7 @@ static enum eco_code check_child(const struct eco_scene *s, uint32_t id, uint32_
 	return ECO_OK;
 }
 
-/* The tile by itself and what it lists; ids of its children are greater, so their instances are counted already. */
+/* The tile and its own lists; children have greater ids, so their instances are counted already. */
 static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_tile *t = &s->tiles[id];
@@ -419,7 +420,7 @@ static enum eco_code check_ground_tile(const struct eco_scene *s, uint32_t id, s
 	return ECO_OK;
 }
 
-/* Children in the order south-west, south-east, north-west, north-east, as far as the grid goes. */
+/* Children come in the order south-west, south-east, north-west, north-east, as far as the grid goes. */
 static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_ground_tile *t = &s->ground[id];
@@ -469,7 +470,7 @@ static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *e
 		s->ground_count);
 }
 
-/* What is there must be among the needs: a reader leaves out what is not listed. */
+/* Everything present must be among the needs: a reader skips what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
 	static const struct { uint32_t need; const char *name; } names[] = {

@@ -1,5 +1,5 @@
-/* Laying out a pack: sections in the order of their kinds, then payloads as they were spooled; then the file's name, once all of it is on
- * the disk. */
+/* Lays out a pack: sections in the order of their kinds, then the spooled payloads. The file gets its name
+ * once all of it is on the disk. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/pack_writer.h"
 
-/* The bytes of a section: of `owned`, or borrowed. */
+/* The bytes of a section, owned or borrowed. */
 struct body {
 	struct eco_section section;
 	const uint8_t *bytes;
@@ -40,7 +40,8 @@ static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind
 	bodies[(*count)++] = body;
 }
 
-/* All sections but CHUNK_DATA, without offsets. The chunk table holds offsets, so it is written for a given one of CHUNK_DATA. */
+/* Makes all sections but CHUNK_DATA, without offsets. The chunk table holds file offsets, so it needs the
+ * offset of CHUNK_DATA. */
 static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, uint64_t chunk_data, struct body *bodies)
 {
 	uint32_t count = 0;
@@ -164,7 +165,8 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 	uint64_t at, end = place_bodies(bodies, count, section_count), chunk_data = align(end), file_size;
 	enum eco_code code = ECO_OK;
 
-	/* Sizes do not depend on where CHUNK_DATA begins, only the chunk table's contents do: make it again now that it is known. */
+	/* Sizes do not depend on the offset of CHUNK_DATA, only the chunk table does: make it again with
+	 * the true offset. */
 	free_bodies(bodies, count);
 	count = make_bodies(scene, meta_json, chunk_data, bodies);
 	place_bodies(bodies, count, section_count);
@@ -194,7 +196,7 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 	return code;
 }
 
-/* From here on the pack is there even if the machine stops. */
+/* After this the pack is there even if the machine stops. */
 static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -209,7 +211,7 @@ static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
 		code = eco_pack_io_failed(w->folder, "sync the folder", error);
 	if (folder >= 0)
 		close(folder);
-	/* The temporary's name is gone: nothing is left to remove. */
+	/* The temporary file has been renamed: there is nothing to remove. */
 	close(w->file);
 	w->file = -1;
 	return code;

@@ -1,6 +1,7 @@
-/* Opening a pack: the file is mapped, its frame and hashes are checked, its tables are parsed into arrays and checked against each
- * other (eco_scene_check); places, palette and payloads stay in the map. A pack never changes after that, so threads share it
- * without locks. The sections must fill the file but for zero padding: every byte is covered by a hash or known to be zero. */
+/* Opening a pack: the file is mapped, its frame and hashes are checked, its tables are parsed into arrays
+ * and checked against each other (eco_scene_check); places, palette and payloads stay in the map. A pack
+ * never changes after that, so threads share it without locks. The sections must fill the file but for
+ * zero padding, so that every byte is covered by a hash or known to be zero. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -14,7 +15,7 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
-/* What eco_pack_close releases; `pack` comes first. */
+/* Owned by an open pack; `pack` comes first. */
 struct opened {
 	struct eco_pack pack;
 	bool mapped;
@@ -57,7 +58,7 @@ static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s
 	return ECO_OK;
 }
 
-/* The hash of a header leaves out itself: the bytes before it and the section table behind it. */
+/* The hash of the header covers the bytes before the hash and the section table behind it. */
 static uint64_t header_hash(const uint8_t *map, size_t table_size)
 {
 	uint8_t hashed[24 + ECO_SECTION_KIND_END * ECO_PACK_SECTION_BYTES];
@@ -131,7 +132,7 @@ static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, si
 	return ECO_OK;
 }
 
-/* Readers of records, of one type. */
+/* A reader of records for each table, all of one type. */
 #define READER(kind, table, name) static void read_##name(struct eco_reader *r, void *out) { eco_##name##_read(r, out); }
 ECO_PACK_TABLES(READER)
 READER(CHUNKS, chunks, chunk)
@@ -169,7 +170,7 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 	return code;
 }
 
-/* Every payload lies in CHUNK_DATA and every byte of CHUNK_DATA in a payload. */
+/* Every payload must lie in CHUNK_DATA and every byte of CHUNK_DATA in a payload. */
 static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *error)
 {
 	const struct eco_section *data = &o->sections[ECO_SECTION_CHUNK_DATA];
@@ -267,7 +268,7 @@ void eco_pack_close(struct eco_pack *pack)
 	free(o);
 }
 
-/* Only for messages. */
+/* The list that a chunk belongs to, for messages. */
 static uint32_t list_of_chunk(const struct eco_scene *scene, uint32_t chunk)
 {
 	for (uint32_t i = 0; i < scene->list_count; i++)

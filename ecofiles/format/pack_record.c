@@ -1,4 +1,5 @@
-/* Each record field by field, in the order of the structs of pack.h and list.h: what is written here is the format. */
+/* Each record field by field, in the order of the structs of pack.h and list.h: this file defines the
+ * bytes. */
 #include "ecofiles/format/pack_record.h"
 
 #include <assert.h>
@@ -60,7 +61,7 @@ static void read_u32s(struct eco_reader *r, uint32_t *v, unsigned count)
 		v[i] = eco_read_u32(r);
 }
 
-/* Names are 0-terminated and zero from there on, so that equal scenes are equal bytes. */
+/* Names are filled up with zeros, so that equal scenes are equal bytes. */
 static void write_name(struct eco_writer *w, const char *name, size_t size)
 {
 	size_t length = strnlen(name, size - 1);

@@ -1,4 +1,5 @@
-/* Sections and records of a pack: sizes and one reader and writer per table. The file's frame is in pack.h. */
+/* Sections and records of a pack: sizes, and one reader and one writer per table. The file's frame is in
+ * pack.h. */
 #ifndef ECO_PACK_RECORD_H
 #define ECO_PACK_RECORD_H
 
@@ -17,7 +18,7 @@ enum eco_section_kind {
 	ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_CHUNK_DATA, ECO_SECTION_KIND_END
 };
 
-/* By section kind: name for messages and bytes a record (0: META and CHUNK_DATA, which have no records). */
+/* By section kind: name for messages, and bytes of a record (0: META and CHUNK_DATA, which have none). */
 struct eco_section_info { const char *name; uint32_t record_bytes; };
 extern const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END];
 
@@ -30,13 +31,15 @@ void eco_section_write(struct eco_writer *w, const struct eco_section *section);
 /* False where the last field is not zero. */
 bool eco_section_read(struct eco_reader *r, struct eco_section *section);
 
-/* Tables of a scene whose records stand in a section as they are, in the order of their sections: X(SECTION, table, record) each. Chunks are
- * not among them, as their offsets are known last, nor is the ground, whose table and records are called differently. */
+/* Tables of a scene whose sections hold their records unchanged, in the order of the sections: X(SECTION,
+ * table, record). Not among them: chunks, whose offsets are known last, and the ground, whose table and
+ * records have different names. */
 #define ECO_PACK_TABLES(X) \
 	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, curve) \
 	X(TILES, tiles, tile) X(GROUPS, groups, group) X(CHILDREN, children, child) X(LISTS, lists, list)
 
-/* The SCENE record holds the scalars of struct eco_scene. Readers fail `r` where bytes that are unused are not zero. */
+/* The SCENE record holds the scalars of struct eco_scene. Readers fail `r` where unused bytes are not
+ * zero. */
 void eco_scene_write(struct eco_writer *w, const struct eco_scene *scene);
 void eco_scene_read(struct eco_reader *r, struct eco_scene *scene);
 void eco_plant_write(struct eco_writer *w, const struct eco_plant *plant);

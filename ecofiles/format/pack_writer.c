@@ -1,6 +1,7 @@
-/* Writing a pack, all or nothing. Payloads come first but lie last in the file, behind tables whose size is known only at the end:
- * so they are spooled to an unlinked file in the target's folder (memory stays small, and a full disk is noticed early) and copied
- * behind the tables by eco_pack_commit (pack_commit.c). The target's name appears only by renaming a complete, synced file. */
+/* Writing a pack, all or nothing. Payloads are made first but lie last in the file, behind tables whose
+ * size is known only at the end. So they are spooled to an unlinked file in the target's folder (memory
+ * stays small, and a full disk is noticed early), and eco_pack_commit (pack_commit.c) copies them behind
+ * the tables. The target's name appears only by renaming a complete, synced file. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -68,7 +69,7 @@ static char *folder_of(const char *path)
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* A slip of the hand must not cost a model or an inventory: only packs, and empty files, are replaced. */
+/* Only packs and empty files may be replaced: a slip of the hand must not cost a model or an inventory. */
 static bool may_replace(const char *path)
 {
 	char magic[8];
@@ -104,7 +105,7 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 	} else if (there && !may_replace(path)) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write elsewhere, or remove it first", path);
 	} else {
-		/* A file of this name can only be the rest of a process that had our number. */
+		/* A file of this name is left over from a dead process that had our number. */
 		unlink(w->temporary);
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		code = w->file < 0 ? eco_pack_io_failed(path, "create", error) : open_spool(w, error);
@@ -241,7 +242,7 @@ static uint32_t count_primitives(const struct eco_elements *elements, uint32_t f
 
 struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
 
-/* The ordinal-th chunk, elements [first, end). */
+/* Encodes elements [first, end) as chunk number `ordinal`. */
 static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct eco_list *list, const struct eco_elements *elements,
 	uint32_t ordinal, uint32_t first, uint32_t end, struct eco_error *error)
 {
@@ -270,7 +271,7 @@ static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct ec
 static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *forms,
 	const struct eco_elements *partner, const uint32_t *ends, uint32_t end_count, struct eco_error *error)
 {
-	/* How the partner is stored follows from its elements alone: kind and coder are all that is needed of its list. */
+	/* The partner's stored order follows from its elements: of its list only kind and coder matter. */
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
 		.attributes = w->lists[list->partner].attributes };
 
@@ -289,7 +290,7 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 	return ECO_OK;
 }
 
-/* Appends the list with the chunks since `chunk_first` and its counts. */
+/* Appends the list, with the chunks since `chunk_first` and their counts. */
 static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first, uint32_t *list_id,
 	struct eco_error *error)
 {

@@ -1,10 +1,10 @@
-/* Inside the writer of packs: what is gathered (pack_writer.c) until it is laid out and published (pack_commit.c). */
+/* The state of a pack writer: gathered by pack_writer.c, laid out and published by pack_commit.c. */
 #ifndef ECO_PACK_WRITER_H
 #define ECO_PACK_WRITER_H
 
 #include "ecofiles/format/pack.h"
 
-/* Chunks found by their id, to store equal payloads once: open addressing over chunk indices + 1. */
+/* Finds chunks by their id, to store equal payloads once: open addressing over chunk indices + 1. */
 struct id_table {
 	uint32_t *slots;
 	uint32_t size;               /* power of two, more than twice the chunks */
@@ -21,10 +21,10 @@ struct eco_pack_writer {
 	struct id_table ids;
 };
 
-/* Says what could not be done, and why (errno); ECO_IO. */
+/* Writes the error: what could not be done, and why (errno). Returns ECO_IO. */
 enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_error *error);
 
-/* All of it, however often that takes. `path` is for errors. */
+/* Writes all bytes, in as many calls as it takes. `path` is for errors. */
 enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size, struct eco_error *error);
 
 #endif

@@ -1,17 +1,19 @@
-/* Plans as plain data: their order, what any plan must satisfy, what a client holds, and the names of plants.
+/* Plans as plain data: their order, their checks, a client's holdings, and the names of plants.
  *
- * One order for every array, so that a plan has one encoding and neighbours in it resemble each other: the coder sends mostly
- * differences (ecofiles/format/wire.h). Rules go by anchor, then list, then band: from one band to the next only the end changes.
+ * Every array has one order, so that a plan has one encoding and neighbours resemble each other: the coder
+ * sends mostly differences (ecofiles/format/wire.h). Rules are sorted by anchor, then list, then band:
+ * from one band to the next only the end changes.
  *
  * Owners, 64 bits:
  *
- *   63       1: there is something
+ *   63       1 (0 is "nothing")
  *   62       1: a summary point, 0: a plant
  *   46..61   low 16 bits of the key of leaf tile and placements
- *   30..45   low 16 bits of the species' plant id
+ *   30..45   low 16 bits of the plant id (the species)
  *   0..29    0 for a summary; else (index + a hash of the key's high 16 bits) modulo 2^30
  *
- * Two plants of one species in one leaf tile never share an owner; two of different tiles do with a chance of about 2^-46. */
+ * Two plants of one species in one leaf tile never share an owner; two of different tiles do with a chance
+ * of about 2^-46. */
 #include "ecofiles/format/plan.h"
 
 #include <math.h>
@@ -213,13 +215,15 @@ uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
 #define OWNER_SUMMARY (UINT64_C(1) << 62)
 #define OWNER_INDEX_BITS 30
 
-/* An odd factor permutes the low 16 bits: the first 65536 tiles of an eco file have 65536 different keys. */
+/* An odd factor permutes the low 16 bits, so that the first 65536 tiles of an eco file have different
+ * keys. */
 uint32_t eco_owner_leaf(uint32_t tile)
 {
 	return tile * 0x9E3779B1u;
 }
 
-/* Not a product: children 3 and 5 above a tile must not look like children 4 and 4. (MurmurHash3's finalizer.) */
+/* MurmurHash3's finalizer, not a product: sums of products would collide (children 3 and 5 above a tile
+ * with 4 and 4). */
 uint32_t eco_owner_child(uint32_t number)
 {
 	uint32_t h = number + 0x68E31DA4u;

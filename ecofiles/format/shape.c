@@ -1,4 +1,4 @@
-/* Placing in integers. Axes have 24 bits behind the point, lengths times coordinates 4. */
+/* Placing shapes in integers: axes have 24 bits behind the point, lengths times coordinates 4. */
 #include "ecofiles/format/shape.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ static int64_t root_floor(int64_t v)
 	return r;
 }
 
-/* Returns the length of v, which is not 0. */
+/* Writes v's direction to `axis` and returns its length; v is not 0. */
 static int64_t unit_of(const int64_t v[3], int64_t axis[3])
 {
 	int64_t length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -28,7 +28,7 @@ static int64_t unit_of(const int64_t v[3], int64_t axis[3])
 	return length >> shift;
 }
 
-/* Of the unfolded octahedron: the middle square, turned by 45 degrees, is the upper half. */
+/* A direction on the unfolded octahedron: the middle square, turned by 45 degrees, is the upper half. */
 static void way_of(const int32_t way[2], uint32_t bits, int64_t axis[3])
 {
 	int64_t one = (int64_t)2 << bits, x = 2 * (int64_t)way[0] + 1 - one, y = 2 * (int64_t)way[1] + 1 - one;
@@ -40,7 +40,7 @@ static void way_of(const int32_t way[2], uint32_t bits, int64_t axis[3])
 	unit_of((int64_t[3]){ x, y, z }, axis);
 }
 
-/* Level, where x is not upright. */
+/* A level direction across x; any, where x is upright. */
 static void across(const int64_t x[3], int64_t y[3])
 {
 	if (x[0] == 0 && x[1] == 0)
@@ -63,8 +63,8 @@ int64_t eco_axes_first(const int64_t x[3], int64_t axis[3][3])
 	return 0;
 }
 
-/* y is enlarged before what is along x is taken away, and that is done twice, so that even of a y that is nearly along x the rest is at right
- * angles. */
+/* y is enlarged before its part along x is subtracted, and that is done twice: even where y is nearly
+ * along x, the result is at right angles. */
 void eco_axes_others(const int64_t *y, int64_t axis[3][3])
 {
 	int64_t rest[3] = { 0 }, any = y ? llabs(y[0]) | llabs(y[1]) | llabs(y[2]) : 0;
@@ -82,7 +82,8 @@ void eco_axes_others(const int64_t *y, int64_t axis[3][3])
 	cross(axis[0], axis[1], axis[2]);
 }
 
-/* Rows: where x, y and z of the shape go. The circle is walked along the square with corners on its axes. */
+/* Rows are the shape's x, y and z axes. Roll goes around the square with corners on the axes, not the
+ * circle. */
 static void axes_of(const struct eco_shapes *s, const struct eco_placing *p, int64_t axis[3][3])
 {
 	int64_t level[3], up[3], step = (int64_t)1 << s->roll_bits, part = p->roll & (step - 1), turn[3];

@@ -1,14 +1,17 @@
-/* A shape that many elements have: one leaf, placed many times. Found by looking, not by names.
+/* A shape that many elements have: one leaf, placed many times.
  *
- *   eco_shapes_find(&shapes, ...);                          encoder: which elements are one shape, moved, turned and scaled or stretched
- *   eco_shape_fit(&shapes, shape, corners, &placing);       encoder: how one element is placed; false where it would not be itself
- *   eco_shape_turn(&shapes, shape, &placing, offset);       both: its corners from its centre, in integers, so that all machines get the same
+ *   eco_shapes_find(&shapes, ...);                     encoder: finds elements that are one shape, moved, turned,
+ *                                                      and scaled or stretched
+ *   eco_shape_fit(&shapes, shape, corners, &placing);  encoder: one element's placing; false where it is not near enough
+ *   eco_shape_turn(&shapes, shape, &placing, offset);  both: its corners from its centre, in integers: all machines agree
  *   eco_shapes_free(&shapes);
  *
- * A shape lies in its own frame: middle of the corners at 0, long axis along x, faces z; root mean square of the corners' distances
- * ECO_SHAPE_ONE. A placing says where x points, as a point of the octahedron of eight triangles (Meyer et al. 2010, "On floating-point normal
- * vectors"), how far the leaf is rolled about it, and how long its three axes are. A narrow leaf's roll moves its corners little and is
- * stored in coarser steps than where it points; a leaf that faces the sky is rolled by little, whatever its direction. */
+ * A shape lies in its own frame: middle of the corners at 0, long axis along x, normal along z; root mean
+ * square of the corners' distances ECO_SHAPE_ONE. A placing has the direction of x, as a point of the
+ * octahedron of eight triangles (Meyer et al. 2010, "On floating-point normal vectors"), the leaf's roll
+ * about x, and the lengths of its three axes. A narrow leaf's roll moves its corners little, so roll has
+ * coarser steps than direction. Roll counts from level: a leaf that faces the sky has a small roll,
+ * whatever its direction. */
 #ifndef ECO_SHAPE_H
 #define ECO_SHAPE_H
 
@@ -30,9 +33,9 @@ struct eco_shape {
 	int32_t uv[2 * ECO_CORNERS_MAX];
 };
 
-/* Which lengths of axes a placing has of its own. */
+/* The axes whose lengths a placing stores beside that of x. */
 enum eco_stretch {
-	ECO_STRETCH_NONE,            /* one: scaled */
+	ECO_STRETCH_NONE,            /* none: y and z are scaled as x */
 	ECO_STRETCH_WIDTH,           /* y; z is scaled as x */
 	ECO_STRETCH_LENGTH,          /* y; z is scaled as y */
 	ECO_STRETCH_ALL              /* y and z */
@@ -44,7 +47,7 @@ struct eco_shapes {
 	uint8_t stretch;
 	uint8_t place_shift;         /* 0..ECO_EXACT_SHIFT: centres are multiples of 2^place_shift of the grid */
 	uint8_t size_shift[3];       /* and lengths of axes of 2^size_shift; 0..ECO_SHAPE_SHIFT_MAX */
-	uint8_t way_bits;            /* x points through the middle of one of 2^(way_bits + 1) squared squares of the unfolded octahedron */
+	uint8_t way_bits;            /* x: one of 2^(way_bits + 1) squared squares of the octahedron */
 	uint8_t roll_bits;           /* a whole turn has 2^(roll_bits + 2) steps */
 };
 
@@ -52,19 +55,20 @@ struct eco_placing {
 	int32_t center[3];           /* in 2^place_shift of the grid */
 	int32_t way[2];              /* 0..2^(way_bits + 1) - 1 */
 	int32_t roll;                /* 0..2^(roll_bits + 2) - 1 */
-	int32_t size[3];             /* of x, y, z, in 2^size_shift; those that the stretch says equal others are not looked at */
+	int32_t size[3];             /* of x, y, z, in 2^size_shift; some are ignored: see stretch */
 };
 
-/* The corners of the placed shape relative to its centre, on the grid. False, with offset unspecified, where the placing is none: a value
- * out of its range. Shapes must be within their bounds. */
+/* The corners of the placed shape relative to its centre, on the grid. False, with offset unspecified: a
+ * value of the placing is out of range. Shapes must be within their bounds. */
 bool eco_shape_turn(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct eco_placing *placing, int32_t *offset);
 
-/* offset + center, where that is within ECO_ROWS_VALUE_MAX. */
+/* offset + center; false where that is beyond ECO_ROWS_VALUE_MAX. */
 bool eco_shape_place(const struct eco_shapes *shapes, const struct eco_placing *placing, const int32_t *offset, uint32_t corners,
 	int32_t *position);
 
-/* Axes at right angles, of length 2^ECO_AXIS_BITS: the first along x (the world's, where x is 0), the second as nearly along y as can be, or
- * level where y is NULL or along x. Coordinates must be below 2^30. eco_axes_first returns the length of x. */
+/* Axes at right angles, of length 2^ECO_AXIS_BITS: the first along x (the world's x where x is 0); the
+ * second as near to y as possible, or level where y is NULL or along x. Coordinates must be below 2^30.
+ * eco_axes_first returns the length of x. */
 #define ECO_AXIS_BITS 24
 int64_t eco_axes_first(const int64_t x[3], int64_t axis[3][3]);
 void eco_axes_others(const int64_t *y, int64_t axis[3][3]);
@@ -76,14 +80,17 @@ struct eco_shapes_input {
 	const size_t *at;
 };
 #define ECO_SHAPE_NONE UINT32_MAX
-/* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE: those whose shape fewer than
- * `uses` have. Steps are set as fine as could be of use. False: out of memory. */
+/* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE;
+ * shapes of fewer than `uses` elements are dropped. Steps are set to the finest of use. False: out of
+ * memory. */
 bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses, uint32_t *of);
 void eco_shapes_free(struct eco_shapes *shapes);
-/* Leaves out shapes of fewer than `uses` of the `count` elements, and numbers the others anew. Returns the elements that have one. */
+/* Drops shapes of fewer than `uses` of the `count` elements and renumbers the others. Returns the elements
+ * that have a shape. */
 uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count, uint32_t uses);
 
-/* How to place the shape so that no corner is further from `exact` than rounding to the list's grid could move it. */
+/* Finds a placing that moves no corner further from `exact` than rounding to the list's grid could. False:
+ * there is none. */
 bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, struct eco_placing *placing);
 
 #endif

@@ -1,12 +1,14 @@
-/* Equal shapes among elements, and how they are placed. A shape is taken from one element; another has it if the linear map that takes the
- * one's corners nearest to the other's is a rotation times lengths of axes, up to what rounding did to both. Rounding did less to large
- * elements, so they are looked at first and become the shapes.
+/* Finds equal shapes among elements, and their placings. A shape is taken from one element. Another
+ * element has it if the linear map that best takes the first's corners to the second's is a rotation times
+ * lengths of axes, up to the rounding of both. Rounding affects large elements less, so they come first
+ * and become the shapes.
  *
- * Along which axes do leaves stretch? Those of one leaf do not tell, but any two leaves of different proportions do: the map from the one to
- * the other has them as its singular vectors. So some pairs are asked, and the axes are taken with which most leaves have one shape.
+ * The axes along which leaves stretch cannot be seen in one leaf, but in two of different proportions:
+ * they are the singular vectors of the map from one to the other. So some pairs are tried, and the axes
+ * kept with which most leaves have one shape.
  *
- * Whether an element may be stored as a placed shape is then decided by placing it, with all values rounded, and measuring; where a
- * corner is too far off, values are moved by one step as long as that helps. */
+ * An element is stored as a placed shape if placing it, with all values rounded, puts every corner near
+ * enough; where a corner is too far off, values are moved by one step as long as that helps. */
 #include "ecofiles/format/shape.h"
 
 #include <math.h>
@@ -15,8 +17,8 @@
 
 #include "ecofiles/format/chunk_rows.h"
 
-#define FLAT 1e-3                /* a shape whose corners are nearer to a plane, in radii, is flat */
-#define WAYS_FINE 2.0            /* a way's square is at most about so many 2^-way_bits wide */
+#define FLAT 1e-3                /* a shape is flat if its corners are nearer to a plane, in radii */
+#define WAYS_FINE 2.0            /* a direction's square is at most about so many 2^-way_bits wide */
 #define MOVES_MAX 24
 
 /* ---- Vectors ---- */
@@ -48,7 +50,7 @@ static int32_t nearest(double v)
 	return (int32_t)floor(v + 0.5);
 }
 
-/* What rounding to the list's grid moves a corner by at most, along an axis, and squared. */
+/* The furthest that rounding to the list's grid moves a corner, along an axis, and squared. */
 static const double half = 0.5 * (1u << ECO_EXACT_SHIFT);
 static const double room = 0.75 * (1u << 2 * ECO_EXACT_SHIFT);
 
@@ -72,16 +74,17 @@ static bool body_of(struct body *b, const int32_t *exact, uint32_t corners)
 	return b->radius >= 1;
 }
 
-/* A shape's corners with what takes another's corners to the nearest linear map. */
+/* A shape's corners, and weights that give the nearest linear map from them to another element's corners. */
 struct model {
 	uint32_t corners;
 	bool flat;
 	vector corner[ECO_CORNERS_MAX];
-	vector weight[ECO_CORNERS_MAX];      /* map = sum over corners of (where it is) * weight: where x, y and z go */
+	vector weight[ECO_CORNERS_MAX];      /* map = sum of corner * weight: images of x, y, z */
 	double span[3];                      /* sum of squares along each axis */
 };
 
-/* Inverse of the matrix of second moments times corners; of flat shapes in x and y alone. False: corners on a line. */
+/* Inverse of the matrix of second moments, times corners; for flat shapes in x and y alone. False: corners
+ * on a line. */
 static bool model_make(struct model *m)
 {
 	double s[3][3] = { { 0 } };
@@ -120,7 +123,7 @@ static bool model_of(struct model *m, const struct eco_shape *shape)
 	return model_make(m);
 }
 
-/* map[j]: where axis j of the model goes. */
+/* map[j]: the image of the model's axis j. */
 static void map_to(const struct model *m, const struct body *b, vector map[3])
 {
 	memset(map, 0, 3 * sizeof(vector));
@@ -136,8 +139,8 @@ static void map_to(const struct model *m, const struct body *b, vector map[3])
 
 struct pose { vector axis[3], size; };
 
-/* The pose nearest to the map, about: the axis that matters most keeps its direction. `misfit`: the distance, squared, of the corner that
- * is furthest from where it should be. */
+/* About the nearest pose to the map: the axis that matters most keeps its direction. `misfit`: greatest
+ * squared distance of a corner from its place. */
 static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch, struct pose *p, double *misfit)
 {
 	vector map[3];
@@ -197,7 +200,8 @@ static void round_way(const struct eco_shapes *s, const vector x, int32_t way[2]
 	way[1] = clamp((int32_t)floor(ldexp(v + 1, s->way_bits)), (2 << s->way_bits) - 1);
 }
 
-/* The roll that brings y nearest to where it should be, for where x points after rounding; as shape.c has it, in floating point. */
+/* The roll that brings y nearest to its place, given x's direction after rounding; as in shape.c, but in
+ * floating point. */
 static int32_t round_roll(const struct eco_shapes *s, const struct eco_placing *p, const vector y)
 {
 	double one = ldexp(1, s->way_bits + 1), u = 2.0 * p->way[0] + 1 - one, v = 2.0 * p->way[1] + 1 - one;
@@ -237,7 +241,7 @@ static double miss_of(const struct trial *t, const struct eco_placing *p)
 	return worst;
 }
 
-/* Moves one value at a time by one step while the worst corner is too far off and comes nearer. */
+/* While the worst corner is too far off, moves one value at a time by one step if that brings it nearer. */
 static double improve(const struct trial *t, struct eco_placing *p, double miss)
 {
 	int32_t *value[9] = { &p->center[0], &p->center[1], &p->center[2], &p->way[0], &p->way[1], &p->roll, &p->size[0], &p->size[1],
@@ -297,7 +301,8 @@ bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shap
 
 /* ---- Axes ---- */
 
-/* One rotation of Jacobi's method: of a symmetric matrix entry (p, q) becomes 0; the rows of `axis` turn along. */
+/* One rotation of Jacobi's method: entry (p, q) of a symmetric matrix becomes 0; the rows of `axis` turn
+ * along. */
 static void rotate(double g[3][3], vector axis[3], int p, int q)
 {
 	if (g[p][q] == 0)
@@ -332,7 +337,7 @@ static void axes_of_matrix(double g[3][3], bool flat, vector axis[3])
 	}
 }
 
-/* The model in axes of its own: x the one along which it is longest, z the shortest; of a flat one z stays. */
+/* Turns the model to its own axes: x the longest, z the shortest; a flat model keeps z. */
 static void turn_model(struct model *m, vector axis[3])
 {
 	double span[3] = { 0 };
@@ -380,7 +385,7 @@ struct finder {
 	const struct eco_shapes_input *in;
 	uint32_t count;
 	struct body *bodies;
-	uint32_t *by_size;           /* elements, the largest first; those that are points are left out */
+	uint32_t *by_size;           /* elements, the largest first, without those of size 0 */
 	uint32_t sized;
 	struct model *models;        /* of the shapes */
 };
@@ -411,7 +416,8 @@ static bool is_of(const struct finder *f, const struct model *m, uint8_t stretch
 #define ASKED_MAX 6
 #define TRIED_MAX 20
 
-/* Elements that may be of the shape that `place` (in by_size) has, spread over those that come after it. */
+/* Picks elements that may have the shape of the element at `place` (in by_size), spread over those after
+ * it. */
 static uint32_t find_alike(const struct finder *f, uint32_t place, uint32_t alike[TRIED_MAX])
 {
 	uint32_t count = 0, step = (f->sized - place) / (2 * TRIED_MAX) + 1;
@@ -421,7 +427,7 @@ static uint32_t find_alike(const struct finder *f, uint32_t place, uint32_t alik
 	return count;
 }
 
-/* Turns the model so that, stretched along its axes, it becomes as many others as can be found. */
+/* Turns the model to the axes whose stretching makes it equal to the most other elements. */
 static void choose_axes(const struct finder *f, struct model *m, uint8_t stretch, uint32_t place)
 {
 	uint32_t alike[TRIED_MAX], count = find_alike(f, place, alike), most = 0;
@@ -451,7 +457,7 @@ static void choose_axes(const struct finder *f, struct model *m, uint8_t stretch
 	*m = best;
 }
 
-/* Coordinates are rounded to what moves no corner by more than half a step of the grid. */
+/* Rounds coordinates to steps that move no corner by more than half a step of the grid. */
 static void shape_from(struct eco_shape *s, const struct model *m, double radius, const int32_t *uv)
 {
 	int shift = 0;
@@ -476,7 +482,7 @@ static uint32_t match(const struct finder *f, struct eco_shapes *shapes, uint32_
 	if (s < shapes->count)
 		return s;
 	struct model m;
-	/* where next to nothing repeats, more shapes would be in vain */
+	/* where little repeats, more shapes would not help */
 	if (s == ECO_SHAPES_MAX || s > 12 + found || !model_from(&m, &f->bodies[i], corners_of(f, i)))
 		return ECO_SHAPE_NONE;
 	if (shapes->stretch != ECO_STRETCH_NONE)
@@ -507,7 +513,8 @@ uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count
 	return having;
 }
 
-/* What is gained, about, in leaves of which nothing need be stored: each length of its own takes something, and a shape as much as a leaf. */
+/* About the gain, in leaves that cost nothing: each stored length takes something, and a shape as much as
+ * a leaf. */
 static double find_with(const struct finder *f, struct eco_shapes *shapes, uint8_t stretch, uint32_t uses, uint32_t *of)
 {
 	static const double share[] = { 0.4, 0.36, 0.36, 0.3 };

@@ -1,4 +1,4 @@
-/* What a view must satisfy before anything is computed from it: after this check no division by zero and no NaN can come of it. */
+/* Checks a view before anything is computed from it: after this there is no division by zero and no NaN. */
 #include "ecofiles/format/view.h"
 
 #include <math.h>

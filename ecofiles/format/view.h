@@ -1,4 +1,4 @@
-/* A view and what is asked of it. World coordinates: metres from the scene's origin, right-handed, Z up, z absolute. */
+/* A view and a request. World coordinates: metres from the scene's origin, right-handed, Z up, z absolute. */
 #ifndef ECO_VIEW_H
 #define ECO_VIEW_H
 
@@ -17,20 +17,21 @@ struct eco_view {
 	uint32_t width, height;      /* pixels, 1..ECO_IMAGE_MAX */
 };
 
-/* Where nothing else is asked for. Measured: see lod/ground_choice.h. */
+/* The default. Measured: see lod/ground_choice.h. */
 #define ECO_GROUND_PX 1.0
-#define ECO_GROUND_PX_MIN 0.01       /* of a picture that nobody can tell from full detail */
+#define ECO_GROUND_PX_MIN 0.01       /* indistinguishable from full detail */
 #define ECO_GROUND_PX_MAX 65536.0
 
 struct eco_request {
 	struct eco_view view;
 	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
 	uint64_t bytes;              /* budget of the whole response, or ECO_BYTES_UNBOUNDED */
-	double ground_px;            /* how far the ground may be from where it is, ECO_GROUND_PX_MIN.._MAX; 0: ECO_GROUND_PX */
+	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */
 };
 
-/* Refuses what cannot be drawn: values not finite or beyond 1e12, eye = target, field of view outside (0,180), sizes. `up`
- * parallel to the view direction is accepted (another up is chosen). The text names the field. */
+/* Refuses views that cannot be drawn: values not finite or beyond 1e12, eye = target, field of view
+ * outside (0,180), sizes. `up` parallel to the view direction is accepted (another up is chosen). The text
+ * names the field. */
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error);
 
 /* Camera scripts: {"fps": 2, "keyframes": [{"time_s": 0, "eye": [..], "target": [..], "up": [..], "fov_y_deg": 45}, ...]}.

@@ -1,5 +1,5 @@
-/* The stream: how a plan and the chunks it needs travel. One response body is a sequence of frames; any prefix that ends after a
- * PLAN frame is a valid picture within the vertex budget.
+/* The stream: how a plan and the chunks it needs travel. One response body is a sequence of frames; any
+ * prefix that ends after a PLAN frame is a valid picture within the vertex budget.
  *
  *   SCENE                                     once
  *   step: (PLANT | LIST | CHUNK)* PLAN        one or more, coarse first; only what the client lacks
@@ -10,51 +10,56 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 6, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows, u32 plant count, u32 list count,
- *        str name
- * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors            once per plant the client has
- *                                                                                                nothing of
- * LIST   u32 list, the list record of pack.h (eco_list_write), its palette (3 bytes a colour)    before its first chunk
- * CHUNK  u32 list, u32 ordinal, u8[16] id, u32 primitives, u32 elements, payload                 ordinals ascending per list
- * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`.
- * END    u64 vertices of the last plan, u64 bytes of the body, END included
+ * SCENE  u32 version = 6, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ *        u32 plant count, u32 list count, str name
+ * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
+ *                                                                once per plant of which the client holds nothing
+ * LIST   u32 list, the list record of pack.h (eco_list_write), its palette (3 bytes a colour)
+ *                                                                before the list's first chunk
+ * CHUNK  u32 list, u32 ordinal, u8[16] id, u32 primitives, u32 elements, payload
+ *                                                                ordinals ascending per list
+ * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
+ * vertices of the last plan, u64 bytes of the body, END included
  *
- * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list, ascending: varint list
- * delta (from the list before; of the first, from 0), varint chunks (at least 1).
- * A client that holds a chunk of a list knows its LIST record; one that holds a chunk of any list of a plant (not of its
- * instances) knows its PLANT record.
+ * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
+ * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
+ * client that holds a chunk of a list knows its LIST record; one that holds a chunk of any list of a plant
+ * (not of its instances) knows its PLANT record.
  *
- * PLAN. A plan has one encoding: arrays in the order of eco_plan_sort, of several forms of a field the first listed that can say
- * it; everything else is refused. A usual rule takes 5 or 6 bytes, a usual run 2, a plant none. z: zigzag varint, v: varint.
+ * PLAN. A plan has one encoding: arrays are in the order of eco_plan_sort; a field with several forms uses
+ * the first in this table that can hold the value. Everything else is refused. A usual rule takes 5 or 6
+ * bytes, a usual run 2, a plant none. z: zigzag varint, v: varint.
  *
  *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn
  *   v count, placements:
  *     u8 head    bits 0..2: axis is whole millimetres   3: turn   4: path   5-6: scale 0 = 1, 1 f32, 2 f64   7: 0
- *     3 axes     z millimetres since the axis's last whole ones (first: since 0); value = millimetres / 1000.0; or f64
+ *     3 axes     z millimetres since the axis's last whole ones (first: since 0); value = millimetres / 1000.0;
+ *                or f64
  *     u16 turn if not 0   u32 path if not 0   scale
  *   v count, runs, ascending:
- *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the run before
- *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or 0); then
- *                v placement - placement before - 1 (first: placement)
+ *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the run
+ *                before
+ *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or 0);
+ *                then v placement - placement before - 1 (first: placement)
  *     v          (list_end - list_first - 1) << 1 | 1 if some plants are left out: then u16 left
  *   v count, gates, ascending:
  *     v          (plant - plant before - 1; first: plant) << 1 | 1 if it ends within a band
  *     u8         whole bands of end; then, if it ends within one, u16 of the next
- *   v count, lists drawn once (cuts without an anchor: summaries, ground), then v count, rules; both as
+ *   v count, cuts drawn once (without an anchor: summaries, ground), then v count, rules; both as
  *
- *     head  7     6     5     4     3     2     1     0             one drawn once has no bands (bits 2-3 are 0) and no share, and
- *         +-----+-----+-----------+-----------+-----+-----+         "anchor" is its placement; its bands and share are read back
- *         | end | more|   scale   |   bands   | list|anchr|         as [0, ECO_BANDS) and [0, ECO_SHARE_ONE)
- *         +-----+-----+-----------+-----------+-----+-----+
- *     then, in this order and only if the head says so ("before": in the cut before; for the first all 0, anchor -1, placement 0):
+ *     head  7     6     5     4     3     2     1     0         a cut drawn once has no bands (bits 2-3 are 0) and
+ *         +-----+-----+-----------+-----------+-----+-----+     no share, and "anchor" is its placement; its bands
+ *         | end | more|   scale   |   bands   | list|anchr|     and share are read as [0, ECO_BANDS) and
+ *         +-----+-----+-----------+-----------+-----+-----+     [0, ECO_SHARE_ONE)
+ *     then, in this order and only if the head says so ("before": in the cut before; at the start all 0, anchor -1):
  *     anchor  1: rule: v anchor - before - 1; drawn once: z placement - before           0: as before
  *     list    1: z list - before                                                         0: as before
  *     bands   0 as before   1 one band, from before's end   2 u8 end, from before's end   3 u8 first, u8 end
- *     more    1: u8: bits 0-1 first: 0 zero, 1 as before, 2 v first; bits 2-3 share: 0 all, 1 as before, 2 from before's end to all,
- *             3 u16 first, u16 end - 1; others 0; the values of both follow              0: first = 0, all
+ *     more    1: u8: bits 0-1 first: 0 zero, 1 as before, 2 v first; bits 2-3 share: 0 all, 1 as before,
+ *             2 from before's end to all, 3 u16 first, u16 end - 1; others 0; the values of both follow
+ *             0: first = 0, all
  *     end     1: as before                                                               0: v end - first - 1
- *     scale   0 1.0   1 the last that was sent   2 u16 (eco_wire_scale_round)   3 f32
- */
+ *     scale   0 1.0   1 the last that was sent   2 u16 (eco_wire_scale_round)   3 f32 */
 #ifndef ECO_WIRE_H
 #define ECO_WIRE_H
 
@@ -67,13 +72,14 @@ enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 
-/* Lower-case name of a frame type, or NULL; the payload lengths a frame of that type may have, both inclusive. */
+/* Lower-case name of a frame type, or NULL; and the payload lengths that a frame of that type may have,
+ * both inclusive. */
 const char *eco_frame_name(uint32_t type);
 void eco_frame_limits(enum eco_frame_type type, uint32_t *least, uint32_t *most);
 uint64_t eco_frame_hash(const uint8_t header[8], uint32_t number, const uint8_t *payload, size_t size);
 
-/* Writing: frames appended to a writer. Begin, write the payload's fields, end (patches length and hash). A payload outside its
- * type's limits sets w->failed. */
+/* Writing: frames are appended to a writer. Begin, write the payload's fields, end (patches length and
+ * hash). A payload outside its type's limits sets w->failed. */
 struct eco_frame_mark { size_t at; uint32_t number; };
 struct eco_frame_mark eco_frame_begin(struct eco_writer *w, enum eco_frame_type type, uint32_t number);
 void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
@@ -81,50 +87,57 @@ void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
 void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene, const struct eco_chunk_id *pack_id);
 void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant);
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list);
-/* Only the fields before the payload; the caller appends the payload. */
+/* Writes only the fields before the payload; the caller appends the payload. */
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list, uint32_t ordinal);
-/* Of a plan in any order; what is read back is in the order of eco_plan_sort. Sets w->failed if eco_plan_check refuses the plan. */
+/* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
+ * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes);
 
-/* Nearest scale that takes 2 bytes instead of 4: a float with 11 bits behind the leading one (relative error at most 2^-12); the
- * short form holds [2^-8, 2^24), u16 = octave + 8 in bits 11..15, fraction in bits 0..10. A planner rounds before it plans, so that
- * what is planned is what is drawn; other scales travel exactly, as f32. */
+/* The nearest scale that takes 2 bytes instead of 4: a float with 11 bits behind the leading one (relative
+ * error at most 2^-12). The short form holds [2^-8, 2^24): u16 = octave + 8 in bits 11..15, fraction in
+ * bits 0..10. A planner rounds before it plans, so that client and planner use the same scale; other
+ * scales travel exactly, as f32. */
 float eco_wire_scale_round(float scale);
 
-/* Reading: an incremental parser. Feed bytes as they arrive; it calls back once per whole, checked frame, in order, with every
- * field bounded and checked as far as one stream can tell: what needs the client's memory (a chunk sent twice, a cut beyond what is
- * held) is for the receiver. The first error is final, and so is a callback's. A frame that comes in one piece is read in place;
- * else memory grows with the bytes that came, not with what a header promises. A NULL callback ignores its frames. Pointers are
- * valid during the call. */
+/* Reading: an incremental parser. Feed bytes as they arrive; it calls back once per whole frame, in order,
+ * with every field bounded and checked as far as one stream can tell. The receiver checks what depends on
+ * earlier streams (a chunk sent twice, a cut beyond the chunks held). The first error is final, also one
+ * from a callback. A frame that comes in one piece is read in place; else memory grows with the bytes that
+ * came, not with the length in a header. A NULL callback ignores its frames. Pointers are valid during the
+ * call. */
 struct eco_wire_events {
-	/* name, needs, ground_columns and _rows, near_m and the counts of plants and lists are set; root is ECO_NONE, there are no arrays */
+	/* set: name, needs, ground_columns and _rows, near_m, counts of plants and lists; root is
+	 * ECO_NONE; no arrays */
 	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id, struct eco_error *e);
-	/* name, height, anchor range are set, the rest is 0 */
+	/* set: name, height, anchor range; the rest is 0 */
 	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
 		struct eco_error *e);
 	enum eco_code (*list)(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *e);
-	/* id, size and counts are set, offset is 0; the payload's hash has been checked against chunk->id */
+	/* set: id, size and counts; offset is 0; the payload's hash has been checked against chunk->id */
 	enum eco_code (*chunk)(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
 		struct eco_error *e);
-	/* takes the plan's arrays, also when it fails */
+	/* owns the plan's arrays from here on, even if it fails */
 	enum eco_code (*plan)(void *ctx, struct eco_plan *plan, struct eco_error *e);
 	enum eco_code (*end)(void *ctx, uint64_t vertices, struct eco_error *e);
 };
 struct eco_wire_parser;
 enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events, void *ctx,
 	struct eco_error *error);
-/* Bytes in any portions, 0 included. An error names the frame's number, type and offset in the stream. */
+/* Takes bytes in any portions, 0 included. An error names the frame's number, type and offset in the
+ * stream. */
 enum eco_code eco_wire_feed(struct eco_wire_parser *parser, const uint8_t *bytes, size_t size, struct eco_error *error);
 /* ECO_DAMAGED if END has not been seen or bytes follow it. */
 enum eco_code eco_wire_finish(struct eco_wire_parser *parser, struct eco_error *error);
 void eco_wire_parser_free(struct eco_wire_parser *parser);   /* NULL is fine */
 
-/* One plan from where the reader stands; what follows it is left. Passes eco_plan_check; *plan is empty on failure. */
+/* Reads one plan at the reader's place; bytes after it are left. It passes eco_plan_check; *plan is empty
+ * on failure. */
 enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, struct eco_error *error);
 
-/* Holdings must be sorted, as plan.h says. Reading is exact: one encoding, nothing after it; at most ECO_HOLDINGS_MAX, and memory
- * in proportion to `size`. The caller frees items; *holdings is empty on failure. */
+/* Holdings must be sorted as plan.h says. Reading accepts the one encoding and nothing after it, at most
+ * ECO_HOLDINGS_MAX, with memory in proportion to `size`. The caller frees items; *holdings is empty on
+ * failure. */
 void eco_wire_write_holdings(struct eco_writer *w, const struct eco_holdings *holdings);
 enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct eco_holdings *holdings, struct eco_error *error);
 

@@ -1,5 +1,5 @@
-/* Frames: type, length, hash, payload. The hash also covers the frame's number, which is not sent: a frame that is lost, repeated
- * or swapped with another is found although each frame is sound in itself. */
+/* Frames: type, length, hash, payload. The hash also covers the frame's number, which is not sent: so a
+ * frame that is lost, repeated or swapped is noticed although each frame is sound in itself. */
 #define XXH_STATIC_LINKING_ONLY
 #include <xxhash.h>
 
@@ -8,7 +8,7 @@
 #include <assert.h>
 #include <string.h>
 
-/* A plan of ten thousand nested eco files stays below 1 MiB; the limit bounds what decoding it may take. */
+/* Bounds what decoding may take; a plan of ten thousand nested eco files stays below 1 MiB. */
 #define PLAN_PAYLOAD_MAX (1u << 24)
 #define SCENE_PAYLOAD_LEAST 49u
 #define STRING_MAX 64u

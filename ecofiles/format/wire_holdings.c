@@ -1,4 +1,5 @@
-/* What a client holds, as it tells the server: the body of a POST and so the first thing that a stranger sends. */
+/* A client's holdings as it tells the server: the body of a POST, so the first bytes that a stranger
+ * sends. */
 #include "ecofiles/format/wire.h"
 
 #include <stdlib.h>
@@ -46,7 +47,7 @@ enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct e
 		return eco_fail(error, ECO_BAD_INPUT, "holdings: %zu bytes, at least 4 are needed for the count", size);
 	if (count > ECO_HOLDINGS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "holdings: %u lists, at most %u", count, ECO_HOLDINGS_MAX);
-	/* the smallest item takes two bytes: no memory for what cannot be there */
+	/* the smallest item takes two bytes: allocate no more than can be there */
 	if (count > (size - r.at) / 2)
 		return eco_fail(error, ECO_BAD_INPUT, "holdings: %zu bytes cannot hold %u items", size, count);
 	struct eco_holding *items = malloc(count ? count * sizeof *items : 1);

@@ -1,9 +1,9 @@
 /* The client's half of the stream: bytes in any portions -> whole, checked frames.
  *
- * Two layers. The assembler (feed) knows frames: it collects one, bounds its length by its type before a byte of it is kept, checks
- * its hash. The readers know payloads: each reads all fields, then checks them, then that nothing is left. What they check against
- * is one `scene` of counts from the SCENE frame and three values about the frame before, so the parser's memory does not grow
- * with the stream. */
+ * Two layers. The assembler (feed) knows frames: it bounds a frame's length by its type before it keeps a
+ * byte, collects the frame and checks its hash. The readers know payloads: each reads all fields, checks
+ * them, and checks that nothing is left. They check against a few counts from the SCENE frame and values
+ * of the frame before, so the parser's memory does not grow with the stream. */
 #include "ecofiles/format/wire.h"
 
 #include <assert.h>
@@ -20,15 +20,15 @@
 struct eco_wire_parser {
 	struct eco_wire_events events;
 	void *ctx;
-	struct eco_error failure;            /* the first, final one */
+	struct eco_error failure;            /* the first error, which is final */
 
 	uint8_t header[ECO_FRAME_HEADER_BYTES];
 	uint32_t header_have;
-	uint8_t *payload;                    /* of a frame that came in several pieces */
+	uint8_t *payload;                    /* a frame that came in several pieces */
 	size_t payload_have, payload_room;
-	uint32_t payload_size;               /* as the header says */
-	uint32_t number;                     /* of the frame that is being read */
-	uint64_t offset;                     /* of its header in the stream */
+	uint32_t payload_size;               /* from the header */
+	uint32_t number;                     /* of the frame being read */
+	uint64_t offset;                     /* of that frame's header in the stream */
 
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last CHUNK; ECO_NONE before it */
@@ -144,7 +144,7 @@ static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_reader *r,
 		return eco_fail(e, ECO_DAMAGED, "the name of plant %u is too long or not UTF-8", id);
 	if (!isfinite(plant.height_m) || plant.height_m < 0)
 		return eco_fail(e, ECO_DAMAGED, "the height of plant %u is not a finite number from 0 on", id);
-	/* the least an anchor takes is four floats: no memory for what is not there */
+	/* an anchor takes at least four floats: allocate no more than can be there */
 	if (plant.anchor_count == 0 || plant.anchor_count > (r->size - r->at) / 16 ||
 		plant.anchor_first > ECO_NONE - plant.anchor_count)
 		return eco_fail(e, ECO_DAMAGED, "plant %u has %u anchors from %u, in %zu bytes", id, plant.anchor_count,
@@ -160,7 +160,8 @@ static bool grid_sound(const struct eco_list *list)
 	return isfinite(list->unit_area) && list->unit_area >= 0;
 }
 
-/* What a form's record says by itself; that its partner has as many elements is for who holds both. */
+/* Checks a form's record alone; the receiver, which holds both, checks that its partner has as many
+ * elements. */
 static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct eco_error *e)
 {
 	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES || list->kind == ECO_LIST_POINTS;
@@ -256,7 +257,7 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 	if (code)
 		return code;
 	const uint8_t *payload = eco_read_bytes(r, chunk.size_bytes);
-	/* the frame's hash guards the way from the server; this one, what the server was given */
+	/* the frame's hash covers the way from the server; this hash covers what the server was given */
 	struct eco_chunk_id actual = eco_chunk_hash(payload, chunk.size_bytes);
 	if (memcmp(actual.bytes, chunk.id.bytes, sizeof actual.bytes) != 0)
 		return eco_fail(e, ECO_DAMAGED, "the payload of chunk %u of list %u does not match its id", ordinal, list);
@@ -316,7 +317,7 @@ static enum eco_code (*const readers[])(struct eco_wire_parser *, struct eco_rea
 	[ECO_FRAME_CHUNK] = read_chunk, [ECO_FRAME_PLAN] = read_plan, [ECO_FRAME_END] = read_end,
 };
 
-/* The grammar at the top of wire.h. */
+/* The order of frames at the top of wire.h. */
 static bool may_follow(uint32_t type, uint32_t last)
 {
 	if (type == ECO_FRAME_SCENE)
@@ -361,7 +362,8 @@ static enum eco_code read_frame(struct eco_wire_parser *p, const uint8_t *payloa
 	return ECO_OK;
 }
 
-/* Doubles, but not beyond what the frame needs: what a header promises is believed only as its bytes arrive. */
+/* Keeps bytes of the frame. Room doubles up to the frame's length, so that a header's length is believed
+ * only as bytes arrive. */
 static bool keep(struct eco_wire_parser *p, const uint8_t *bytes, size_t size)
 {
 	size_t needed = p->payload_have + size;

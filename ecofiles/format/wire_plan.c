@@ -1,11 +1,12 @@
-/* Plans on the wire: byte layout in wire.h. Writer and reader below stand in pairs, field by field, in the order of the layout.
+/* Plans on the wire: byte layout in wire.h. Writer and reader stand below in pairs, field by field, in the
+ * order of the layout.
  *
- * Mostly differences to the item before, because a sorted plan repeats itself: from one band to the next a rule changes its end
- * and its scale, the point half of a blend only where it begins.
+ * Most fields are differences to the item before, because a sorted plan repeats itself: from one band to
+ * the next a rule changes its end and its scale, and the point half of a blend only its begin.
  *
- * The reader checks what it needs to go on, then leaves the rest to eco_plan_check, and finally writes the plan again: bytes that
- * differ from what was read were another spelling of the same plan. That one comparison stands for a test in each field's reader,
- * and finds a disagreement between writer and reader at once. */
+ * The reader checks what it needs to go on, leaves the rest to eco_plan_check, and finally writes the plan
+ * again: bytes that differ from the input were another encoding of the same plan. This comparison replaces
+ * a test in each field's reader, and finds any disagreement between writer and reader. */
 #include "ecofiles/format/wire.h"
 
 #include <math.h>
@@ -16,7 +17,7 @@
 
 enum scale_form { SCALE_ONE, SCALE_AGAIN, SCALE_SHORT, SCALE_FLOAT };
 
-#define SHORT_DROPPED_BITS 12u                           /* of the 23 behind a float's leading one */
+#define SHORT_DROPPED_BITS 12u                           /* of a float's 23 behind the leading one */
 #define SHORT_BASE ((127u - 8u) << (23 - SHORT_DROPPED_BITS))
 
 static uint32_t float_bits(float v)
@@ -90,7 +91,8 @@ static float read_scale(struct eco_reader *r, enum scale_form form, float *state
 #define MILLIMETRES_MAX INT64_C(1000000000000000)        /* 1e12 m, see eco_view_check */
 enum { PLACE_TURN = 8, PLACE_PATH = 16, PLACE_SCALE_SHIFT = 5, PLACE_SCALE_F32 = 1, PLACE_SCALE_F64 = 2 };
 
-/* Division rounds correctly: a position that was written with up to three decimals is a quotient again, to the last bit. */
+/* Division rounds correctly, so a position written with up to three decimals is such a quotient to the
+ * last bit. */
 static bool whole_millimetres(double v, int64_t *millimetres)
 {
 	if (!(fabs(v) <= 1e12))
@@ -204,7 +206,7 @@ static uint32_t narrow(struct eco_reader *r, uint64_t v)
 	return (uint32_t)v;
 }
 
-/* base + step, where both are sane or the reader has failed. */
+/* base + step; fails the reader where the sum is out of range. */
 static uint32_t step_from(struct eco_reader *r, uint32_t base, int64_t step)
 {
 	if (step < -(int64_t)UINT32_MAX || step > (int64_t)UINT32_MAX) {
@@ -276,11 +278,12 @@ enum share_form { SHARE_ALL, SHARE_AGAIN, SHARE_REST, SHARE_BOTH };
 
 struct cut_state {
 	struct eco_cut before;
-	float stated;                    /* the last scale that was sent */
+	float stated;                    /* the last scale sent */
 	bool summaries;
 };
 
-/* Before the first rule the anchor is -1, which is ECO_NONE: the step to anchor 0 is 1, as from any anchor to the next. */
+/* Before the first rule the anchor is -1 (ECO_NONE), so that the step to anchor 0 is 1, as to any next
+ * anchor. */
 static struct cut_state cut_state(bool summaries)
 {
 	return (struct cut_state){ .before = { .anchor = ECO_NONE, .share_end = 0 }, .stated = 1, .summaries = summaries };
@@ -381,7 +384,7 @@ static void read_cut(struct eco_reader *r, struct eco_cut *cut, struct cut_state
 	if (moved && state->summaries)
 		cut->placement = step_from(r, before->placement, eco_read_zigzag(r));
 	else if (moved)
-		/* from -1 of the first rule: unsigned on purpose */
+		/* the first rule's -1 wraps to 0 here: unsigned on purpose */
 		cut->anchor = narrow(r, (uint64_t)(uint32_t)(before->anchor + 1) + read_narrow(r));
 	cut->list = head & CUT_LIST ? step_from(r, before->list, eco_read_zigzag(r)) : before->list;
 	read_bands(r, head >> CUT_BANDS_SHIFT & 3, cut, before);
@@ -461,7 +464,7 @@ void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan)
 	eco_plan_free(&sorted);
 }
 
-/* A count whose items, of at least `least` bytes each, the reader still has bytes for; room for them. */
+/* Reads a count and allocates its items, if the reader still has `least` bytes for each. */
 static void *read_items(struct eco_reader *r, uint32_t *count, size_t least, size_t size, bool *no_memory)
 {
 	uint64_t wanted = eco_read_varint(r);
@@ -478,7 +481,7 @@ static void *read_items(struct eco_reader *r, uint32_t *count, size_t least, siz
 	return items;
 }
 
-/* Summaries and rules are two counted arrays on the wire and one in the plan. */
+/* Cuts drawn once and rules are two counted arrays on the wire and one in the plan. */
 static void read_all_cuts(struct eco_reader *r, struct eco_plan *plan, bool *no_memory)
 {
 	uint32_t summaries, rules;

@@ -1,6 +1,7 @@
 #include "ecofiles/format/wire_string.h"
 
-/* The lead byte tells the length and what the second byte may be; all further bytes are 80..BF. */
+/* Length of the UTF-8 sequence at p, 0 if it is bad. The lead byte tells the length and the second byte's
+ * range; further bytes are 80..BF. */
 static size_t sequence(const uint8_t *p, size_t left)
 {
 	uint8_t low = 0x80, high = 0xBF;

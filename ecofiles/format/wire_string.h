@@ -9,8 +9,8 @@
 /* True if `text` is UTF-8 (Unicode 15, table 3-7: no overlong forms, no surrogates) and holds no NUL. */
 bool eco_utf8_valid(const uint8_t *text, size_t size);
 
-/* Bytes of the longest beginning of `text`, at most `most` of its `size`, that is so and ends with a whole character: for names made of
- * what may be anything, such as a file's. */
+/* Bytes of the longest beginning of `text` (`size` bytes), at most `most`, that is valid UTF-8 and ends
+ * with a whole character: for names that may be any bytes, such as a file's. */
 size_t eco_utf8_cut(const char *text, size_t size, size_t most);
 
 #endif

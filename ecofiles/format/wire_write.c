@@ -1,4 +1,4 @@
-/* What the server says about a scene: everything but plans (wire_plan.c). The scene has passed eco_scene_check. */
+/* What the server writes about a scene, except plans (wire_plan.c). The scene has passed eco_scene_check. */
 #include "ecofiles/format/wire.h"
 
 #include <assert.h>
@@ -11,7 +11,7 @@ static void write_string(struct eco_writer *w, const char *text, size_t room)
 	size_t size = strnlen(text, room - 1);
 	bool utf8 = eco_utf8_valid((const uint8_t *)text, size);
 	eco_write_varint(w, size);
-	/* a name in another encoding loses its accents, not the scene its stream */
+	/* in a name of another encoding each byte above 127 becomes `?`; the stream goes on */
 	for (size_t i = 0; i < size; i++)
 		eco_write_u8(w, utf8 || (uint8_t)text[i] < 0x80 ? (uint8_t)text[i] : '?');
 }
