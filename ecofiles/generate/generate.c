@@ -1,4 +1,4 @@
-/* The frame around the layouts: which there are, folders, models. */
+/* The list of example scenes, their folders, and the call of each layout. */
 #include "ecofiles/generate/generate.h"
 
 #include <errno.h>

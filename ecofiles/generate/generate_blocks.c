@@ -1,9 +1,11 @@
-/* A forest of any size from a few files: hectares of a thousand plants, blocks of ten times ten hectares, blocks of ten times ten blocks,
- * and so on, until there are as many plants as asked for. Hectares and blocks are squares that are turned by quarters, so that they
- * close up; of each size there are three kinds, and which stands where follows slow noise, so that at every height there is something to
- * see. What is written grows with the logarithm of the plants: 10^12 take five files of each kind.
+/* A forest of any size from a few files: hectares of a thousand plants, blocks of ten times ten hectares,
+ * blocks of ten times ten blocks, and so on, up to the number of plants asked for. Hectares and blocks are
+ * squares turned by quarters, so that they tile. Each size has three kinds, placed by slow noise, so that
+ * there are patterns to see at every height. The files grow with the logarithm of the number of plants:
+ * 10^12 plants take five files of each kind.
  *
- * Between hectares a ride is free: the first camera stands on a crossing of two, the last at a satellite's height. */
+ * A ride between hectares stays free. The first camera stands on a crossing of two rides, the last at a
+ * satellite's height. */
 #include "ecofiles/generate/generate_scenes.h"
 
 #include <math.h>
@@ -20,7 +22,7 @@
 
 struct share { const char *plant; double share, room_m, low, high; };
 
-/* Those that need most room first. Every kind has every species, in other shares. */
+/* Species that need most room come first. Every kind has every species, in other shares. */
 #define SPECIES 6
 static const struct share hectares[KINDS][SPECIES] = {
 	{ { "beech", 0.10, 5.2, 0.8, 1.1 }, { "spruce", 0.34, 3.4, 0.6, 1.1 }, { "pine", 0.06, 4.5, 0.8, 1.1 }, { "birch", 0.04, 3.4, 0.7, 1.0 },
@@ -49,7 +51,7 @@ static double side_m(uint32_t level)
 
 static const char *const species[] = { "beech", "spruce", "pine", "birch", "shrub", "fern", NULL };
 
-/* The share of the throws is what keeps the number: where no room is found, a plant makes do with less. */
+/* A species' share of the throws sets its number: where no room is found, a plant takes less room. */
 static void plant_kind(struct gen_layout *layout, const struct share *kind, uint32_t wanted, struct gen_stand *stand, FILE *out, bool *first)
 {
 	double half_m = HECTARE_M / 2 - RIDE_M;
@@ -97,8 +99,8 @@ static enum eco_code write_hectare(struct gen_layout *layout, uint32_t kind, uin
 	return code;
 }
 
-/* Children in rows from the south-west, around the origin: the first `count` of columns x columns. Noise and the parent's own kind
- * decide for the child's. */
+/* Children in rows from the south-west, around the origin: the first `count` of columns x columns. Noise
+ * and the parent's kind choose each child's kind. */
 static void print_children(FILE *out, struct gen_layout *layout, uint32_t level, uint32_t kind, uint32_t columns, uint32_t count)
 {
 	uint32_t rows = (count + columns - 1) / columns;
@@ -130,7 +132,7 @@ static enum eco_code write_block(struct gen_layout *layout, uint32_t level, uint
 	return gen_text_write(&text, layout, name, error);
 }
 
-/* From a walker's eyes to where all can be seen, each time as much higher. */
+/* Camera heights, from a walker's eyes to a view of the whole, in equal ratios. */
 #define HEIGHTS 6
 #define EYE_M 1.7
 #define SECOND_M 16.0

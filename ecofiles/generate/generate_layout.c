@@ -1,4 +1,5 @@
-/* What layouts share: files that appear whole, models, cameras, ground, and plants that keep their distance. */
+/* Shared by the layouts: files that appear whole, models, cameras, ground, and plants that keep their
+ * distance. */
 #include "ecofiles/generate/generate_scenes.h"
 
 #include <math.h>
@@ -126,7 +127,7 @@ enum eco_code gen_write_ground(const struct gen_layout *layout, const struct gen
 	return gen_terrain_write(terrain, ceil(half_m / step_m) * step_m, step_m, path, error);
 }
 
-/* ---- Plants that keep their distance: a hash grid of what stands already ---- */
+/* ---- Plants that keep their distance: a hash grid of the plants so far ---- */
 
 enum eco_code gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max, struct eco_error *error)
 {

@@ -1,5 +1,5 @@
-/* Random numbers, vectors and meshes for parametric plants. Coordinates leave as multiples of 0.1 mm: what a square root or a sine
- * differs in its last bit is never seen. */
+/* Random numbers, vectors and meshes for parametric plants. Coordinates are written as multiples of 0.1
+ * mm, so that a square root or a sine that differs in its last bit changes nothing. */
 #include "ecofiles/generate/generate_mesh.h"
 
 #include <assert.h>
@@ -155,7 +155,8 @@ static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, 
 	memcpy(face->corner, corner, corners * sizeof *corner);
 }
 
-/* Rings are carried along without twist: each one's first direction is the last one's, made square to the path again. */
+/* Rings are carried along without twist: the first direction of each is that of the ring before, made
+ * square to the path. */
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube)
 {
 	uint32_t n = tube->count, sides = tube->sides, before = 0;
@@ -190,7 +191,7 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 
 /* ---- Leaves ---- */
 
-#define EDGE (1.0 / 256)         /* of a texture: what a card leaves out, so that neighbours do not bleed in */
+#define EDGE (1.0 / 256)         /* in texture units: margin of a card, so that neighbours do not bleed in */
 
 static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
 {
@@ -213,7 +214,7 @@ static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_
 	add_face(mesh, material, 4, corner);
 }
 
-/* Six corners, four triangles around the stalk: a leaf that arches to its tip. */
+/* Six corners, four triangles around the stalk: a leaf arching to its tip. */
 static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
 {
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
@@ -229,7 +230,7 @@ static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct g
 		add_face(mesh, material, 3, (uint32_t[]){ corner[0], corner[i], corner[i + 1] });
 }
 
-/* Five corners: a strip that narrows to a point, three triangles around one corner so that it is a fan. */
+/* Five corners: a strip that narrows to a point, as a fan of three triangles around one corner. */
 static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
 {
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
@@ -279,7 +280,7 @@ enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, s
 	return code;
 }
 
-/* Never "-0.0000": the sign of a zero may differ where the number does not. */
+/* Never "-0.0000": the sign of a zero may differ between machines where the number does not. */
 static double tidy(double v)
 {
 	double rounded = floor(v * 10000 + 0.5) / 10000;

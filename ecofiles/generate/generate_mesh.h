@@ -1,7 +1,8 @@
-/* What parametric plants are made of: random numbers, vectors, and a mesh of tubes, leaves and blades that is written as OBJ.
+/* Building blocks of parametric plants: random numbers, vectors, and a mesh of tubes, leaves and blades
+ * that is written as OBJ.
  *
- * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. A mesh fails once (memory) and stays failed: check
- * when writing. */
+ * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. A mesh that ran out of
+ * memory stays failed: check when writing. */
 #ifndef ECO_GENERATE_MESH_H
 #define ECO_GENERATE_MESH_H
 
@@ -29,7 +30,7 @@ struct gen_v3 gen_mul(struct gen_v3 a, double s);
 struct gen_v3 gen_mad(struct gen_v3 a, struct gen_v3 b, double s);             /* a + s b */
 struct gen_v3 gen_cross(struct gen_v3 a, struct gen_v3 b);
 double gen_length(struct gen_v3 a);
-struct gen_v3 gen_unit(struct gen_v3 a);                                       /* +Z for a vector of no length */
+struct gen_v3 gen_unit(struct gen_v3 a);                                       /* +Z for a vector of length 0 */
 struct gen_v3 gen_across(struct gen_v3 a);                                     /* some unit vector at right angles */
 struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees); /* about a unit axis */
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg);           /* unit vector */
@@ -49,7 +50,7 @@ struct gen_mesh {
 	struct gen_face *faces;      uint32_t face_count, face_capacity;
 	struct gen_material materials[GEN_MATERIALS_MAX];
 	uint32_t material_count;
-	double detail;               /* plants grow so many times as many leaves, each as much smaller; 0: 1 */
+	double detail;               /* leaves times this, each as much smaller; 0: 1 */
 	bool failed;
 };
 void gen_mesh_free(struct gen_mesh *mesh);
@@ -58,11 +59,11 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count);
 
-/* A closed-up tube through points; radius 0 at the last point is a tip. */
+/* A closed tube through points; radius 0 at the last point is a tip. */
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);
 
-/* A leaf from `at` along `along`, its face towards `face`; card: one textured rectangle; else a rhomb, an arched
+/* A leaf from `at` along `along`, facing `face`: a card (one textured rectangle), a rhomb, an arched
  * hexagon or a pointed blade. */
 enum gen_leaf_shape { GEN_LEAF_CARD, GEN_LEAF_RHOMB, GEN_LEAF_HEXAGON, GEN_LEAF_BLADE };
 struct gen_leaf {
@@ -74,10 +75,10 @@ struct gen_leaf {
 };
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf);
 
-/* Writes NAME.obj and NAME.mtl into `folder`, each beside its name first. */
+/* Writes NAME.obj and NAME.mtl into `folder`, each to a temporary file first. */
 enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name, struct eco_error *error);
 
-/* Writes a file beside its name, then renames it. */
+/* Writes a temporary file beside `path`, then renames it. */
 enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);
 
 #endif

@@ -1,5 +1,6 @@
-/* The kinds of plants: sizes, colours and habits. Leaves are darker inside a crown and brighter where the sky reaches them, as shade
- * leaves are; it gives a crown depth even where nothing is lit. Cards take theirs from the quarters of a texture, others from materials. */
+/* The kinds of plants: sizes, colours and habits. Leaves are darker inside a crown and brighter near the
+ * sky, as shade leaves are; this gives a crown depth without lighting. Cards take these shades from the
+ * quarters of a texture, other leaves from materials. */
 #include "ecofiles/generate/generate_plants.h"
 
 #include <math.h>
@@ -87,7 +88,7 @@ static void linden(struct gen_mesh *mesh, struct gen_random *random)
 		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
 }
 
-/* Grown in a stand: a long stem, a narrow crown above its neighbours' shade. */
+/* A beech grown in a stand: a long stem, and a narrow crown above its neighbours' shade. */
 static void beech(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 128, 124, 114, NULL);
@@ -321,7 +322,7 @@ static void turf(struct gen_mesh *mesh, struct gen_random *random)
 	grow_blades(mesh, leaf, 5, 220, 0.26, 0.75, 0.010, random);
 }
 
-/* Several stems with a head of petals around a button each. */
+/* Several stems, each with a head of petals around a button. */
 static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_t petal, uint32_t petal_shades, uint8_t button,
 	uint32_t petals, double petal_m, double petal_width, double cup)
 {
@@ -373,7 +374,7 @@ static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
 	grow_flower(mesh, random, petal, 3, button, 9, 0.040, 0.020, 0.45);
 }
 
-/* A head on a tall stalk: rays around a disc of florets on a spiral, as they grow. */
+/* A head on a tall stalk: rays around a disc of florets in a spiral, as in nature. */
 static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct gen_v3 at, struct gen_v3 face, struct gen_random *random)
 {
 	enum { RAYS = 34, FLORETS = 1240 };

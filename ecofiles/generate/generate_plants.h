@@ -1,4 +1,5 @@
-/* Parametric plants: each kind is a function from random numbers to a mesh with believable proportions, in metres. */
+/* Parametric plants: each kind is a function from random numbers to a mesh of believable proportions, in
+ * metres. */
 #ifndef ECO_GENERATE_PLANTS_H
 #define ECO_GENERATE_PLANTS_H
 
@@ -12,10 +13,11 @@ struct gen_plant {
 
 extern const struct gen_plant gen_plants[];
 extern const uint32_t gen_plant_count;
-const struct gen_plant *gen_plant_find(const char *name);                      /* NULL if there is none */
+const struct gen_plant *gen_plant_find(const char *name);                      /* NULL: no such plant */
 
-/* Woody skeletons (generate_tree.c). A crown is a union of lobes; shoots grow from the nearest older wood to points in them, and the
- * wood is as thick as the shoots that it carries (da Vinci: cross-sections add up). */
+/* Woody skeletons (generate_tree.c). A crown is a union of lobes. Shoots grow from the nearest older wood
+ * to points in the lobes; the wood's cross-section is the sum of those of the shoots it carries (da
+ * Vinci). */
 struct gen_crown {
 	double height, base, radius;         /* m: top, lowest leaves, greatest half width */
 	double trunk_radius, lean;           /* m at the foot; sideways metres at the top */
@@ -23,14 +25,14 @@ struct gen_crown {
 	double cone;                         /* 0 round, 1 a cone */
 };
 struct gen_shoot { struct gen_v3 at, along; double light; };                   /* light: 0 deep inside, 1 outermost */
-/* Adds the wood to the mesh; writes `shoots` ends. */
+/* Adds the wood to the mesh; writes the `shoots` ends of the shoots. */
 void gen_tree(struct gen_mesh *mesh, uint8_t bark, const struct gen_crown *crown, struct gen_random *random,
 	struct gen_shoot *shoots);
 
-/* Fronds of palms and ferns: a midrib with leaflets on both sides, sinking to its tip. */
+/* Fronds of palms and ferns: a midrib with leaflets on both sides, bending down to its tip. */
 struct gen_frond {
 	struct gen_v3 at;
-	double azimuth_deg, elevation_deg, sink_deg;   /* direction at the foot; how much it turns down to the tip */
+	double azimuth_deg, elevation_deg, sink_deg;   /* direction at the foot; bend to the tip */
 	double length, leaflet, width;
 	uint32_t pairs;
 	uint8_t rib, leaf, shades;           /* materials */

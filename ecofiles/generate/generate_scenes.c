@@ -1,9 +1,12 @@
-/* Layouts that look like landscapes: things stand in groups, along curves and at distances that suit their sizes.
+/* Layouts that look like landscapes: plants stand in groups, along curves and at distances that suit their
+ * sizes.
  *
- * park    beds (a plant, a place, a radius, a number) scattered by dart throwing, and an avenue on both sides of a winding path
- * forest  large trees first, then smaller ones, none closer to another than their crowns allow (a hard-core process, as in grown
- *         stands); which species stands where follows slow noise, so that groups form
- * meadow  eco files of a few square metres, placed again and again with a turn; flowers where slow noise says, a few trees */
+ * park    beds (a plant, a place, a radius, a number) filled by dart throwing, and an avenue along a
+ * winding path forest  large trees first, then smaller ones, none closer to another than their crowns
+ * allow (a hard-core process, as
+ *         in grown stands); slow noise chooses the species, so that groups form
+ * meadow  eco files of a few square metres, placed many times with a turn; flowers by slow noise, a few
+ * trees */
 #include "ecofiles/generate/generate_scenes.h"
 
 #include <math.h>
@@ -39,7 +42,7 @@ static const struct bed park_beds[] = {
 	{ "daisy", 2, -14, 2, 4, 0.5, 0.9, 1.3 }, { "poppy", -3, -13, 2, 4, 0.5, 0.9, 1.3 }, { "cornflower", 4, -12, 2, 3, 0.5, 0.9, 1.3 },
 };
 #define PARK_PLANTS 60
-#define PARK_HALF_M 40.0         /* of what is planted */
+#define PARK_HALF_M 40.0         /* half the side of the planted square */
 #define AVENUE 10
 
 static double path_y(double x, double span) { double t = x / span; return 0.42 * x * (1 - t * t); }
@@ -51,7 +54,7 @@ static bool on_path(double x, double y, double span)
 
 static double turn_anyhow(struct gen_random *random) { return floor(gen_random_in(random, 0, 3600)) / 10; }
 
-/* `wanted` plants of a bed; those for which no room is found within many throws are left out. */
+/* Plants `wanted` plants of a bed; a plant that finds no room within many throws is left out. */
 static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, double stretch, uint32_t wanted, struct gen_stand *stand,
 	struct gen_instance *out)
 {
@@ -135,7 +138,7 @@ static const struct species { const char *code, *plant; double niche; } forest_s
 };
 #define SPECIES (sizeof forest_species / sizeof *forest_species)
 
-/* Slow noise is the site, each species likes one; chance decides among those near. */
+/* Slow noise is the site. Each species prefers one value; chance decides among species near the site's. */
 static const struct species *species_at(uint64_t seed, double x, double y, struct gen_random *random)
 {
 	double site = gen_clamp(1.6 * (gen_noise(seed, x / 45, y / 45) - 0.5) + 0.5, 0, 1), weight[SPECIES], sum = 0;
@@ -150,7 +153,7 @@ static const struct species *species_at(uint64_t seed, double x, double y, struc
 	return &forest_species[SPECIES - 1];
 }
 
-/* Many thin stems and few thick ones, thickest first, as dart throwing wants them. */
+/* Stem diameters for dart throwing, the thickest first: many thin stems and few thick ones. */
 static double stem_mm(double rank)
 {
 	double thin = 1 - rank;
@@ -167,7 +170,7 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
 		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08), room = 1.3 + 0.0080 * dbh;
-		/* as many as were asked for: where no room is found, the stem makes do with less */
+		/* plants every stem asked for: where no room is found, the stem takes less room */
 		for (int attempt = 0; attempt < 600; attempt++, room *= attempt > 24 ? 0.98 : 1) {
 			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!gen_stand_add(stand, x, y, room))
@@ -198,7 +201,7 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 		return code;
 	fputs("plant,easting,northing,height_m\n", text.out);
 	for (uint64_t throw = 0, count = 0; throw < 2000ull * wanted && count < wanted; throw++) {
-		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;      /* then in the shade and closer, too */
+		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;      /* in the end also in the shade, and closer */
 		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 		double light = gen_noise(seed, x / 14, y / 14);
 		bool fern = gen_noise(seed + 1, x / 22, y / 22) + gen_random_in(&layout->random, -0.15, 0.15) > 0.45;
@@ -265,7 +268,7 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 #define PATCH_M 5.0
 #define PATCH_PLANTS 52
 
-/* An eco file of its own, around its origin: grasses of two kinds, and flowers as its kind has them. */
+/* An eco file around its origin: grasses of two kinds, and the flowers of the patch's kind. */
 static enum eco_code write_patch(struct gen_layout *layout, const char *name, const char *const plants[], const double shares[],
 	struct eco_error *error)
 {
@@ -277,7 +280,8 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 	if (code)
 		return code;
 	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
-		/* a disc a little larger than its share of the meadow, so that turned patches close up */
+		/* a disc a little larger than the patch's share of the meadow, so that turned patches
+		 * leave no gaps */
 		double azimuth = gen_random_in(&layout->random, 0, 360), r = 0.66 * PATCH_M * sqrt(gen_random_unit(&layout->random));
 		double x = r * gen_heading(azimuth, 0).x, y = r * gen_heading(azimuth, 0).y;
 		double pick = gen_random_unit(&layout->random);

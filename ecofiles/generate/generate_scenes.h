@@ -1,4 +1,4 @@
-/* How example scenes are laid out, and the ground that they stand on. */
+/* Layouts of example scenes, and their ground. */
 #ifndef ECO_GENERATE_SCENES_H
 #define ECO_GENERATE_SCENES_H
 
@@ -16,7 +16,7 @@ struct gen_terrain {
 double gen_noise(uint64_t seed, double x, double y);                           /* [0, 1], smooth, one bump a unit */
 double gen_terrain_height(const struct gen_terrain *terrain, double x, double y);
 
-/* Where the scenes lie: a place in UTM zone 32 north, so that coordinates look like a surveyor's. */
+/* The scenes' place: UTM zone 32 north, so that coordinates look like a surveyor's. */
 #define GEN_CRS "EPSG:32632"
 #define GEN_EPSG 32632
 #define GEN_EASTING 691000.0
@@ -37,9 +37,10 @@ struct gen_layout {
 };
 enum eco_code gen_progress(const struct gen_layout *layout, const char *stage, double share, struct eco_error *error);
 
-/* ---- What they share (generate_layout.c) ---- */
+/* ---- Shared by layouts (generate_layout.c) ---- */
 
-/* Print to `out`; the file in the scene's folder appears when it is whole. Who does not write closes `out` and frees `bytes`. */
+/* Print to `out`; the file appears in the scene's folder when it is whole. A caller that does not write it
+ * closes `out` and frees `bytes`. */
 struct gen_text { FILE *out; char *bytes; size_t size; };
 enum eco_code gen_text_open(struct gen_text *text, struct eco_error *error);
 enum eco_code gen_text_write(struct gen_text *text, const struct gen_layout *layout, const char *name, struct eco_error *error);
@@ -56,7 +57,7 @@ enum eco_code gen_write_camera(const struct gen_layout *layout, const struct gen
 enum eco_code gen_write_ground(const struct gen_layout *layout, const struct gen_terrain *terrain, double half_m, double step_m,
 	struct eco_error *error);
 
-/* Plants that keep their distance: a hash grid of what stands already, `half_m` around the origin. */
+/* Plants that keep their distance: a hash grid of the plants so far, `half_m` around the origin. */
 struct gen_stand {
 	struct standing { float x, y, room; uint32_t next; } *plants;
 	uint32_t count, capacity, *cells, side;
@@ -64,10 +65,10 @@ struct gen_stand {
 };
 enum eco_code gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max, struct eco_error *error);
 void gen_stand_close(struct gen_stand *stand);
-/* Stands there if nothing is nearer than the mean of both rooms. */
+/* Adds the plant and returns true if no other is nearer than the mean of both rooms. */
 bool gen_stand_add(struct gen_stand *stand, double x, double y, double room);
 
-/* ---- Which there are ---- */
+/* ---- Layouts ---- */
 
 enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error);

@@ -1,8 +1,10 @@
-/* Layouts with a number of plants given beforehand, for measuring: each a table of what stands there, in which share, at which distance
- * and in which patches. Stands come from dart throwing, the plants that need most room first; where no room is found, a plant makes do
- * with less, so that the number holds. A ride is left free; the camera flies in over the stand and then walks along it.
+/* Layouts with a given number of plants, for measuring. Each is a table of species: share, distance and
+ * patches. Stands come from dart throwing, the plants that need most room first; where no room is found, a
+ * plant takes less, so that the number holds. A ride stays free; the camera flies in over the stand and
+ * then walks along the ride.
  *
- * The scenes of Deussen 2002 (table 1) and of Neubert 2011 were such: hundreds to thousands of trees, palms, a field of sunflowers. */
+ * They follow the scenes of Deussen 2002 (table 1) and of Neubert 2011: hundreds to thousands of trees,
+ * palms, a field of sunflowers. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,22 +17,22 @@ struct stock {
 	const char *plant;
 	double share, room_m;
 	double low_m, high_m;                /* heights */
-	double patch_m;                      /* grows in patches of about this size; 0: anywhere */
+	double patch_m;                      /* size of its patches; 0: anywhere */
 };
 
 struct stand_kind {
 	const char *name;
-	const struct stock *stocks;          /* those that need most room first */
+	const struct stock *stocks;          /* the one that needs most room first */
 	uint32_t count;
-	double plant_m2;                     /* ground a plant, on average */
-	double ride_m;                       /* half the width of what stays free */
+	double plant_m2;                     /* ground per plant, on average */
+	double ride_m;                       /* half the ride's width */
 	struct gen_terrain terrain;
 	const char *lone;                    /* one plant in the middle, with room around it; or NULL */
 	double lone_room_m, lone_m;
 	uint32_t tile;
 };
 
-/* Where the camera walks: a winding line through the middle. */
+/* The ride: a winding line through the middle. */
 static double ride_y(double x, double half_m)
 {
 	double t = x / half_m;
@@ -45,7 +47,7 @@ static bool in_patch(const struct stock *s, uint64_t seed, double x, double y, s
 }
 
 #define THROWS 800u
-#define THROWS_STRICT 40u        /* then the room asked for shrinks */
+#define THROWS_STRICT 40u        /* after so many throws the room asked for shrinks */
 
 static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind, uint32_t which, uint32_t wanted, double half_m,
 	struct gen_stand *stand, FILE *out)
@@ -57,7 +59,7 @@ static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind
 		for (uint32_t throw = 0; throw < THROWS; throw++, room *= throw > THROWS_STRICT ? 0.985 : 1) {
 			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
 			double free_m = kind->ride_m + (s->room_m > 2 ? 0.3 * s->room_m : 0);
-			bool patch = throw > THROWS / 2 || in_patch(s, seed, x, y, &layout->random);     /* there may be none in a small scene */
+			bool patch = throw > THROWS / 2 || in_patch(s, seed, x, y, &layout->random);     /* a small scene may have no patch */
 			if (on_ride(x, y, half_m, free_m) || !patch || !gen_stand_add(stand, x, y, room))
 				continue;
 			fprintf(out, "%s,%.2f,%.2f,%.2f\n", s->plant, GEN_EASTING + x, GEN_NORTHING + y, gen_random_in(&layout->random, s->low_m, s->high_m));
@@ -66,7 +68,7 @@ static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind
 	}
 }
 
-/* Shares of the plants asked for, as whole numbers that add up. */
+/* Splits the number of plants by the shares, into whole numbers that add up. */
 static enum eco_code write_plants(struct gen_layout *layout, const struct stand_kind *kind, double half_m, struct eco_error *error)
 {
 	struct gen_stand stand;
@@ -174,7 +176,7 @@ static enum eco_code write_stand(struct gen_layout *layout, const struct stand_k
 	return code;
 }
 
-/* ---- What stands where ---- */
+/* ---- Layouts ---- */
 
 enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error)
 {

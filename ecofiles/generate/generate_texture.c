@@ -1,6 +1,6 @@
-/* Leaves painted for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by alpha, a midrib, side
- * veins, a little unevenness. What lies outside a leaf keeps a leaf's colour, so that no dark fringe appears where a renderer
- * filters. */
+/* Painted leaves for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by
+ * alpha, a midrib, side veins, a little unevenness. Pixels outside a leaf keep the leaf's colour, so that
+ * filtering gives no dark fringe. */
 #include "ecofiles/generate/generate_plants.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ struct stroke {                  /* a leaf in texture space: x right, y up, both
 	uint8_t rgb[3];
 };
 
-/* Half width at v of the way from foot to tip, at most 1. */
+/* Half width at the share v of the way from foot to tip, at most 1. */
 static double outline(double v)
 {
 	return v <= 0 || v >= 1 ? 0 : sqrt(v) * (1 - v) / 0.3849;
@@ -27,7 +27,7 @@ static double outline(double v)
 
 static double fraction(double v) { return v - floor(v); }
 
-/* A grain that looks like chance but is arithmetic: the same on every machine. */
+/* A grain that looks random but is arithmetic: the same on every machine. */
 static double grain(uint32_t x, uint32_t y)
 {
 	uint32_t h = x * 0x9E3779B1u ^ y * 0x85EBCA77u;
@@ -80,7 +80,7 @@ static void paint_stalk(struct canvas *canvas, double x0, double y0, double x1, 
 	}
 }
 
-/* Shades from inside a crown to its top. */
+/* Leaf colours, from inside a crown to its top. */
 static const uint8_t leaf_rgb[4][3] = { { 58, 84, 38 }, { 82, 116, 48 }, { 110, 146, 60 }, { 140, 172, 78 } };
 
 static void paint_single(struct canvas *canvas, uint32_t shade)

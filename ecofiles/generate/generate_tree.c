@@ -1,6 +1,7 @@
-/* Wood for broad crowns and for fronds. Points are scattered over the lobes of a crown and reached one after the other, inner ones
- * first, by a curved shoot from the nearest wood below (a light version of space colonisation: one pass, no clock). The number of
- * shoots that a piece of wood carries gives its radius, so branches taper and fork as real ones do. */
+/* Wood of broad crowns and of fronds. Points are scattered over the lobes of a crown. A curved shoot
+ * reaches each from the nearest wood below, inner points first (a light version of space colonisation: one
+ * pass). A piece of wood gets its radius from the number of shoots it carries, so branches taper and fork
+ * as real ones do. */
 #include "ecofiles/generate/generate_plants.h"
 
 #include <assert.h>
@@ -9,7 +10,7 @@
 
 #include "ecofiles/base/room.h"
 
-#define STEP_M 0.45              /* of wood between two rings */
+#define STEP_M 0.45              /* length of wood between two rings */
 #define LOBES_MAX 24
 
 struct node {
@@ -46,7 +47,7 @@ static void grow_trunk(struct skeleton *s, const struct gen_crown *crown, struct
 	}
 }
 
-/* Nearest wood, seen from a point in the crown: sideways and upwards growth is natural, downwards is not. */
+/* The wood nearest to a point of the crown; growth sideways and upwards counts as nearer than downwards. */
 static uint32_t nearest_wood(const struct skeleton *s, struct gen_v3 to, double lowest)
 {
 	uint32_t best = 0;
@@ -85,7 +86,7 @@ static uint32_t grow_shoot(struct skeleton *s, uint32_t from, struct gen_v3 to, 
 	return before;
 }
 
-/* Cross-sections add up; the foot flares. */
+/* Radii from cross-sections that add up; the foot flares. */
 static void thicken(struct skeleton *s, const struct gen_crown *crown)
 {
 	for (uint32_t i = s->count; i-- > 0;) {
