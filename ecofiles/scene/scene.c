@@ -1,5 +1,5 @@
-/* One scene file: from text to struct eco_source. Nothing here touches a file, so that it can be fed anything; scene_tree.c opens
- * files, follows children and checks that what is named exists. */
+/* One scene file, from text to struct eco_source. Nothing here touches a file, so that tests and fuzzers
+ * can feed anything. scene_tree.c opens files, follows children and checks that named files exist. */
 #include "ecofiles/scene/scene.h"
 
 #include <math.h>

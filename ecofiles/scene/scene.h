@@ -26,16 +26,17 @@
 #define ECO_SOURCES_MAX 4096u
 #define ECO_TILE_INSTANCES 128u          /* default of "tile": {"instances": N} */
 
-/* A plant with several variants is several of these in a row with one name: an instance takes one of them, by a hash of its
- * position in the file. References name the first; the records and instances handed out name the one taken. */
+/* A plant with several variants is several of these in a row, with one name. An instance takes one of
+ * them, by a hash of its position in the file. References name the first variant; the records and
+ * instances handed out name the one taken. */
 struct eco_source_plant {
 	char name[64];
 	char **models; uint32_t model_count; /* paths of the files that make up one plant, resolved against the file that names them */
-	double height_m;                     /* the model is scaled to it; 0: by its unit */
-	double unit_m;                       /* metres per unit of the files; 0: as the file says, else guessed */
+	double height_m;                     /* height to which the model is scaled; 0: by its unit */
+	double unit_m;                       /* metres per unit of the files; 0: theirs, else guessed */
 	enum eco_up up;
-	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, the same for all */
-	float importance[ECO_ORGAN_COUNT];   /* 1 where others are given; all 0 where none is: found from colours */
+	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, shared by all */
+	float importance[ECO_ORGAN_COUNT];   /* organs not given: 1; all 0: none given, chosen by colours */
 	uint32_t variant, variant_count;     /* 0..variant_count-1 */
 };
 
@@ -61,9 +62,9 @@ struct eco_source {
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
 	struct eco_source_plant *plants;                uint32_t plant_count;
-	uint32_t *plants_by_name;            /* first variants, in the order of their names; name_count of them */
+	uint32_t *plants_by_name;            /* indices of first variants, sorted by name; name_count */
 	uint32_t name_count;
-	bool on_disk;                        /* files named were looked for */
+	bool on_disk;                        /* whether named files were looked for */
 	struct eco_source_instance *instances;          uint32_t instance_count;
 	struct eco_positions_spec *positions;           uint32_t positions_count;
 	struct eco_scatter_spec *scatters;              uint32_t scatter_count;
@@ -79,12 +80,13 @@ struct eco_sources {
 enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error);
 void eco_sources_free(struct eco_sources *sources);
 
-/* One document from memory, `path` its name in messages and the base of its relative paths. No file is touched. */
+/* Parses one document from memory; `path` is its name in messages and the base of its relative paths.
+ * Touches no file. */
 enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
 	struct eco_error *error);
 void eco_source_free(struct eco_source *source);
 
-/* What inventories are converted to; lives as long as the source. */
+/* The frame that inventories are converted to; lives as long as the source. */
 struct eco_frame eco_source_frame(const struct eco_source *source);
 
 #endif

@@ -1,4 +1,4 @@
-/* What several parts of a scene file have: paths, CRSs, units, texts to keep. */
+/* Fields that several parts of a scene file have: paths, CRSs, units, texts to keep. */
 #include "ecofiles/scene/scene_parse.h"
 
 #include <errno.h>

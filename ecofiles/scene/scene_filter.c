@@ -1,4 +1,4 @@
-/* "only" and "skip" of entries in "instances": which rows are wanted. */
+/* "only" and "skip" of entries in "instances": the rows wanted. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 #define VALUE_BYTES 200u
 #define VALUES_MAX 4096u
-#define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* of "only" and of "skip" */
+#define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* in each of "only" and "skip" */
 
 static bool parse_value(const struct eco_json *at, struct eco_value *value)
 {

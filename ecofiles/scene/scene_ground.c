@@ -1,4 +1,4 @@
-/* "ground" of a scene file: which rasters, and what they do not say of themselves. */
+/* "ground" of a scene file: the rasters, and statements that the rasters lack or that replace theirs. */
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene_parse.h"
 
@@ -51,7 +51,7 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 	return true;
 }
 
-/* Where a picture lies that does not say so. */
+/* The place of a picture that has no coordinates of its own. */
 static bool parse_place(struct eco_ground_source *ground, const struct eco_json *at)
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");

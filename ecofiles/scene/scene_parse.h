@@ -1,4 +1,4 @@
-/* Inside the scene reader: what its files share. Others take only eco_unit_metres and eco_up_of. */
+/* Shared by the files of the scene reader. Other rooms use only eco_unit_metres and eco_up_of. */
 #ifndef ECO_SCENE_PARSE_H
 #define ECO_SCENE_PARSE_H
 
@@ -6,22 +6,22 @@
 #include "ecofiles/scene/scene.h"
 
 #define ECO_PATH_BYTES 4096u
-#define ECO_METRES_MAX 1e7           /* of anything placed */
+#define ECO_METRES_MAX 1e7           /* largest coordinate of anything placed */
 
-/* What several parts have (scene_field.c). */
+/* Fields of several parts (scene_field.c). */
 
-/* A path, as seen from the folder of the file that names it. False after an error at `at`, also when the file is not there (documents
- * from memory are not asked). *path is malloc'ed, or NULL. */
+/* A path, as seen from the folder of the file that names it; malloc'ed, or NULL. False after an error at
+ * `at`, also if the file does not exist (not checked for documents from memory). */
 bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);
-/* *out becomes a copy of the text of that key, malloc'ed, where it is there. */
+/* Copies the text of that key, if present, to *out (malloc'ed). */
 #define ECO_COLUMN_BYTES 256u
 bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);
-/* The same for a CRS, which a scene without one cannot convert from. */
+/* As eco_scene_copy_text for a CRS; an error in a scene without one, which could not convert it. */
 bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs);
-/* "unit", in metres, where it is there. */
+/* "unit" in metres, if present. */
 #define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
 bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
-/* Metres in a unit of that name; false where there is none. */
+/* Metres in the unit of that name; false: no such unit. */
 bool eco_unit_metres(const char *name, double *metres);
 /* "x", "y" or "z". */
 bool eco_up_of(const char *name, enum eco_up *up);
@@ -37,22 +37,23 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
 void eco_ground_source_free(struct eco_ground_source *ground);
 
-/* The first plant of that name; an error at `at` lists the plants there are. */
+/* The first plant of that name. The error, at `at`, lists the plants there are. */
 bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name, uint32_t *plant);
-/* The plant a text names. */
+/* The plant that a text names. */
 bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant);
 
 enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
 	struct eco_error *error);
 
-/* "only" and "skip" of an entry (scene_filter.c). On failure they hold what was read so far. */
+/* "only" and "skip" of an entry (scene_filter.c). On failure they hold the part read so far. */
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
 
-/* One entry of "instances" that has "scatter" (scene_scatter.c). On failure the spec holds what was read so far. */
+/* One entry of "instances" with "scatter" (scene_scatter.c). On failure the spec holds the part read so
+ * far. */
 bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec);
 void eco_scatter_spec_free(struct eco_scatter_spec *spec);
 
-/* One entry of "instances" that has "from". On failure the spec holds what was read so far. */
+/* One entry of "instances" with "from". On failure the spec holds the part read so far. */
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec);
 void eco_positions_spec_free(struct eco_positions_spec *spec);
 

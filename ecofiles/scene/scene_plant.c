@@ -1,4 +1,4 @@
-/* The "plants" of a scene file: which files make up a plant, how they are to be read, and what each part of it is. */
+/* "plants" of a scene file: the files of a plant, how to read them, and rules about its parts. */
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/scene/scene_parse.h"
 
@@ -95,7 +95,7 @@ static bool parse_files(struct eco_source *source, const struct eco_json *at, st
 	return true;
 }
 
-/* The next of the source's plants: `plant` with the files of `files`. */
+/* Adds a variant of `plant`, with the files of `files`, to the source's plants. */
 static bool add_variant(struct eco_source *source, const struct eco_json *files, const struct eco_source_plant *plant)
 {
 	struct eco_source_plant *slot = &source->plants[source->plant_count++];
@@ -131,7 +131,7 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 	return true;
 }
 
-/* ---- How files are to be read ---- */
+/* ---- How to read the files ---- */
 
 static bool parse_up(const struct eco_json *at, enum eco_up *up)
 {
@@ -250,7 +250,7 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 		memcpy(plant.name, at->key, strlen(at->key) + 1);
 		good = parse_variants(source, at, &plant);
 	}
-	if (source->plant_count == before)   /* nobody owns the rules yet */
+	if (source->plant_count == before)   /* the rules have no owner yet */
 		free_rules(&plant);
 	return good;
 }

@@ -1,5 +1,5 @@
-/* The entries of "instances" that name an inventory: which columns, which plants, which heights. Reading the rows themselves is
- * import_positions.c. */
+/* The entries of "instances" that name an inventory: columns, plants, heights. import_positions.c reads
+ * the rows themselves. */
 #include "ecofiles/scene/scene_parse.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 
 #define MAP_MAX (1u << 20)
-#define SOURCES_MAX 16u              /* of heights */
+#define SOURCES_MAX 16u              /* of height */
 
 static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator", "decimal", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
@@ -40,7 +40,7 @@ static int compare_folded(const void *a, const void *b)
 	return strcmp(((const struct folded *)a)->text, ((const struct folded *)b)->text);
 }
 
-/* Keys that are one species to the reader must not say two things. */
+/* Keys of the map that the reader takes for one species must not name different plants. */
 static bool keys_differ(const struct eco_json *at, const struct eco_positions_spec *spec)
 {
 	struct folded *folded = calloc(spec->map_count + 1u, sizeof *folded);
@@ -96,7 +96,7 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 	return keys_differ(at, spec);
 }
 
-/* Without a map a species is the name of a plant. */
+/* Without a map the species' names are the plants' names. */
 static bool map_of_plants(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	spec->map = calloc(source->plant_count + 1u, sizeof *spec->map);
@@ -136,7 +136,7 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 
 /* ---- Heights and crowns ---- */
 
-/* `unit_m` where the key says the unit; else "unit" must. */
+/* Reads "unit" unless the key's name gave it as `unit_m`. */
 static bool parse_unit(const struct eco_json *at, double *unit_m)
 {
 	if (!eco_scene_parse_unit(at, unit_m))
@@ -147,7 +147,7 @@ static bool parse_unit(const struct eco_json *at, double *unit_m)
 	return false;
 }
 
-/* "max", "rate" and "shape"; false, without an error, in *there where neither of the first two is given. */
+/* "max", "rate" and "shape"; *there is false, without an error, if neither "max" nor "rate" is given. */
 static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bool *there)
 {
 	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max") != NULL;
@@ -215,7 +215,7 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 	return false;
 }
 
-/* One member says where a height comes from. */
+/* A height's object: one member names its source. */
 static bool parse_height_object(const struct eco_source *source, const struct eco_json *at, struct eco_size *size, uint32_t *levels)
 {
 	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor; } from[] = {
@@ -374,7 +374,7 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 		|| !eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
 		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical) || !eco_scene_parse_crs(source, at, "crs", &spec->crs))
 		return false;
-	/* what a file itself says of its CRS is seen when it is opened; columns never say it */
+	/* a file's own CRS is seen when it is opened; columns never have one */
 	if (source->crs == NULL || spec->crs != NULL || spec->x == NULL)
 		return true;
 	eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "

@@ -1,4 +1,4 @@
-/* The entries of "instances" that have "scatter": where, how many of what, how far apart. */
+/* The entries of "instances" with "scatter": areas, numbers of each plant, distances. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "ecofiles/scene/scene_parse.h"
 
 #define KINDS_MAX 4096u
-#define DENSITY_MAX 1e8              /* plants a hectare: ten thousand to the square metre */
+#define DENSITY_MAX 1e8              /* plants a hectare: ten thousand a square metre */
 
 static const char *const scatter_fields[] = { "scatter", "layer", "crs", "density_per_ha", "mix", "density_column", "count_column", "full",
 	"distance_m", "clear_of", "clear_layer", "clear_crs", "clear_m", "only", "skip", "height_m", "seed", NULL };
@@ -50,7 +50,7 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 	return true;
 }
 
-/* Numbers of plants: of each kind to the hectare, or shares of what a column says for all. */
+/* Numbers of plants: per hectare for each kind, or shares of a number in a column. */
 static bool parse_numbers(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json density = eco_json_member(at, "density_per_ha"), mix = eco_json_member(at, "mix");

@@ -1,6 +1,6 @@
-/* A scene file and the files it nests. Each file is read once, however often it is placed (a hectare planted a million times is
- * one hectare), and told apart by its real path. The list that comes out has every file before the files it names: the reverse
- * of the order in which a depth-first walk finishes. */
+/* A scene file and the files it nests. Each file is read once, however often it is placed (a hectare
+ * planted a million times is one hectare); its real path identifies it. In the resulting list every file
+ * comes before the files it names: the reverse of the order in which a depth-first walk finishes. */
 #include "ecofiles/scene/scene.h"
 
 #include <errno.h>
@@ -17,7 +17,7 @@
 struct walk {
 	struct eco_sources *sources;
 	char **real;                         /* real path of each source; owned */
-	bool *open;                          /* being walked: naming it again is a cycle */
+	bool *open;                          /* on the walk's path: naming it again is a cycle */
 	uint32_t *finished, finished_count;
 	uint32_t chain[DEPTH_MAX], depth;
 	struct eco_error *error;
@@ -48,7 +48,7 @@ static enum eco_code read_text(const char *path, char **text, size_t *size, stru
 	return code;
 }
 
-/* Reads the naming file once more to say where in it child number `child` is. */
+/* Reads the naming file once more to give the error the place of child number `child`. */
 static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code, const char *text)
 {
 	struct eco_error unread = { .code = ECO_OK };
@@ -74,7 +74,7 @@ static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t 
 	return eco_fail(walk->error, code, "%s: %s", file.name, text);
 }
 
-/* "a.json -> b.json -> a.json", from the file that is named again. */
+/* "a.json -> b.json -> a.json", beginning with the file that is named again. */
 static void chain_text(const struct walk *walk, uint32_t again, char *text, size_t size)
 {
 	size_t used = (size_t)snprintf(text, size, "a file cannot be inside itself: ");
@@ -170,7 +170,7 @@ static enum eco_code walk_source(struct walk *walk, uint32_t index)
 	return ECO_OK;
 }
 
-/* Puts the source that finished last first, and so on. */
+/* Orders the sources by the reverse of their finishing. */
 static enum eco_code order_sources(struct walk *walk)
 {
 	struct eco_sources *sources = walk->sources;
