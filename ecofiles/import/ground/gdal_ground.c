@@ -1,5 +1,6 @@
-/* Rasters become ground: GDAL opens and converts; each raster is read as metres (gdal_samples.c) and put on the one grid of the
- * ground, at its place if it fits, else resampled; what is missing is grown in from its neighbours. */
+/* Rasters become ground: GDAL opens and converts. Each raster is read as metres (gdal_samples.c) and put
+ * on the ground's grid: copied if its samples lie on that grid, else resampled. Missing samples grow in
+ * from their neighbours. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
@@ -14,12 +15,12 @@
 
 #include "ecofiles/import/ground/gdal_module.h"
 
-#define ALIGNED 1e-3                 /* of a sample: closer than this to the grid is on the grid */
+#define ALIGNED 1e-3                 /* in samples: a raster nearer to the grid than this lies on it */
 #define GROUND_METRES_MAX 1e7
 
 struct job {
 	struct eco_ground_job *asked;
-	const struct eco_ground_options *options;    /* of what was asked for */
+	const struct eco_ground_options *options;    /* as the caller gave them */
 	struct ground_raster *rasters; uint32_t count;
 	OGRSpatialReferenceH scene_crs;
 	char scene_vertical[64];     /* of a compound scene CRS; else empty */
@@ -43,7 +44,7 @@ static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const
 	return ECO_OK;
 }
 
-/* Takes the vertical part off a CRS: it says what heights are, not where the raster lies. */
+/* Removes the vertical part of a CRS, which says what heights are, not where the raster lies. */
 static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *unit_m)
 {
 	const char *name = OSRIsCompound(crs) ? OSRGetAttrValue(crs, "COMPD_CS|VERT_CS", 0) : NULL;
@@ -73,7 +74,7 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* The raster's CRS as stated, else as the file has it; errors say which line to add. */
+/* The raster's CRS as the scene states it, else from the file; the error names the line to add. */
 static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_options *o = job->options;
@@ -107,7 +108,7 @@ static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct
 
 /* ---- Vertical datum ---- */
 
-/* Equal as written, or as PROJ names them. */
+/* Whether two datums are equal as written, or by PROJ's names. */
 static bool same_datum(const char *a, const char *b)
 {
 	OGRSpatialReferenceH x = OSRNewSpatialReference(NULL), y = OSRNewSpatialReference(NULL);
@@ -120,7 +121,7 @@ static bool same_datum(const char *a, const char *b)
 	return same;
 }
 
-/* Heights of two datums differ by up to 100 m (ellipsoid and geoid): none is converted, and none is guessed. */
+/* Two datums' heights differ by up to 100 m (ellipsoid and geoid): they are neither converted nor guessed. */
 static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_source *source = job->options->source;
@@ -147,7 +148,7 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 	return ECO_OK;
 }
 
-/* ---- Where a raster lies ---- */
+/* ---- The place of a raster ---- */
 
 static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source, struct eco_error *error)
 {
@@ -169,11 +170,11 @@ static enum eco_code find_transform(struct ground_raster *r, const struct eco_gr
 	return ECO_OK;
 }
 
-/* What GDAL would resample it to: extent and resolution in the scene's CRS. */
+/* Extent and resolution in the scene's CRS to which GDAL would resample. */
 static enum eco_code suggest(struct ground_raster *r, const struct job *job, struct eco_error *error)
 {
 	GDALDriverH memory = GDALGetDriverByName("MEM");
-	/* a raster of this place and size without samples: GDAL asks for no more */
+	/* GDAL only needs a raster of this place and size, without samples */
 	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
 	char *from = NULL, *to = NULL;
 	double t[6];
@@ -276,7 +277,7 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 	return ECO_OK;
 }
 
-/* How finely a raster is read: not finer than the ground. */
+/* Samples to read along an axis: a raster is read no finer than the ground. */
 static uint32_t read_side(const struct ground_raster *r, const struct frame *f, int axis)
 {
 	uint32_t size = (uint32_t)(axis == 0 ? r->columns : r->rows);
@@ -285,7 +286,7 @@ static uint32_t read_side(const struct ground_raster *r, const struct frame *f, 
 	return wanted >= size ? size : wanted < 2 ? 2 : (uint32_t)wanted;
 }
 
-/* Index of the sample of the ground that the samples' first is, if they are on its grid. */
+/* Finds the ground sample that is the raster's first; false if the raster is not on the ground's grid. */
 static bool on_grid(const struct ground_samples *s, const struct frame *f, int64_t first[2], int sign[2])
 {
 	const double *t = s->transform;
@@ -302,7 +303,7 @@ static bool on_grid(const struct ground_samples *s, const struct frame *f, int64
 	return true;
 }
 
-/* Where several rasters have a height, the first counts. */
+/* The first raster with a height at a place wins. */
 static void put(struct eco_ground *g, int64_t column, int64_t row, float metres, double origin_z)
 {
 	float *to;
@@ -337,7 +338,7 @@ static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH cr
 	return data;
 }
 
-/* The part of the ground that a raster can reach: [first, end) of its samples. */
+/* The part of the ground's samples, [first, end), that a raster can reach. */
 static void reach(const struct ground_raster *r, const struct frame *f, int64_t first[2], int64_t end[2])
 {
 	for (int k = 0; k < 2; k++) {

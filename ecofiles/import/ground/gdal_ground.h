@@ -12,16 +12,17 @@ void ground_note(struct ground_notes *notes, const char *format, ...) __attribut
 struct ground_raster {
 	const char *path;
 	GDALDatasetH file;
-	OGRSpatialReferenceH crs;    /* horizontal; NULL: that of the scene, which has none either */
-	char vertical[64];           /* datum that the file states; else empty */
-	double crs_unit_m;           /* of heights as the CRS says; 0: it does not */
-	double transform[6];         /* of its pixels */
+	OGRSpatialReferenceH crs;    /* horizontal; NULL: neither raster nor scene has one */
+	char vertical[64];           /* datum stated by the file; else empty */
+	double crs_unit_m;           /* unit of heights by the CRS; 0: not stated */
+	double transform[6];         /* of pixels to its CRS */
 	int columns, rows;
-	bool direct;                 /* its pixels are the scene's metres, rows from the north or the south */
+	bool direct;                 /* pixels are in the scene's metres, rows from the north or the south */
 	double low[2], high[2], step[2];     /* in the scene's CRS: outer bounds, size of a pixel */
 };
 
-/* Metres of one raster, averaged down to at most `columns` x `rows`, in its own order of rows; NaN where it has no height. */
+/* Metres of one raster, averaged down to at most `columns` x `rows`, in the raster's order of rows; NaN:
+ * no height. */
 struct ground_samples {
 	float *metres;               /* owned */
 	uint32_t columns, rows;

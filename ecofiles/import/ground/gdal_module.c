@@ -1,4 +1,4 @@
-/* ecogdal.so: what of this system calls GDAL. */
+/* ecogdal.so: the part of this system that calls GDAL. */
 #include "ecofiles/import/ground/gdal_module.h"
 
 ECO_MODULE_EXPORT const struct eco_gdal_module eco_gdal_module = {

@@ -1,4 +1,4 @@
-/* Inside ecogdal.so: what its table names. */
+/* Inside ecogdal.so: the functions in its table. */
 #ifndef ECO_GDAL_MODULE_H
 #define ECO_GDAL_MODULE_H
 

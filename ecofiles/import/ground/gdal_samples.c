@@ -1,11 +1,11 @@
-/* From a raster's values to metres. Values are read row by row in double, as they are in the file: GDAL's own averaging rounds to the
- * file's number type and knows nothing of absurd values, and pictures read as pictures would be stretched to 0..1.
+/* From a raster's values to metres. Values are read row by row, in double, as they are in the file: GDAL's
+ * own averaging rounds to the file's number type and does not skip absurd values, and pictures read as
+ * pictures would be stretched to 0..1.
  *
- * Holes that nothing marks. A value is taken for "no height" if the file is full of terrain and the value is not of it: either it
- * lies further from all other values than these from each other, and many steps away (-32768, 3.4e38, 65535), or it is one of those
- * that programs write (0, -9999, ...), and nearly everywhere where it meets another value, the step is many times what neighbours
- * usually differ by. A sea at 0 passes: its shores are gentle somewhere.
- */
+ * A hole may have no mark. A value is taken for "no height" in two cases. Either it lies further from all
+ * other values than these lie from each other, and many steps away (-32768, 3.4e38, 65535). Or it is one
+ * that programs write (0, -9999, ...), and nearly everywhere it meets another value, the step is many
+ * times that between usual neighbours. A sea at 0 passes, because its shores are gentle somewhere. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_error.h>
@@ -32,7 +32,7 @@ void ground_note(struct ground_notes *notes, const char *format, ...)
 	va_end(args);
 }
 
-/* ---- What a value means ---- */
+/* ---- The meaning of a value ---- */
 
 #define HOLES_MAX 12u
 struct meaning {
@@ -49,7 +49,7 @@ static bool is_hole(const struct meaning *m, double raw)
 	return false;
 }
 
-/* Metres, or NaN for what is no height. */
+/* Metres, or NaN if the value is no height. */
 static double metres_of(const struct meaning *m, double raw)
 {
 	double metres = (raw * m->scale + m->offset) * m->unit_m;
@@ -114,9 +114,9 @@ static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRas
 
 /* ---- Rows ---- */
 
-struct rows {                        /* one row of values, and whether each counts */
+struct rows {                        /* a row of values, and whether each counts */
 	const struct ground_raster *raster;
-	GDALRasterBandH band, mask;      /* mask: NULL where all count */
+	GDALRasterBandH band, mask;      /* mask: NULL if all count */
 	double *raw;
 	uint8_t *there;
 };
@@ -148,21 +148,21 @@ static bool rows_read(struct rows *rows, int y)
 			|| GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns, 1, GDT_Byte, 0, 0) == CE_None);
 }
 
-/* ---- Holes that nothing marks ---- */
+/* ---- Holes without a mark ---- */
 
 static const double suspects[] = { 0, -1, -99, -999, -9999, -99999, -32768, -32767, 32767, 65535, 9999, 99999 };
 #define SUSPECTS (sizeof suspects / sizeof *suspects)
 #define SPAN 4                       /* distinct values kept at either end */
-#define STEEP 16.0                   /* times what neighbours usually differ by */
+#define STEEP 16.0                   /* steep: this many times the usual step between neighbours */
 #define BUCKETS 256
 
 struct census {
-	struct { uint64_t samples, borders, steps[BUCKETS]; double sum; } suspect[SUSPECTS];  /* steps: by their binary logarithm */
+	struct { uint64_t samples, borders, steps[BUCKETS]; double sum; } suspect[SUSPECTS];  /* steps: by binary logarithm */
 	double lowest[SPAN], highest[SPAN];      /* distinct, the most extreme first */
 	int lowest_count, highest_count;
 	double steps_sum;
 	uint64_t steps, samples;
-	double first, last;              /* extremes in metres, of what counts so far */
+	double first, last;              /* lowest and highest metres that count so far */
 };
 
 static int suspect_of(double raw)
@@ -195,7 +195,7 @@ static int bucket_of(double step)
 	return exponent < -BUCKETS / 2 ? 0 : exponent >= BUCKETS / 2 ? BUCKETS - 1 : exponent + BUCKETS / 2;
 }
 
-/* Two neighbours, both of which may be heights. */
+/* Counts the step between two neighbours, both of which may be heights. */
 static void count_step(struct census *c, double a, double b)
 {
 	int x = suspect_of(a), y = suspect_of(b);
@@ -246,7 +246,7 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 	return good;
 }
 
-/* One of those that programs write, and steep wherever it meets terrain. */
+/* Whether a value that programs write is steep wherever it meets terrain. */
 static bool stands_out(const struct census *c, size_t s)
 {
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
@@ -260,8 +260,8 @@ static bool stands_out(const struct census *c, size_t s)
 	return c->suspect[s].sum > STEEP * usual * (double)c->suspect[s].borders && gentle * 50 <= c->suspect[s].borders;
 }
 
-/* The most extreme value that is still taken for a height, if it lies further from the next than that from the other end, and many
- * steps away. */
+/* Finds the most extreme value not yet dropped, if it is further from the next one than that is from the
+ * other end, and many steps away. */
 static bool lies_beyond(const struct meaning *m, const struct census *c, const double *kept, int count, double other_end, double *value)
 {
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
@@ -323,7 +323,8 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 
 struct sums { double *sum, *weight; };
 
-/* Adds a row's metres to columns of `ratio` pixels each, by the share of each pixel that lies in them. */
+/* Adds a row's metres to columns of `ratio` pixels each, weighted by the share of each pixel in the
+ * column. */
 static void add_row(const struct sums *s, const struct rows *rows, const struct meaning *m, uint32_t columns, double ratio, double share)
 {
 	for (uint32_t c = 0; c < columns; c++) {

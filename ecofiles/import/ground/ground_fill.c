@@ -1,13 +1,14 @@
-/* Missing samples grow in from the known ones, a ring a round. A round takes only what was known before it, so its values are written
- * when all of it is computed. Where rings from several sides meet are creases: sweeps in and out again, each sample the mean of its
- * neighbours, level them. Besides the samples it needs a bit each, and eight bytes for each that is missing. */
+/* Missing samples grow in from the known ones, one ring a round. A round uses only samples known before
+ * it, so its values are written once all of them are computed. Rings from several sides leave creases
+ * where they meet; sweeps outwards and inwards again, each sample becoming the mean of its neighbours,
+ * level them. Memory beside the samples: a bit for each, and eight bytes for each missing one. */
 #include "ecofiles/import/ground/ground.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define SWEEPS_MAX 64u
-#define SWEPT_MAX ((size_t)1 << 28)  /* samples in all sweeps: some seconds */
+#define SWEPT_MAX ((size_t)1 << 28)  /* samples in all sweeps: a few seconds */
 
 struct fill {
 	struct eco_ground *ground;
@@ -25,7 +26,7 @@ static bool take_bit(uint64_t *bits, size_t i)
 	return !was;
 }
 
-/* Calls for each of the up to eight neighbours of sample i, and i itself. */
+/* Runs the body for sample i and each of its up to eight neighbours. */
 #define EACH_NEIGHBOUR(g, i, k) \
 	for (size_t row_ = (i) / (g)->columns, y_ = row_ > 0 ? row_ - 1 : 0; y_ <= row_ + 1 && y_ < (g)->rows; y_++) \
 		for (size_t column_ = (i) % (g)->columns, x_ = column_ > 0 ? column_ - 1 : 0, k; \

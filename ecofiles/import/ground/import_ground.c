@@ -1,5 +1,5 @@
-/* Ground from rasters: a child process reads them (gdal_ground.c) and hands back struct eco_ground and its samples through a pipe; what
- * comes out of that is checked here. */
+/* Ground from rasters: a child process reads them (gdal_ground.c) and hands back struct eco_ground and its
+ * samples through a pipe; both are checked here. */
 #include "ecofiles/import/ground/import_ground.h"
 
 #include <errno.h>
