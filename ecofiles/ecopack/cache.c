@@ -1,4 +1,4 @@
-/* Files by key, their bound, and everything that may go wrong with a folder that is not ours alone. */
+/* Files by key, their bound, and the failures of a folder that others share. */
 #include "ecofiles/ecopack/cache.h"
 
 #include <dirent.h>
@@ -24,7 +24,7 @@ bool main_cache_default(char folder[MAIN_CACHE_PATH])
 {
 	const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
 	int length = -1;
-	if (base && base[0] == '/')          /* the specification says to ignore a relative one */
+	if (base && base[0] == '/')          /* the XDG specification says to ignore a relative one */
 		length = snprintf(folder, MAIN_CACHE_PATH, "%s/ecostream", base);
 	else if (home && home[0] == '/')
 		length = snprintf(folder, MAIN_CACHE_PATH, "%s/.cache/ecostream", home);
@@ -58,7 +58,7 @@ static void count(struct main_cache *cache, int64_t hits, int64_t misses)
 
 /* ---- Reading ---- */
 
-/* The whole of an open file of at most `most` bytes, or NULL. */
+/* Reads a whole open file of at most `most` bytes; else NULL. */
 static uint8_t *read_all(int file, uint64_t most, size_t *size)
 {
 	struct stat status;
@@ -76,7 +76,7 @@ static uint8_t *read_all(int file, uint64_t most, size_t *size)
 	return bytes;
 }
 
-/* What is wrong with an entry, or NULL. */
+/* The fault of an entry, or NULL. */
 static const char *fault_of(const uint8_t *bytes, size_t size, const struct main_cache_key *key)
 {
 	struct eco_reader r = { bytes, size, 0, false };
@@ -102,7 +102,7 @@ bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, 
 	uint8_t *all = read_all(file, UINT64_MAX / 4, size);
 	const char *fault = all ? fault_of(all, *size, key) : NULL;
 	if (all && !fault)
-		futimens(file, NULL);        /* used now; where that is not allowed it goes a little early */
+		futimens(file, NULL);        /* marks the entry as used; without permission it is dropped a little early */
 	close(file);
 	if (!all || fault) {
 		free(all);
@@ -128,7 +128,8 @@ void main_cache_reject(struct main_cache *cache, const struct main_cache_key *ke
 
 /* ---- Writing ---- */
 
-/* The folder and those above it, for this user alone as the specification of XDG_CACHE_HOME has it. */
+/* Makes the folder and those above it, for this user alone, as the specification of XDG_CACHE_HOME
+ * demands. */
 static bool make_folder(const char *folder)
 {
 	char path[MAIN_CACHE_PATH];
@@ -227,7 +228,8 @@ static int by_use(const void *left, const void *right)
 	return strcmp(a->name, b->name);
 }
 
-/* 32 hex digits, the suffix, and for what is being written a dot and six more characters. Nothing else is ever touched. */
+/* 32 hex digits and the suffix; an unfinished entry has a dot and six more characters. No other file is
+ * ever touched. */
 static bool is_ours(const char *name, bool *unfinished)
 {
 	size_t length = strlen(name), whole = 32 + strlen(SUFFIX);
@@ -249,7 +251,7 @@ static bool append(struct entry **entries, size_t *entry_count, const struct ent
 	return true;
 }
 
-/* Lists the entries and removes what others have left unfinished long ago. */
+/* Lists the entries, and removes those that were left unfinished long ago. */
 static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_count)
 {
 	uint64_t sum = 0;

@@ -1,17 +1,20 @@
-/* Results that took long, kept in files named by what decided them: a key is a hash of all input, so an entry is never out of date, only
- * unused. For `ecopack make`, whose plants take up to minutes.
+/* Results that took long, kept in files. A key is a hash of all input, so an entry is never out of date,
+ * only unused. For `ecopack make`, whose plants take up to minutes.
  *
  *   main_cache_open(&cache, folder, limit);
  *   if (!main_cache_get(&cache, &key, &bytes, &size)) { ...work...; main_cache_put(&cache, &key, bytes, size); }
- *   main_cache_close(&cache);                         the entries used least recently go, until the others fit the limit
+ *   main_cache_close(&cache);                         removes the entries used least recently beyond the limit
  *
- * A cache never makes anything fail: what cannot be read or written is said once and done without. Any number of processes share a folder:
- * an entry is written beside and renamed, and who has opened one that is removed reads it to its end. A damaged entry is noticed by its
- * hash, named, and written anew.
+ * A cache never makes anything fail: a read or write that fails is said once and done without. Any number
+ * of processes share a folder: an entry is written to a temporary file and renamed, and an open entry can
+ * be read to its end after it was removed. A damaged entry is noticed by its hash, named, and written
+ * anew.
  *
- *   KEY.plant, KEY in 32 hex digits:    0  8 "ECOCACHE"   8  16 key   24  u64 size of what follows the header   32  u64 its XXH3-64   40  .
+ *   KEY.plant, KEY in 32 hex digits:
+ *       0  8 "ECOCACHE"   8  16 key   24  u64 size of the bytes after the header   32  u64 their XXH3-64   40  bytes
  *
- * The time of an entry's last use is the file's modification time. All functions but open and close may be called by any thread. */
+ * The time of an entry's last use is the file's modification time. All functions but open and close may be
+ * called by any thread. */
 #ifndef ECO_MAIN_CACHE_H
 #define ECO_MAIN_CACHE_H
 
@@ -26,23 +29,25 @@
 struct main_cache_key { uint8_t bytes[16]; };
 
 struct main_cache {
-	char folder[MAIN_CACHE_PATH];        /* "": there is no cache */
+	char folder[MAIN_CACHE_PATH];        /* "": no cache */
 	uint64_t limit_bytes;
 	uint64_t hits, misses, written;
-	bool told;                   /* that it cannot be written */
+	bool told;                   /* the user was told that it cannot be written */
 	pthread_mutex_t lock;        /* around the four above */
 };
 
-/* $XDG_CACHE_HOME/ecostream, else $HOME/.cache/ecostream; false where neither says where that is. */
+/* $XDG_CACHE_HOME/ecostream, else $HOME/.cache/ecostream; false if neither variable is set. */
 bool main_cache_default(char folder[MAIN_CACHE_PATH]);
 
-/* folder NULL or "": everything is a miss and nothing is kept. It is made when the first entry is written. */
+/* folder NULL or "": every get is a miss and nothing is kept. The folder is made when the first entry is
+ * written. */
 void main_cache_open(struct main_cache *cache, const char *folder, uint64_t limit_bytes);
 void main_cache_close(struct main_cache *cache);
 
-/* True with malloc'ed bytes where there is an undamaged entry. */
+/* True with malloc'ed bytes if there is an undamaged entry. */
 bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes, size_t *size);
-/* What main_cache_get gave was no such thing after all: names the entry, removes it, and counts a miss instead of a hit. */
+/* The bytes of main_cache_get turned out wrong: names the entry, removes it, and counts a miss instead of
+ * a hit. */
 void main_cache_reject(struct main_cache *cache, const struct main_cache_key *key, const char *why);
 void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes, size_t size);
 

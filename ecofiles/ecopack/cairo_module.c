@@ -1,5 +1,6 @@
-/* ecocairo.so: canvases of cairo. The font is opened by its path, past the fonts and rules that a machine or user prefers, hinting is off
- * and smoothing is gray: so texts are the same everywhere. Only where that file is missing fontconfig is asked. */
+/* ecocairo.so: canvases of cairo. Texts are the same everywhere: the font is opened by its path, not by
+ * the fonts and rules that a machine or user prefers, hinting is off and smoothing is gray. fontconfig is
+ * asked only if that file is missing. */
 #include <cairo/cairo-ft.h>
 #include <cairo/cairo.h>
 #include <math.h>
@@ -107,7 +108,7 @@ static void draw_lines(struct eco_canvas *canvas, const double *ends, uint32_t c
 	for (uint32_t i = 0; i < count; i++, ends += 4) {
 		cairo_move_to(canvas->cairo, ends[0], ends[1]);
 		cairo_line_to(canvas->cairo, ends[2], ends[3]);
-		if (i % 1024 == 1023)            /* cairo's time grows faster than the length of a path */
+		if (i % 1024 == 1023)            /* cairo's time grows faster than a path's length */
 			cairo_stroke(canvas->cairo);
 	}
 	cairo_stroke(canvas->cairo);
@@ -150,7 +151,8 @@ static void draw_clip_off(struct eco_canvas *canvas)
 
 /* ---- Texts ---- */
 
-/* Bytes of the UTF-8 sequence at `s`; 0 if it is none (overlong, a surrogate, cut off) or a control character. */
+/* Bytes of the UTF-8 sequence at `s`; 0 for a bad one (overlong, a surrogate, cut off) or a control
+ * character. */
 static size_t sequence(const uint8_t *s)
 {
 	static const struct { uint8_t mask, lead; uint32_t least; } kinds[] = { { 0x80, 0, 0x20 }, { 0xe0, 0xc0, 0x80 }, { 0xf0, 0xe0, 0x800 },
@@ -170,7 +172,7 @@ static size_t sequence(const uint8_t *s)
 	return 0;
 }
 
-/* Whole characters of `text` that fit into TEXT_BYTES - 4. */
+/* The whole characters of `text` that fit into TEXT_BYTES - 4. */
 static void clean(const char *text, char out[TEXT_BYTES])
 {
 	size_t used = 0;
@@ -186,7 +188,8 @@ static void clean(const char *text, char out[TEXT_BYTES])
 	out[used] = 0;
 }
 
-/* Plain and bold; read once and kept, as cairo holds on to fonts of canvases that are gone. Written by open_fonts alone. */
+/* Plain and bold; read once and kept, as cairo refers to fonts after their canvases are gone. Only
+ * open_fonts writes here. */
 static cairo_font_face_t *fonts[2];
 static pthread_once_t fonts_once = PTHREAD_ONCE_INIT;
 
@@ -226,7 +229,7 @@ static double text_width(struct eco_canvas *canvas, const struct eco_chart_style
 	return advance(canvas, cleaned);
 }
 
-/* Takes characters off the end until text and ... fit. */
+/* Removes characters from the end until text and ... fit. */
 static void shorten(struct eco_canvas *canvas, char text[TEXT_BYTES], double room)
 {
 	size_t length = strlen(text);

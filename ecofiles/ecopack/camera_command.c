@@ -1,4 +1,4 @@
-/* ecopack camera: a recorded track becomes a camera script, and what was done to it is said. */
+/* ecopack camera: turns a recorded track into a camera script, and reports what it changed. */
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -29,7 +29,7 @@ struct camera_options {          /* NaN, 0 or NULL where not given; see the help
 
 /* ---- The scene ---- */
 
-struct place {                           /* what is known of where the track goes */
+struct place {                           /* the track's destination, as far as known */
 	const char *crs;
 	double origin[3];
 	bool has_scene;
@@ -72,7 +72,7 @@ static double ground_height(const struct place *place, double x, double y)
 	return z;
 }
 
-/* ---- What is said ---- */
+/* ---- Reports ---- */
 
 static void say_repairs(const struct eco_track_report *r)
 {
@@ -256,7 +256,7 @@ static enum eco_code make_flight(struct eco_flight *flight, struct eco_track *tr
 	return code ? code : eco_flight_make(flight, track, &smoothing, error);
 }
 
-/* Heights above take-off start from the ground there. */
+/* Heights above take-off count from the ground there. */
 static void lift_to_take_off(struct eco_flight *flight, const struct eco_track *track, const struct place *place)
 {
 	const double *at = track->has_home ? track->home : flight->samples[0].eye;
@@ -265,7 +265,7 @@ static void lift_to_take_off(struct eco_flight *flight, const struct eco_track *
 		flight->samples[i].eye[2] += ground;
 }
 
-/* Without a scene nothing says where the ground is: z = 0, and the whole track stays above. */
+/* Without a scene the ground is unknown: take it as z = 0, and keep the whole track above. */
 static void lift_all(struct eco_flight *flight, double clearance_m)
 {
 	double low = extent_of(flight).low[2], lacks = clearance_m - low;
@@ -326,7 +326,7 @@ static enum eco_code write_script(const struct camera_options *o, const struct e
 	size_t size;
 	struct eco_camera *camera;
 	char *text = eco_script_text(script, &size);
-	/* what was written is read as any reader would */
+	/* read the written script as any reader would */
 	enum eco_code code = text ? eco_camera_parse(&camera, text, size, o->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (!code) {
 		eco_camera_free(camera);

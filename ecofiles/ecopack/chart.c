@@ -1,4 +1,5 @@
-/* What needs no canvas: numbers, colours, files. Canvases are ecocairo.so's, which is loaded with the first. */
+/* The parts of charts that need no canvas: numbers, colours, files. Canvases come from ecocairo.so, loaded
+ * with the first. */
 #include "ecofiles/ecopack/chart.h"
 
 #include <assert.h>
@@ -143,7 +144,7 @@ struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most)
 	double extent = high - low;
 	if (!(extent > 0) || !isfinite(extent))
 		return (struct eco_chart_ticks){ low, 1, 1 };
-	/* from a step that is too small to the first that is not: 1, 2, 5, 10 */
+	/* from a step that is too small, up through 1, 2, 5, 10 */
 	for (double step = eco_chart_round_below(extent / most);;) {
 		double first = ceil(low / step - 1e-9) * step, count = floor((high - first) / step + 1e-9) + 1;
 		if (count <= most)

@@ -1,4 +1,5 @@
-/* Pictures for people: a canvas to draw shapes, texts and pictures on, saved as PNG. Contact sheets, maps, plots.
+/* Pictures for people: a canvas for shapes, texts and pictures, saved as PNG. Used for contact sheets,
+ * maps and plots.
  *
  *   eco_chart_new(&chart, width, height, &error);       white
  *   eco_chart_box, _line, _disc, _text, _pixels, ...    pixels from the top left; later covers earlier
@@ -6,8 +7,9 @@
  *   eco_chart_write(&file, path, &error);               appears complete or not at all
  *   eco_chart_free(chart);
  *
- * Drawing never fails: what does not fit is clipped, and a lack of memory is said by eco_chart_png. Texts are UTF-8 (what is not is
- * shown as ?), in DejaVu Sans; numbers do not depend on the locale. cairo (ecocairo.so, see module.h) does the work; one thread a canvas. */
+ * Drawing never fails: shapes are clipped, and eco_chart_png reports a lack of memory. Texts are UTF-8
+ * (bad bytes are shown as ?), in DejaVu Sans; numbers do not depend on the locale. cairo draws
+ * (ecocairo.so, see module.h); one thread a canvas. */
 #ifndef ECO_CHART_H
 #define ECO_CHART_H
 
@@ -39,11 +41,11 @@ void eco_chart_disc(struct eco_chart *chart, double x, double y, double radius, 
 struct eco_chart_path { const double *points; uint32_t count; bool closed; double line; struct eco_color color, fill; };
 void eco_chart_path(struct eco_chart *chart, const struct eco_chart_path *path);
 void eco_chart_line(struct eco_chart *chart, double x0, double y0, double x1, double y1, double line, struct eco_color color);
-/* Many lines of one kind, faster than one by one: x0, y0, x1, y1 each. */
+/* Many lines of one style, faster than one by one: x0, y0, x1, y1 each. */
 void eco_chart_lines(struct eco_chart *chart, const double *ends, uint32_t count, double line, struct eco_color color);
 /* sRGB pixels without gaps; with `alpha` 4 bytes each (straight alpha), else 3. Drawn one to one. */
 void eco_chart_pixels(struct eco_chart *chart, double x, double y, uint32_t width, uint32_t height, const uint8_t *pixels, bool alpha);
-/* What follows is drawn within the box only, until eco_chart_clip_off. */
+/* Clips later drawing to the box, until eco_chart_clip_off. */
 void eco_chart_clip(struct eco_chart *chart, double x, double y, double width, double height);
 void eco_chart_clip_off(struct eco_chart *chart);
 
@@ -52,10 +54,10 @@ struct eco_chart_style {
 	double size;                 /* height of a line's letters, pixels */
 	enum eco_chart_align align;  /* of x */
 	bool bold;
-	double room;                 /* > 0: no wider than this, ending in ... where it would be */
+	double room;                 /* > 0: greatest width; a longer text ends in ... */
 	double turn;                 /* quarter turns, counter-clockwise, about x, y */
 	struct eco_color color;      /* a = 0: dark gray */
-	struct eco_color halo;       /* a > 0: a rim of this colour, so that it can be read on anything */
+	struct eco_color halo;       /* a > 0: a rim of this colour, which is legible on any ground */
 };
 /* y is the base line. */
 void eco_chart_text(struct eco_chart *chart, double x, double y, const struct eco_chart_style *style, const char *text);
@@ -67,7 +69,7 @@ double eco_chart_paragraph(struct eco_chart *chart, double x, double y, double l
 /* Round numbers (1, 2 or 5 times a power of ten) from low to high, at most `most` of them (most >= 2): first, step, count. */
 struct eco_chart_ticks { double first, step; uint32_t count; };
 struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most);
-/* The greatest such number that is not above `value` (> 0). */
+/* The greatest round number not above `value` (> 0). */
 double eco_chart_round_below(double value);
 
 /* "250 m", "2 km", "5 cm" */
@@ -75,10 +77,10 @@ const char *eco_chart_length_text(double metres, char text[32]);
 
 struct eco_chart_file { uint8_t *bytes; size_t size; };  /* owned: free(bytes) */
 enum eco_code eco_chart_png(struct eco_chart *chart, struct eco_chart_file *file, struct eco_error *error);
-/* Beside `path` first (path.tmp-PID), then renamed. */
+/* Writes path.tmp-PID, then renames it. */
 enum eco_code eco_chart_write(const struct eco_chart_file *file, const char *path, struct eco_error *error);
-/* Whether a picture may be written at `path`: nothing is there, or a PNG, or an empty file; and its folder is there. To be asked before
- * the work begins. */
+/* Whether a picture may be written at `path`: its folder exists, and the path is free, a PNG or an empty
+ * file. Call it before the work begins. */
 enum eco_code eco_chart_may_write(const char *path, struct eco_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* Options of all commands, by tables. */
+/* Options of all commands, read by tables. */
 #include "ecofiles/ecopack/command.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* What is in a pack: counted from its tables, and from META what they do not say. */
+/* Contents of a pack: counted from its tables; from META what the tables do not have. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -71,7 +71,7 @@ static void id_text(const struct eco_chunk_id *id, char text[33])
 		snprintf(text + 2 * i, 3, "%02x", id->bytes[i]);
 }
 
-/* META's record of a plant, by place; NULL where META has none. */
+/* META's record of the i-th plant; NULL if META has none. */
 static json_t *meta_plant(const json_t *meta, uint32_t i)
 {
 	return json_array_get(json_object_get(meta, "plants"), i);
@@ -108,8 +108,9 @@ static json_t *curve_json(const struct eco_scene *s, const struct eco_ladder *l)
 	return samples;
 }
 
-/* From where on full detail is within half a pixel of the model, in a picture of 1080 pixels over 45 degrees. Lists whose elements are placed by
- * shape are stored on a finer grid than their corners were rounded to: what `make` said counts. */
+/* The distance beyond which full detail is within half a pixel of the model, in a picture of 1080 pixels over
+ * 45 degrees. META counts beside the grids: lists with placed shapes are stored on a finer grid than the one
+ * to which their corners were rounded. */
 static double nearest_m(const struct eco_scene *s, const json_t *meta, uint32_t plant)
 {
 	double most = json_number_value(json_object_get(meta_plant(meta, plant), "half_a_pixel_m"));
@@ -223,7 +224,7 @@ static void print_plants(const struct eco_scene *s, const struct totals *t, cons
 	}
 }
 
-/* One line; nothing where there is no ground. */
+/* One line; none without ground. */
 static void print_ground(const struct eco_scene *s, FILE *out)
 {
 	if (!s->ground_count)

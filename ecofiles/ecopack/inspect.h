@@ -12,12 +12,12 @@
 /* A table for people, or JSON for scripts, to `out`. */
 enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_error *error);
 
-/* Checks every hash, decodes every chunk, compares counts, places with instance lists, what ladders ask with what lists hold. Each thing
- * that is damaged is one line to `out`; it goes on and counts. ECO_DAMAGED if there was any. */
+/* Checks every hash, decodes every chunk, and compares counts, places with instance lists, and ladders
+ * with their lists. Writes one line to `out` for each damage, and goes on. ECO_DAMAGED if there was any. */
 struct inspect_counts { uint64_t lists, chunks, primitives, damaged; };
 enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts, struct eco_error *error);
 
-/* The ground of an open pack; each thing that does not hold is one text. Chunks that cannot be read are left out. */
+/* Checks the ground of an open pack; calls `say` once for each fault. Skips chunks that cannot be read. */
 void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, const char *text), void *ctx);
 
 #endif

@@ -1,4 +1,4 @@
-/* A counter that threads draw from, and a wait for all of them at the end of each round. */
+/* Threads draw numbers from a counter; at the end of each round all of them wait. */
 #include "ecofiles/ecopack/jobs.h"
 
 #include <pthread.h>
@@ -8,7 +8,7 @@
 #include "ecofiles/ecopack/times.h"
 
 #define ROUND 1024u
-#define RUN 8u                   /* drawn at once */
+#define RUN 8u                   /* numbers drawn at once */
 #define THREADS_MAX 64u
 
 struct done { enum eco_code code; struct eco_error *error; };
@@ -64,7 +64,7 @@ static void do_round(struct round *r)
 		pthread_join(helpers[i], NULL);
 }
 
-/* What was done before the first failure counts. */
+/* Takes the results before the first failure. */
 static enum eco_code take_round(struct round *r, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;

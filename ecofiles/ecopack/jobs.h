@@ -1,7 +1,8 @@
-/* Numbered pieces of work, done in threads, their results taken in order: the outcome is the same with any number of threads.
+/* Numbered pieces of work, done in threads, with results taken in order: the outcome does not depend on
+ * the number of threads.
  *
- * They come in rounds: all threads work on some hundreds of pieces, then wait while the caller's thread takes the results one by one. So
- * what `take` changes may be read by `work` without locks. */
+ * Work is done in rounds: all threads work on some hundreds of pieces, then wait while the caller's thread
+ * takes the results one by one. So `work` may read without locks what `take` changes. */
 #ifndef ECO_MAIN_JOBS_H
 #define ECO_MAIN_JOBS_H
 
@@ -13,14 +14,14 @@
 struct main_jobs {
 	uint64_t count;
 	uint32_t threads;            /* 0: one */
-	size_t result_size;          /* results begin as zeros */
+	size_t result_size;          /* results start as zeros */
 	enum eco_code (*work)(void *ctx, uint64_t i, void *result, struct eco_error *error);       /* any thread, any order */
 	enum eco_code (*take)(void *ctx, uint64_t i, void *result, struct eco_error *error);       /* the caller's thread, ascending */
-	void (*drop)(void *result);  /* frees what a result holds, after `take`, or without it if something failed */
+	void (*drop)(void *result);  /* frees a result's content, after `take` or after a failure */
 	void *ctx;
 };
 
-/* The error is that of the lowest piece that failed; the pieces before it were taken. */
+/* Returns the error of the lowest piece that failed; the pieces before it were taken. */
 enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *error);
 
 #endif

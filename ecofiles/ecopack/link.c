@@ -1,11 +1,13 @@
-/* Linking: packs that were built apart, by one machine or a thousand, become one that nests them, as if a scene had named their scene files.
+/* Linking: packs that were built apart, by one machine or a thousand, become one pack that nests them, as
+ * if a scene had named their scene files.
  *
- *   plants      what several parts have alike is stored once                                      link_plants.c
- *   tiles       a tree over the parts, then theirs, with other numbers
- *   payloads    copied: nothing is decoded, but for summaries where plants or colours have got other numbers
+ *   plants      plants that several parts share are stored once                           link_plants.c
+ *   tiles       a tree over the parts, then the parts' tiles, renumbered
+ *   payloads    copied without decoding, except summaries whose plants or colours are renumbered
  *   summaries   of the tiles above the parts, from the parts' own
  *
- * So it takes about as long as copying. The parts' order is that of an outer scene's children: see eco_sources for the tables' order. */
+ * So linking takes about as long as copying. The parts' order is that of an outer scene's children: see
+ * eco_sources for the order of tables. */
 #include "ecofiles/ecopack/link.h"
 
 #include <math.h>
@@ -20,7 +22,7 @@
 #include "ecofiles/format/wire_string.h"
 #include "lod/build/summary.h"
 
-#define ORIGIN_MOST 1e9          /* as of scene files */
+#define ORIGIN_MOST 1e9          /* as in scene files */
 
 /* ---- Parts ---- */
 
@@ -118,7 +120,7 @@ enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, c
 	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
 }
 
-/* ---- Ground: one part's, as it lies ---- */
+/* ---- Ground: copied from one part ---- */
 
 static enum eco_code copy_ground(struct link *l)
 {
@@ -165,7 +167,7 @@ static void whole_item(const struct link_part *part, struct lod_tile_item *item)
 		.above = root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(root->instance_count) };
 }
 
-/* The tiles above the parts. */
+/* Adds the tiles above the parts. */
 static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 {
 	struct make *m = &l->m;
@@ -231,7 +233,8 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 	return add_groups(l, part, &s->tiles[id]);
 }
 
-/* The parts' tables follow those of the whole from the last part to the first, as nested files follow those that name them. */
+/* The parts' tables follow the outer one from the last part to the first, as nested files follow the files
+ * that name them. */
 static enum eco_code add_tiles(struct link *l)
 {
 	struct make *m = &l->m;
@@ -305,7 +308,7 @@ static bool is_ours(const struct eco_list *summary)
 	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes == (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
 }
 
-/* The part's summaries, with the numbers of the whole. */
+/* Adds the part's summaries, renumbered. */
 static enum eco_code part_summaries(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
@@ -348,7 +351,7 @@ static enum eco_code add_summaries(struct link *l)
 
 /* ---- META ---- */
 
-/* Of a count in all parts' META, in objects one inside the other (NULL: none). */
+/* Sums a count of all parts' META; it lies in objects `outer` and `inner` (NULL: none). */
 static json_int_t sum_of(const struct link *l, const char *outer, const char *inner, const char *name)
 {
 	uint64_t sum = 0;
@@ -424,7 +427,7 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	if (!code) {
 		struct eco_pack_writer *writer = m->writer;
-		m->writer = NULL;        /* committing frees it, whatever happens */
+		m->writer = NULL;        /* committing frees it in any case */
 		code = eco_pack_commit(writer, &m->scene, meta, m->error);
 	}
 	free(meta);

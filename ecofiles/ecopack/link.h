@@ -1,4 +1,5 @@
-/* Packs that were built apart become one: `ecopack link`. What they hold is taken as it is stored; only what lies above them is made. */
+/* `ecopack link`: packs that were built apart become one. Stored lists are copied; only the tiles above
+ * them are made. */
 #ifndef ECO_MAIN_LINK_H
 #define ECO_MAIN_LINK_H
 
@@ -15,8 +16,9 @@ struct link_options {
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 };
 
-/* The pack is that which `ecopack make` builds, byte for byte, from a scene that nests the parts' scene files in this order, as long as
- * no two parts nest the same file and none has ground. On failure the target is untouched. */
+/* The result equals, byte for byte, the pack that `ecopack make` builds from a scene that nests the parts'
+ * scene files in this order, provided that no two parts nest the same file and none has ground. On failure
+ * the target is untouched. */
 enum eco_code link_packs(const struct link_options *options, struct eco_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Plants of parts: each is told by a hash of its records and of its chunks' hashes, so that what several parts share is stored once, wherever
- * its files lay when the parts were built. */
+/* Plants of parts. A hash of its records and of its chunks' hashes identifies a plant, so that parts that
+ * share it store it once, wherever its files lay when the parts were built. */
 #include "ecofiles/ecopack/link_part.h"
 
 #include <stdio.h>
@@ -20,7 +20,7 @@ static bool of_plant(const struct eco_list *list, uint32_t plant)
 	return list->owner == plant && list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT);
 }
 
-/* Colours lie plant by plant. */
+/* A plant's colours are adjacent. */
 static struct range colors_of(const struct eco_scene *s, uint32_t plant)
 {
 	struct range range = { s->palette_count, s->palette_count };
@@ -65,7 +65,7 @@ static void write_list(struct eco_writer *w, const struct eco_scene *s, const st
 		eco_write_bytes(w, s->chunks[i].id.bytes, sizeof s->chunks[i].id.bytes);
 }
 
-/* All that a plant is, by numbers that count from its own first ones. */
+/* Hashes everything of a plant, with numbers relative to its own first ones. */
 static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct range *colors, struct eco_chunk_id *id)
 {
 	struct eco_writer w = { 0 };
@@ -92,7 +92,7 @@ static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct 
 	return good;
 }
 
-/* Those of different plants should differ. */
+/* Different plants should have different names. */
 static void name_plant(struct link *l, struct eco_plant *plant)
 {
 	char name[sizeof plant->name];
@@ -120,7 +120,7 @@ static enum eco_code copy_colors(struct link *l, struct link_part *part, const s
 
 static uint32_t moved(const uint32_t *of, uint32_t index) { return index == ECO_NONE ? ECO_NONE : of[index]; }
 
-/* Ladders of a plant may share curves, which lie together. */
+/* Ladders of a plant may share curves; all of them are adjacent. */
 static struct range curves_of(const struct eco_scene *s, uint32_t plant)
 {
 	struct range range = { s->curve_count, 0 };

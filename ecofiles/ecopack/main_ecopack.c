@@ -1,4 +1,5 @@
-/* ecopack: chooses the command. make, info, verify and generate are calls of what does the work, and short enough to be here. */
+/* ecopack: chooses the command. make, link, info, verify and generate only call other files, and are short
+ * enough to be here. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -69,7 +70,7 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 	main_times_memory(times);
 	if (!code)
 		code = make_pack(&make, error);
-	/* what was written is opened as any reader would */
+	/* open the written pack as any reader would */
 	if (!code && !main_is_quiet)
 		code = inspect_info(make.pack, false, stdout, error);
 	if (!code)

@@ -1,4 +1,3 @@
-/* The build, from beginning to end. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -30,8 +29,8 @@ static double smallest_m(const struct eco_scene *s)
 	return all;
 }
 
-/* About 2^-17 of the scene's diameter, so that depth has resolution to spare, and never so far that it cuts into a plant looked at
- * closely. */
+/* About 2^-17 of the scene's diameter, which leaves depth resolution to spare, but never so far that it
+ * cuts into a plant seen from close by. */
 double make_near_m(const struct make *m)
 {
 	const struct eco_tile *root = &m->scene.tiles[0];
@@ -56,7 +55,7 @@ static enum eco_code build(struct make *m)
 		code = eco_pack_create(&m->writer, m->options->pack, m->error);
 	if (!code)
 		make_kept_open(m);
-	/* what is wrong with inventories and ground is said before the plants, which take longest */
+	/* report errors of inventories and ground before the plants, which take longest */
 	if (!code)
 		code = make_places_check(m);
 	main_times_stage(MAIN_STAGE_GROUND);
@@ -83,7 +82,7 @@ static enum eco_code build(struct make *m)
 		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	if (!code) {
 		struct eco_pack_writer *writer = m->writer;
-		m->writer = NULL;        /* committing frees it, whatever happens */
+		m->writer = NULL;        /* committing frees it in any case */
 		code = eco_pack_commit(writer, &m->scene, meta, m->error);
 		if (!code)
 			make_kept_note(m);

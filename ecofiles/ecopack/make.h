@@ -1,12 +1,12 @@
 /* From a scene source to a pack.
  *
- *   sources     eco_sources_load: the scene file and what it nests, each once
- *   ground      eco_ground_import, brought to the pack's grid, cut into tiles                       make_ground.c
- *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure          make_plants.c
- *               or, where the same was built before, what is kept of it                           make_cache.c
- *   places      instances and inventories, put on the ground, scaled to their heights             make_places.c
- *   tiles       lod_tiles_build; instance lists, tables, point summaries                          make_tiles.c, make_summaries.c
- *   commit      tables, META, rename                                                              make_meta.c
+ *   sources     eco_sources_load: the scene file and the files it nests, each once
+ *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
+ *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
+ *               or taken from the cache of finished plants                                   make_cache.c
+ *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
+ *   tiles       lod_tiles_build; instance lists, tables, point summaries                     make_tiles.c, make_summaries.c
+ *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
 #ifndef ECO_MAIN_MAKE_H
@@ -23,8 +23,8 @@ struct make_options {
 	const char *scene, *pack;
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 	enum lod_order_method order; /* of leaves */
-	const char *cache;           /* folder of finished plants; NULL or "": none. The pack is the same with and without */
-	uint64_t cache_bytes;        /* at most so much is left in it; 0: 2 GiB */
+	const char *cache;           /* folder of finished plants; NULL or "": none. Does not change the pack */
+	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
 };
 
 /* Builds options->pack. On failure the target is untouched. */
@@ -34,28 +34,28 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 struct make_png { uint8_t *bytes; size_t size; };
 
-struct make_plant {              /* a model as it will be in the pack */
-	const struct eco_source_plant *source;   /* the first that asked for it */
-	char *path;                  /* of its files, canonical, a line each */
+struct make_plant {              /* a model on its way into the pack */
+	const struct eco_source_plant *source;   /* the first source plant that names it */
+	char *path;                  /* canonical paths of its files, one a line */
 	char name[64];
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;
 	struct make_png *images;     /* one per built.images */
 	bool cutout;
-	double reach, low, high;     /* body: within reach of the axis, z from low to high */
+	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
 
 struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };
-struct make_nested { double at[3]; uint32_t child; };        /* where a child of the source stands */
+struct make_nested { double at[3]; uint32_t child; };        /* place of a child of the source */
 
 struct make_eco {                /* an eco file with its places, tiled */
 	struct make_place *places;   uint32_t place_count, place_capacity;
 	struct make_nested *nested;  /* as many as the source has children */
 	struct lod_tiles tiles;      /* items are places, then nested eco files */
 	uint32_t tile_first;
-	uint64_t instances;          /* nested ones too */
+	uint64_t instances;          /* plants, with nested ones */
 	uint64_t rows;
 	struct eco_skipped skipped[ECO_SKIP_COUNT];
 };
@@ -74,87 +74,87 @@ struct make {
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
-	uint64_t off_ground;         /* plants and nested eco files beyond its border */
+	uint64_t off_ground;         /* plants and nested eco files beyond the ground's border */
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
-	struct make_kept *kept;      /* make_kept.c; NULL: everything is built */
-	struct make_array stands;    /* make_tiles.c: plants of one kind in one leaf, a group and a list each */
+	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
+	struct make_array stands;    /* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
 	struct eco_plant *table;     /* per plant */
 	struct eco_scene scene;
 };
 
-/* Room for one more record; NULL without memory (and m->error says so). */
+/* Room for one more record; NULL: no memory, and m->error is set. */
 void *make_append(struct make *m, struct make_array *array, size_t size);
 
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
 
-/* The record of a list that the writer has, in m->lists; what it needs is among the scene's needs. */
+/* Adds a list that the writer has to m->lists, and its requirements to the scene's needs. */
 enum eco_code make_keep_list(struct make *m, uint32_t list_id);
-/* Adds to the pack and to m->lists. */
+/* Adds a list to the pack and to m->lists. */
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
 	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
 
-/* The same for a list that was encoded before. */
+/* The same for a list encoded before. */
 enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id);
 
-/* The same for one of another pack. */
+/* The same for a list of another pack. */
 enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from, uint32_t from_list, uint32_t *list_id);
 
-/* What of the pack that is to be replaced can be taken as it is. */
+/* Lists of the pack to be replaced that can be taken unchanged. */
 void make_kept_open(struct make *m);
 uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);  /* instance list of the old pack, or ECO_NONE */
 void make_kept_tiles(struct make *m);                /* once all tables but summaries are there */
 uint32_t make_kept_summary(const struct make *m, uint32_t tile);                     /* list of the old pack, or ECO_NONE */
 const struct eco_list *make_kept_list(const struct make *m, uint32_t old);
 enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id);
-uint64_t make_kept_count(const struct make *m);      /* lists that were taken */
-void make_kept_note(struct make *m);                 /* the new pack may be kept from, next time */
+uint64_t make_kept_count(const struct make *m);      /* lists taken */
+void make_kept_note(struct make *m);                 /* notes that the next make may take lists from the new pack */
 void make_kept_close(struct make *m);
 
 uint32_t make_threads(const struct make *m);         /* as many as the options ask for, or the machine has processors */
 
-enum eco_code make_ground_read(struct make *m);      /* what is wrong with it is said before plants are built */
+enum eco_code make_ground_read(struct make *m);      /* reports errors before plants are built */
 enum eco_code make_ground_pack(struct make *m);
 void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
 
-/* To be called before any library is loaded at need, as those that are there count. */
+/* Call it before any library is loaded on demand: it hashes the libraries that are loaded. */
 void make_cache_begin(void);
-/* False where the program cannot be read: then nothing is to be kept. */
+/* False if the program's file cannot be read: then keep nothing. */
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options);
-/* Of a note that this program made a pack. */
+/* The key of the note that this program made a pack. */
 bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack);
-/* The plant that lod_plant_measure left, with that name, if it is in the cache. */
+/* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
 bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model, const char *name,
 	struct lod_plant *plant);
 void make_cache_put(struct main_cache *cache, const struct main_cache_key *key, const struct lod_plant *plant);
 
-enum eco_code make_places_check(struct make *m);     /* opens every inventory and takes its first plant; reads areas and masks */
-enum eco_code make_places(struct make *m);           /* fills m->ecos but for the tiles */
-void make_places_drop(struct make *m);               /* of m->ecos all that only tiles are made of */
+enum eco_code make_places_check(struct make *m);     /* opens each inventory and takes its first plant; reads areas and masks */
+enum eco_code make_places(struct make *m);           /* fills m->ecos except the tiles */
+void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */
 void make_places_free(struct make *m);
-uint32_t make_nested_weight(uint64_t instances);     /* of a nested eco file where tiles are split (lod/build/tile.h) */
+uint32_t make_nested_weight(uint64_t instances);     /* a nested eco file's weight when tiles are split (lod/build/tile.h) */
 enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
-void make_refer(struct make *m);                     /* m->scene to the tables as they are now */
-void make_add_up(struct make *m, uint32_t tiles_end);    /* areas and numbers of plants of tiles [0, tiles_end), from those of later ones */
-double make_near_m(const struct make *m);            /* of the finished scene */
+void make_refer(struct make *m);                     /* points m->scene to the tables as they are now */
+void make_add_up(struct make *m, uint32_t tiles_end);    /* sums areas and plants of tiles [0, tiles_end) from later tiles */
+double make_near_m(const struct make *m);            /* near plane of the finished scene */
 
-/* Summaries, a range of tiles at a time, those of nested eco files before what nests them. */
+/* Summaries, a range of tiles at a time; nested eco files come before the files that nest them. */
 struct lod_pool;
 struct lod_summary_root;
 struct make_summing {
 	struct make *m;
 	struct lod_pool *pools;      /* per plant; NULL where all points come from roots */
-	struct lod_summary_root **roots;         /* per tile: what was kept of it, or NULL */
+	struct lod_summary_root **roots;         /* per tile: kept root, or NULL */
 	uint32_t first;
 	uint64_t done;
 };
 enum eco_code make_summing_begin(struct make_summing *summing, struct make *m);
 enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
-enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);        /* for those that nest it */
+enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);        /* keeps the root for files that nest it */
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);

@@ -1,6 +1,6 @@
-/* Which plants need not be built again: the key is a hash of the model, of the options and of the program itself, so that nobody has to
- * remember to raise a version. What reading the files gave is hashed, not the files: where they lie and when they changed does not
- * matter, and a texture or a rule that changes a model does. */
+/* Keys of finished plants: a hash of the model, of the options and of the program itself, so that nobody
+ * has to remember to raise a version. The model is hashed as it was read, not its files: their places and
+ * times do not matter, while a texture or a rule that changes the model does. */
 #include "ecofiles/ecopack/make.h"
 
 #include <elf.h>
@@ -16,7 +16,8 @@
 
 /* ---- The program ---- */
 
-/* The build id of a loaded library: what it computes may change with it. One without an id counts by its name, which has a version. */
+/* Hashes a library's build id, as results may change with the library. One without an id counts by its
+ * name, which has a version. */
 static int add_library(struct dl_phdr_info *info, size_t size, void *ctx)
 {
 	(void)size;
@@ -41,7 +42,7 @@ static int add_library(struct dl_phdr_info *info, size_t size, void *ctx)
 	return 0;
 }
 
-/* The program's own file, as its build id is only there if the linker was asked for one. */
+/* Hashes the program's own file: it has a build id only if the linker was asked for one. */
 static bool add_program(XXH3_state_t *hash)
 {
 	FILE *file = fopen("/proc/self/exe", "rbe");
@@ -114,7 +115,7 @@ static void add_model(XXH3_state_t *hash, const struct eco_model *model)
 		add(hash, model->parts[i].name, strlen(model->parts[i].name));
 }
 
-/* Not the name, which is put on the plant afterwards, nor who is told of progress. */
+/* Hashes the options except the name, which the plant gets afterwards, and the progress callback. */
 static void add_options(XXH3_state_t *hash, const struct lod_plant_options *options)
 {
 	const uint32_t numbers[] = { options->seed, (uint32_t)options->order, options->cell_triangles, options->grid_bits, options->views,

@@ -1,4 +1,4 @@
-/* The ground of a pack: read, brought to the pack's grid of heights, cut into tiles. */
+/* The ground of a pack: read, rounded to the pack's grid of heights, cut into tiles. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -13,14 +13,15 @@
 
 #define HEIGHT_STEP_M 0.01
 
-/* Rasters of whole metres or decimetres keep them exactly, in a fraction of the bytes; 0 where heights are finer than that. */
+/* The step of rasters in whole metres or decimetres, which keeps them exactly in a fraction of the bytes;
+ * 0: heights are finer. */
 static double whole_step(const struct eco_ground *ground, double least)
 {
 	static const double steps[] = { 1, 0.5, 0.25, 0.2, 0.1, 0.05, 0.025, 0.02 };
 	size_t count = (size_t)ground->columns * ground->rows, fits = 0;
 	for (size_t i = 0; i < count && fits < sizeof steps / sizeof *steps;) {
 		double whole = ((double)ground->height_m[i] - least) / steps[fits];
-		/* floats of thousands of metres are half a millimetre off */
+		/* floats of thousands of metres are off by half a millimetre */
 		if (fabs(whole - floor(whole + 0.5)) * steps[fits] > 0.001)
 			fits++, i = 0;
 		else
@@ -29,7 +30,7 @@ static double whole_step(const struct eco_ground *ground, double least)
 	return fits < sizeof steps / sizeof *steps ? steps[fits] : 0;
 }
 
-/* Heights as the pack will say them, so that plants stand on the ground that is drawn. */
+/* Rounds heights as the pack stores them, so that plants stand on the drawn ground. */
 static void round_heights(struct make *m)
 {
 	struct eco_ground *ground = &m->ground;
@@ -70,7 +71,7 @@ enum eco_code make_ground_read(struct make *m)
 	return ECO_OK;
 }
 
-struct tile_list {               /* of one tile, as it is made in a thread */
+struct tile_list {               /* of one tile, made in a thread */
 	struct eco_list list;
 	struct eco_encoded encoded;
 };
@@ -108,7 +109,8 @@ static void drop_tile(void *result)
 	eco_encoded_free(&((struct tile_list *)result)->encoded);
 }
 
-/* One list a tile, coarse to fine. Where the ground is off by less than a centimetre, nothing finer is stored. */
+/* Makes one list a tile, coarse to fine. Nothing finer is stored where a tile is off by less than a
+ * centimetre. */
 enum eco_code make_ground_pack(struct make *m)
 {
 	struct lod_ground_tree tree;

@@ -1,10 +1,11 @@
-/* What of the pack at the target need not be built again. Instance lists and summaries follow from what the tables say of a tile and of
- * those below it: so a hash of that is compared, in the old pack and in the new one, and where it is the same the old payload is taken.
- * A plant moves: its own tile's list and the summaries on the way up to the root are made anew, and no others.
+/* Parts of the pack at the target that need not be built again. Instance lists and summaries follow from
+ * the tables' records of a tile and of those below it. So a hash of these records is compared between the
+ * old pack and the new one, and where it is equal the old payload is taken. If one plant moves, only its
+ * own tile's list and the summaries up to the root are made anew.
  *
- * Nothing but the old pack is needed, as it says by itself what it was made of; only that this very program made it is noted in the
- * cache, for another might have made something else of the same. So the result is that of building everything, byte for byte, also
- * where the old pack is damaged. */
+ * The old pack itself says what it was made of. The cache only notes that this very program made it,
+ * because another program might have made something else from the same input. So the result equals a full
+ * build byte for byte, even if the old pack is damaged. */
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>
@@ -23,7 +24,7 @@ struct known_table { struct known *items; uint32_t count; };
 struct make_kept {
 	struct eco_pack *pack;
 	struct known_table stands, summaries;
-	uint32_t *summary_of;        /* per tile of the new pack: list of the old one, or ECO_NONE; NULL: none is known */
+	uint32_t *summary_of;        /* per new tile: list of the old pack, or ECO_NONE; NULL: none is known */
 	uint64_t taken;
 };
 
@@ -54,7 +55,8 @@ static bool of_plant(const struct eco_list *list)
 	return list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT);
 }
 
-/* All that summaries take from plants: records, colours and chunks. Without memory `failed` is set. */
+/* Hashes everything that summaries take from plants: records, colours and chunks. Without memory sets
+ * `failed`. */
 static XXH128_hash_t hash_plants(const struct eco_scene *s, const struct eco_chunk *chunks, bool *failed)
 {
 	struct eco_writer w = { 0 };
@@ -90,7 +92,8 @@ static void add_group(XXH3_state_t *state, const struct eco_scene *s, const stru
 	XXH3_128bits_update(state, s->places + group->place_first * ECO_PLACE_BYTES, (size_t)list->primitive_count * ECO_PLACE_BYTES);
 }
 
-/* Per tile: what it holds and what it places. Tiles are named by how far on in the table they are, as summaries name them. */
+/* Hashes each tile's content and its children. Tiles are named by their distance in the table, as in
+ * summaries. */
 static bool hash_tiles(const struct eco_scene *s, XXH128_hash_t *out)
 {
 	XXH3_state_t *state = XXH3_createState();
@@ -154,7 +157,7 @@ void make_kept_open(struct make *m)
 	bool ours = eco_pack_open(&m->kept->pack, m->options->pack, &unread) == ECO_OK && make_cache_pack_key(&key, &m->kept->pack->id)
 		&& main_cache_get(&m->cache, &key, &bytes, &size) && size == sizeof note && memcmp(bytes, note, sizeof note) == 0;
 	free(bytes);
-	m->cache.hits = m->cache.misses = 0;         /* what is told of the cache is plants */
+	m->cache.hits = m->cache.misses = 0;         /* reports count plants only */
 	if (!ours || !index_old(m->kept))
 		make_kept_close(m);
 }
@@ -171,7 +174,7 @@ void make_kept_close(struct make *m)
 	m->kept = NULL;
 }
 
-/* The tables are known to be whole, payloads are not: what is damaged is built again. */
+/* Tables have been checked, payloads have not: a damaged one is built again. */
 static uint32_t sound(const struct make_kept *kept, uint32_t list)
 {
 	const uint8_t *bytes;

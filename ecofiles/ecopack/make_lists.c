@@ -1,4 +1,4 @@
-/* What every step of a build uses: tables that grow, lists that are stored and kept in them, how many threads there are. */
+/* Used by every step of a build: tables that grow, lists stored and kept in them, the number of threads. */
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>

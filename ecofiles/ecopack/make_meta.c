@@ -1,4 +1,5 @@
-/* META: what people and `ecopack info` want to know that the tables do not say. Where models came from, what was dropped and why. */
+/* META: facts for people and `ecopack info` that the tables do not have, such as the models' files and
+ * dropped triangles by reason. */
 #include "ecofiles/ecopack/make.h"
 
 #include <jansson.h>
@@ -31,7 +32,7 @@ static json_t *organs_json(const struct make_plant *plant)
 	return organs;
 }
 
-/* Bits that the finest grid of the plant spends on its largest extent. */
+/* Bits of the plant's largest extent on its finest grid. */
 static uint32_t grid_bits(const struct make_plant *plant)
 {
 	double extent = fmax(2 * plant->reach, plant->high - plant->low), step = extent;
@@ -44,7 +45,7 @@ static uint32_t grid_bits(const struct make_plant *plant)
 	return bits;
 }
 
-/* From where on rounding to grids moves nothing by more than half a pixel. */
+/* The distance beyond which rounding to grids moves nothing by more than half a pixel. */
 static double half_a_pixel_m(const struct lod_plant *plant)
 {
 	double most = 0;
@@ -54,7 +55,7 @@ static double half_a_pixel_m(const struct lod_plant *plant)
 	return most;
 }
 
-/* How many of a plant's searches converged, and did not end at their bound. */
+/* The number of a plant's searches that converged before their bound. */
 static json_t *searches_json(const struct lod_plant *plant)
 {
 	json_t *searches = json_object();

@@ -1,4 +1,5 @@
-/* Where plants stand: instances of the scene files and rows of inventories, put on the ground and scaled to their heights. */
+/* Places of plants: instances of the scene files and rows of inventories, put on the ground and scaled to
+ * their heights. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -10,10 +11,10 @@
 #include "ecofiles/base/turn.h"
 
 #define SCALE_LEAST (1.0 / 4096)
-#define SCALE_MOST 4000.0           /* in 1/65536 it must fit what a chunk can say */
+#define SCALE_MOST 4000.0           /* a chunk's values must hold it in 1/65536 */
 #define PLACES_MAX 500000000u
-#define NESTED_PLANTS 16u        /* a nested eco file of so many plants counts as one plant where tiles are split, ... */
-#define NESTED_MOST 32u          /* ... and at most as so many: opening a tile opens all that it places */
+#define NESTED_PLANTS 16u        /* a nested eco file counts as one plant for each 16 when tiles are split, ... */
+#define NESTED_MOST 32u          /* ... up to 32: opening a tile opens everything that it places */
 
 static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
 {
@@ -36,7 +37,7 @@ static double on_ground(struct make *m, uint32_t source, const double at[3])
 	return at[2] + z;
 }
 
-/* NaN: no height is asked for. */
+/* height_m NaN: no height was given. */
 static double scale_for(const struct make *m, uint32_t plant, double scale, double height_m)
 {
 	return isnan(height_m) ? scale : scale * height_m / m->plants[plant].built.plant.height_m;
@@ -59,7 +60,7 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 
 static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
 
-/* Height and crown together speak for one variant: that whose proportions come nearest to theirs. */
+/* Height and crown together choose the variant with the nearest proportions. */
 static uint32_t fitting_variant(const struct make *m, uint32_t source, const struct eco_position *row)
 {
 	uint32_t best = row->plant;
@@ -70,7 +71,7 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
 		double ratio = row->height_m * plant->reach / (row->crown_radius_m * (double)plant->built.plant.height_m);
 		double off = fmax(ratio, 1 / ratio);
-		/* of equals the one that chance took */
+		/* among equals, the one that the hash took */
 		if (off < least || (off == least && row->variant_first + i == row->plant)) {
 			least = off;
 			best = row->variant_first + i;
@@ -107,7 +108,7 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 }
 
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
-/* Lines of a table, which names the file where that is needed. */
+/* Places the rows of a table; errors name the file where needed. */
 static enum eco_code place_rows(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -190,7 +191,7 @@ static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_til
 	return ECO_OK;
 }
 
-/* Things to be tiled: the places, then nested eco files with the bounds of theirs (which are tiled before). */
+/* Tiles the places, then nested eco files with their bounds (these are tiled before). */
 static enum eco_code tile_places(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -217,13 +218,14 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	return code;
 }
 
-/* Opens an inventory and takes its first plant: columns, CRS, grids of PROJ and the notation of numbers are seen by then. */
+/* Opens an inventory and takes its first plant, which shows errors of columns, CRS, PROJ grids and number
+ * notation. */
 static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
 {
 	struct eco_positions_spec plain = *spec;
 	struct eco_positions *reader = NULL;
 	struct eco_position first;
-	plain.levels = 0;                /* which take the whole file to find */
+	plain.levels = 0;                /* levels need the whole file */
 	enum eco_code code = eco_positions_open(&reader, &plain, frame, m->error);
 	if (!code)
 		code = eco_positions_next(reader, &first, m->error);
@@ -255,7 +257,7 @@ enum eco_code make_places(struct make *m)
 	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
 	if (!m->ecos)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u eco files", m->sources.count);
-	/* nested files come after those that nest them, and are needed first */
+	/* nested files come after the files that nest them, and are needed first */
 	for (uint32_t s = m->sources.count; s-- > 0;) {
 		enum eco_code code = place_instances(m, s);
 		if (!code)

@@ -1,4 +1,5 @@
-/* Models become plants, several at a time. What several eco files name by the same files, read in the same way, is one plant. */
+/* Models become plants, several at a time. Source plants of the same files, read in the same way, are one
+ * plant. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -16,7 +17,7 @@
 
 #define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
 
-/* ---- Which plants there are ---- */
+/* ---- Distinct plants ---- */
 
 static bool same_rules(const struct eco_source_plant *a, const struct eco_source_plant *b)
 {
@@ -55,7 +56,7 @@ static char *paths_of(const struct eco_source_plant *source)
 	return all;
 }
 
-/* Names are for people; those of different plants should differ. */
+/* Names are for people, so different plants should have different names. */
 static void name_plant(struct make *m, struct make_plant *plant)
 {
 	const struct eco_source_plant *s = plant->source;
@@ -118,18 +119,18 @@ static enum eco_code find_plants(struct make *m)
 struct work {
 	struct make *m;
 	pthread_mutex_t lock;
-	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and a child must not find their locks taken */
+	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and the child must find their locks free */
 	uint32_t next, done;
-	uint32_t idle;               /* threads without a plant: they help others */
+	uint32_t idle;               /* threads without a plant; they help others */
 	double *share;               /* per plant */
-	uint32_t failed;             /* lowest plant that failed; its error is the one that is told */
+	uint32_t failed;             /* lowest plant that failed, whose error is reported */
 	struct eco_error error;
 	bool stop;
 };
 
 struct job { struct work *work; uint32_t plant; double from, to; };
 
-/* Parts of a plant's time, as a rule. */
+/* Usual shares of a plant's time. */
 #define IMPORTED 0.08
 #define BUILT 0.35
 
@@ -141,7 +142,7 @@ static bool tell(void *ctx, double share)
 	double sum = 0;
 	pthread_mutex_lock(&work->lock);
 	share = job->from + (job->to - job->from) * share;
-	if (share > work->share[job->plant])         /* stages that measure start anew after those that order */
+	if (share > work->share[job->plant])         /* measuring stages restart the count */
 		work->share[job->plant] = share;
 	for (uint32_t i = 0; i < work->m->plant_count; i++)
 		sum += work->share[i];
@@ -169,7 +170,7 @@ static enum eco_code keep_images(struct make_plant *plant, const struct eco_mode
 	return ECO_OK;
 }
 
-/* How far the plant's body reaches from its axis and up, from what is stored of it. */
+/* Bounds of the stored plant: distance from the axis, and heights. */
 static void measure_body(struct make_plant *plant)
 {
 	double square = 0, low = 0, high = 0, wide = 0;
@@ -201,7 +202,7 @@ static void enter(void *ctx, enum lod_plant_stage stage)
 	main_times_stage(stages[stage]);
 }
 
-/* ---- Parts of a plant's work, shared out to idle threads ---- */
+/* ---- Pieces of one plant's work, shared with idle threads ---- */
 
 struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage; atomic_uint next; };
 
@@ -320,7 +321,7 @@ static void *work_on(void *ctx)
 		pthread_mutex_lock(&work->lock);
 		work->done++;
 		work->share[job.plant] = 1;
-		if (code && !(code == ECO_INTERRUPTED && work->stop)) {      /* who was stopped by another's failure has none of its own */
+		if (code && !(code == ECO_INTERRUPTED && work->stop)) {      /* a thread stopped by another's failure has none of its own */
 			work->stop = true;
 			if (job.plant < work->failed) {
 				work->failed = job.plant;
@@ -331,8 +332,8 @@ static void *work_on(void *ctx)
 	}
 }
 
-/* Importers fork. The C library's allocator allows for that while other threads run; that of the address sanitizer does not, and a
- * child may wait for its lock for good: under it there is one thread. */
+/* Importers fork. The C library's allocator supports that while other threads run. The address sanitizer's
+ * does not: a child may wait for its lock for ever, so under it there is one thread. */
 static uint32_t thread_count(const struct make *m)
 {
 #ifdef __SANITIZE_ADDRESS__
@@ -357,7 +358,7 @@ static enum eco_code build_plants(struct make *m)
 	for (uint32_t i = 0; i < started; i++)
 		pthread_join(threads[i], NULL);
 	free(work.share);
-	/* an interruption that made others stop must not hide what went wrong, nor the other way round */
+	/* reports the failure, not the interruptions that it caused in other threads */
 	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
 }
 
@@ -392,13 +393,13 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
 	if (list.partner == ECO_NONE)
 		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL, &p->lists[i]);
-	/* points end where the fans end that they stand for */
+	/* points end where their fans end */
 	const struct lod_list_draft *partner = &plant->built.lists[list.partner];
 	list.partner = p->lists[list.partner];
 	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count, &partner->elements, &p->lists[i]);
 }
 
-/* Partners before those that stand for them. */
+/* Packs partners before their forms. */
 static enum eco_code pack_lists(struct packing *p)
 {
 	const struct lod_plant *built = &p->m->plants[p->id].built;

@@ -1,6 +1,6 @@
-/* Point summaries of tiles. Eco files come from the innermost out: of what is nested, its finished summary is all that is looked at, as
- * it is stored. So what a summary costs does not depend on what lies below, and packs that were built apart are summed up in the same
- * way when they are linked (link.c). */
+/* Point summaries of tiles. Eco files are summed up from the innermost out; of a nested file only its
+ * stored summary is used. So a summary's cost does not depend on what lies below, and linking (link.c)
+ * sums up packs that were built apart in the same way. */
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "lod/build/summary.h"
 
 #define POOL_POINTS 2048u
-#define SUMMARY_CHUNK 256u       /* a far tile asks for few points: its first chunk must be small */
+#define SUMMARY_CHUNK 256u       /* a far tile asks for few points: small first chunks */
 
 struct summary_list { struct eco_list list; struct eco_encoded encoded; bool any; uint32_t kept; };
 
@@ -58,7 +58,7 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 		}
 		code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, list) : make_add_encoded(m, &made->list, &made->encoded, list);
 		m->scene.needs |= ECO_NEED_SUMMARIES;
-		make_refer(m);           /* the lists may lie elsewhere now */
+		make_refer(m);           /* the lists may have moved */
 	}
 	return code;
 }

@@ -18,11 +18,11 @@
 /* Plants of one kind in one leaf, in order: eco->places[items[0 .. count)]. */
 struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
 
-/* Their list and its twin in the scene's places. */
+/* Their list, and the same as a range of the scene's places. */
 struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept; };
 
-/* A grid as fine as 1/8192 of the smallest plant's height; its origin is one of its points in the scene's own grid of that step, so a
- * plant at [0, 0, 0] stands there exactly. */
+/* A grid with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the scene's
+ * grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
 static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
 {
 	double low[3], high[3], height = INFINITY, extent = 0;
@@ -36,7 +36,7 @@ static void instance_grid(const struct make *m, const struct stand *stand, struc
 		}
 	}
 	double step = lod_power_below(fmax(height / 8192, 1e-9));
-	while (extent / step > 1 << 27)          /* what a chunk can say */
+	while (extent / step > 1 << 27)          /* limit of a chunk's values */
 		step *= 2;
 	for (int i = 0; i < 3; i++) {
 		list->grid_step[i] = step;
@@ -151,7 +151,7 @@ static enum eco_code add_stand_of(struct make *m, const struct stand *stand)
 	return ECO_OK;
 }
 
-/* A leaf's items lie plant by plant, nested eco files last. */
+/* A leaf's items are sorted by plant, nested eco files last. */
 static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
 {
 	const struct make_eco *eco = &m->ecos[source];
@@ -264,7 +264,7 @@ enum eco_code make_tiles(struct make *m)
 	enum eco_code code = add_tiles(m);
 	if (code)
 		return code;
-	make_places_drop(m);             /* everything is in the scene's own tables now */
+	make_places_drop(m);             /* the scene's own tables have everything now */
 	make_refer(m);
 	make_add_up(m, m->scene.tile_count);
 	main_times_stage(MAIN_STAGE_SUMMARIES);

@@ -1,5 +1,6 @@
-/* ecopack map: where everything stands, before hours are spent on it. The inventories of a scene file are read as `ecopack make` will
- * read them, so that a wrong column, zone or map of species is seen at once, and so is what was left out. */
+/* ecopack map: shows where everything stands, before hours are spent on building. Reads a scene's
+ * inventories as `ecopack make` does, so that a wrong column, zone or species map is seen at once, and so
+ * are the rows left out. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +13,7 @@
 #include "ecofiles/base/phrase.h"
 
 #define MARGIN 20.0
-#define LEFT 62.0                /* what is written beside and below the map */
+#define LEFT 62.0                /* room for texts beside and below the map */
 #define BELOW 40.0
 #define TITLE 58.0
 #define LEGEND 380.0
@@ -23,7 +24,7 @@ static const struct eco_color gray = { 0.42, 0.42, 0.42, 1 }, pale = { 0.3, 0.3,
 
 /* ---- The grid ---- */
 
-/* As few digits as tell the lines apart. */
+/* The fewest digits that tell the lines apart. */
 static const char *coordinate_text(double value, double step, char text[32])
 {
 	int digits = 0;
@@ -60,7 +61,7 @@ static void draw_grid(struct map *m)
 	}
 }
 
-/* ---- The legend: a cursor that goes down ---- */
+/* ---- The legend, written from a cursor that moves down ---- */
 
 struct legend { struct map *m; double x, y; };
 
@@ -119,7 +120,7 @@ static void write_others(struct legend *l)
 		write_kind(l, eco_chart_other, (others.low_m + others.high_m) / 2, name, others.count, range_text(others.low_m, others.high_m, range));
 }
 
-/* Kinds that nothing in the scene refers to, or only rows that are not there. */
+/* Lists kinds without a plant: nothing refers to them, or only rows that are missing. */
 static void write_unused(struct legend *l)
 {
 	const struct map *m = l->m;
@@ -216,7 +217,7 @@ static void write_left_out(struct legend *l)
 	}
 }
 
-/* What a careful reader should know. */
+/* Writes notes for a careful reader. */
 static void write_notes(struct legend *l)
 {
 	const struct map *m = l->m;
@@ -274,7 +275,7 @@ static void draw_bar_and_arrow(struct legend *l)
 	l->y += 62;
 }
 
-/* Returns where it ends. On a chart of one pixel it only measures. */
+/* Returns the y at its end. On a chart of one pixel it only measures. */
 static double draw_legend(struct map *m, double x, double y)
 {
 	struct legend l = { m, x, y };
@@ -314,7 +315,7 @@ static enum eco_code draw_map(struct map *m)
 	double legend = 0;
 	m->x = MARGIN + LEFT;
 	m->y = TITLE;
-	/* some lines of the legend are known only after drawing: measured with room for them */
+	/* measured with room to spare: some lines are known only after drawing */
 	enum eco_code code = measure_legend(m, &legend);
 	double height = fmax(TITLE + m->height + BELOW, TITLE + legend + 4 * LINE) + MARGIN;
 	if (!code)
@@ -342,7 +343,7 @@ static enum eco_code draw_map(struct map *m)
 	return ECO_OK;
 }
 
-/* The same as in the legend, for a terminal. */
+/* Prints the legend's content to a terminal. */
 static void print_map(const struct map *m, const char *path)
 {
 	char range[32];

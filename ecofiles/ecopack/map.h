@@ -1,11 +1,11 @@
-/* Inside `ecopack map`: where everything stands, seen from above, without building a model.
+/* Inside `ecopack map`: everything seen from above, without building a model.
  *
- *   map_gather(&map)        scene files, ground, inventories: kinds, points, what was left out and why     map_places.c
- *   map_frame(&map)         which part of the world the picture shows                                      map_draw.c
- *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                                             map_ground.c
- *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density                  map_draw.c
+ *   map_gather(&map)        scene files, ground, inventories: kinds, points, rows left out by reason      map_places.c
+ *   map_frame(&map)         the part of the world in the picture                                          map_draw.c
+ *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                                           map_ground.c
+ *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density                 map_draw.c
  *
- * What surrounds the map (legend, grid, arrow, bar) and the command are map.c. */
+ * The map's surroundings (legend, grid, arrow, bar) and the command are in map.c. */
 #ifndef ECO_MAIN_MAP_H
 #define ECO_MAIN_MAP_H
 
@@ -15,11 +15,11 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
 
-struct map_kind {                /* plants of one name, whichever file they are of */
+struct map_kind {                /* plants of one name, in whatever file */
 	char name[64];
-	uint64_t count;              /* nested files as often as they are placed */
-	double low_m, high_m;        /* known heights; INFINITY, -INFINITY where none is */
-	uint32_t color;              /* of eco_chart_colors; ECO_CHART_COLORS: among the others */
+	uint64_t count;              /* plants of a nested file count each time it is placed */
+	double low_m, high_m;        /* known heights; INFINITY, -INFINITY: none */
+	uint32_t color;              /* index into eco_chart_colors; ECO_CHART_COLORS: the common gray */
 };
 
 struct map_point { float x, y, height_m; uint32_t kind; };       /* metres from the origin; height 0: not known */
@@ -27,11 +27,11 @@ struct map_points { struct map_point *items; uint64_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 
-/* What was read, and what was not and why. A file is followed by what was left out of it, then by what was kept but should be known. */
+/* A line about rows: a file, then the rows left out of it, then the rows kept that deserve a note. */
 enum map_left_kind { MAP_FILE, MAP_LEFT_OUT, MAP_OF_THESE, MAP_KEPT };
 struct map_left { char text[160]; uint64_t count; enum map_left_kind kind; };
 
-struct map_outline { double corners[8]; char name[64]; };        /* of a nested file: x and y of its bounds, turned */
+struct map_outline { double corners[8]; char name[64]; };        /* bounds of a nested file, turned: x and y */
 struct map_edges { double *ends; uint32_t count, capacity; };     /* x0, y0, x1, y1 each, metres */
 
 struct map {
@@ -40,14 +40,14 @@ struct map {
 	struct eco_ground ground;    bool has_ground;
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
-	struct map_points *own;      /* per source: its own plants, in its own coordinates */
-	struct map_bounds *bounds;   /* per source, with what it nests */
-	uint64_t *totals;            /* per source, with what it nests */
-	struct map_points points;    /* to be drawn: the outer file's, and those of nested files if they are not too many */
-	uint64_t not_expanded;       /* plants of nested files that are outlines only */
+	struct map_points *own;      /* per source: its own plants, in its coordinates */
+	struct map_bounds *bounds;   /* per source, with nested files */
+	uint64_t *totals;            /* per source, with nested files */
+	struct map_points points;    /* to be drawn: the outer file's, and nested files' if not too many */
+	uint64_t not_expanded;       /* plants drawn only as outlines of their files */
 	struct map_left *left;       uint32_t left_count;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
-	struct map_edges areas, clear_of;        /* of scattered plants: where they may stand, and what they keep away from */
+	struct map_edges areas, clear_of;        /* areas of scattered plants, and features they keep clear of */
 	uint64_t total, outside, off_ground, placements;
 	double typical_m;            /* median of the known heights */
 	/* the picture */
@@ -56,14 +56,14 @@ struct map {
 	double x, y, width, height;  /* pixels of the map */
 	double scale;                /* pixels a metre */
 	double contour_m, low_m, high_m;         /* of the ground in view */
-	bool is_density; double densest;         /* plants a pixel, at full colour */
-	double dot;                  /* radius for the typical height, pixels */
+	bool is_density; double densest;         /* plants a pixel at full colour */
+	double dot;                  /* radius of the typical height, pixels */
 };
 
 enum eco_code map_gather(struct map *m, const char *scene);
 void map_free(struct map *m);
 
-/* Sets view, scale, width and height so that the longer side of the map has `pixels`. */
+/* Sets view, scale, width and height; the map's longer side gets `pixels`. */
 enum eco_code map_frame(struct map *m, uint32_t pixels);
 enum eco_code map_draw_ground(struct map *m);
 enum eco_code map_draw_contours(struct map *m);
@@ -83,7 +83,7 @@ static inline void map_extend(struct map_bounds *b, double x, double y)
 #define MAP_NOTHING ((struct map_bounds){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } })
 static inline bool map_is_empty(const struct map_bounds *b) { return !(b->low[0] <= b->high[0]); }
 
-/* Pixels of a place in metres. */
+/* A place in metres to pixels. */
 static inline double map_x(const struct map *m, double x) { return m->x + (x - m->view.low[0]) * m->scale; }
 static inline double map_y(const struct map *m, double y) { return m->y + (m->view.high[1] - y) * m->scale; }
 

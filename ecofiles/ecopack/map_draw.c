@@ -1,6 +1,6 @@
-/* Plants from above. Where they have room each is a dot, larger the taller it is; where dots would only hide each other the map shows
- * density: a pixel has the mean colour of its plants, the fuller the more there are. Dots are drawn tall ones first, so that the small
- * ones under them are seen. */
+/* Plants from above. With room, each is a dot, larger the taller it is. Where dots would only hide each
+ * other, the map shows density: a pixel has the mean colour of its plants, the fuller the more there are.
+ * Dots are drawn tall ones first, so that the small ones stay visible. */
 #include "ecofiles/ecopack/map.h"
 
 #include <math.h>
@@ -9,15 +9,15 @@
 
 #include "ecofiles/ecopack/progress.h"
 
-#define BLOCK 8u                 /* pixels, where density is looked at */
-#define DENSE 0.25               /* plants a pixel of blocks that have any: beyond, density is shown */
-#define STRAY_SHARE 0.002        /* so many at each end may lie off the picture ... */
-#define STRAY_FACTOR 5.0         /* ... if it then can be so much larger */
-#define NAMED_MOST 12u           /* outlines that bear a name */
+#define BLOCK 8u                 /* side, in pixels, of the blocks that measure density */
+#define DENSE 0.25               /* plants a pixel, in blocks with any plant: above, density is shown */
+#define STRAY_SHARE 0.002        /* this share at each end may lie off the picture ... */
+#define STRAY_FACTOR 5.0         /* ... if the picture can then be this much larger */
+#define NAMED_MOST 12u           /* most outlines with a name */
 #define RADIUS_LEAST 0.9
 #define RADIUS_MOST 7.0
 
-/* ---- What the picture shows ---- */
+/* ---- The picture's view ---- */
 
 static int by_double(const void *a, const void *b)
 {
@@ -25,7 +25,8 @@ static int by_double(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-/* One place with its latitude missing must not shrink a city to a dot: bounds without the outermost, where that changes much. */
+/* Bounds without the outermost plants, where that changes much: one place without its latitude must not
+ * shrink a city to a dot. */
 static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
 {
 	uint64_t stride = m->points.count / 200000 + 1, count = (m->points.count + stride - 1) / stride;
@@ -82,7 +83,7 @@ enum eco_code map_frame(struct map *m, uint32_t pixels)
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a usable place (what was left out: see "
 			"\"instances\")", m->sources.items[0].path);
 	double side = fmax(fmax(b.high[0] - b.low[0], b.high[1] - b.low[1]), 1), spare = 0.03 * side;
-	for (int k = 0; k < 2; k++) {            /* at least a third as wide as high, and the other way round */
+	for (int k = 0; k < 2; k++) {            /* neither side is less than a third of the other */
 		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6) + spare;
 		m->view.low[k] = middle - half;
 		m->view.high[k] = middle + half;
@@ -113,7 +114,7 @@ static bool pixel_of(const struct map *m, const struct map_point *p, uint32_t *x
 	return true;
 }
 
-/* Plants a pixel, over the blocks that have any. */
+/* Plants a pixel, over the blocks with any plant. */
 static enum eco_code look_at_density(struct map *m, double *density)
 {
 	uint32_t columns = (uint32_t)m->width / BLOCK + 1, rows = (uint32_t)m->height / BLOCK + 1;
@@ -139,7 +140,8 @@ static enum eco_code look_at_density(struct map *m, double *density)
 
 struct tally { float count, rgb[3]; };
 
-/* What all but a two-hundredth of the pixels that have plants do not exceed: a few heaps must not make all else pale. */
+/* The density that only one in two hundred pixels with plants exceeds: a few heaps must not make the rest
+ * pale. */
 static double dense_end(const struct tally *tally, size_t pixels)
 {
 	static const uint32_t most = 4096;
@@ -191,7 +193,7 @@ static enum eco_code draw_density(struct map *m)
 
 struct layer { float *rgba; uint32_t width, height; };   /* premultiplied */
 
-/* A disc with a smooth rim, over what is there. */
+/* Draws a disc with a smooth rim over the layer. */
 static void stamp(struct layer *layer, double x, double y, double radius, struct eco_color color)
 {
 	int x0 = (int)fmax(floor(x - radius - 0.5), 0), x1 = (int)fmin(ceil(x + radius + 0.5), (double)layer->width);

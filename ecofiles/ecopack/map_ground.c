@@ -1,5 +1,6 @@
-/* The ground from above: light from the north-west, as maps are used to; pale, so that the plants stand out. Contour lines, by marching
- * over the triangles of cells of a few pixels, go over the plants, which else would hide the shape of the land. */
+/* The ground from above: lit from the north-west, as is usual on maps, and pale, so that plants stand out.
+ * Contour lines, by marching over triangles of cells of a few pixels, are drawn over the plants, which
+ * would hide the shape of the land. */
 #include "ecofiles/ecopack/map.h"
 
 #include <math.h>
@@ -9,9 +10,9 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/room.h"
 
-#define CELL 3u                  /* pixels between the samples of contour lines */
+#define CELL 3u                  /* pixels between samples of contour lines */
 #define LINES_WANTED 14u
-#define RELIEF 1.4               /* how much steeper than it is */
+#define RELIEF 1.4               /* exaggeration of slopes */
 #define FLAT 0.93                /* brightness of level ground */
 
 struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
@@ -37,7 +38,7 @@ static bool sample(const struct map *m, struct grid *grid, double pixels)
 
 static uint8_t brightness(double east, double north)
 {
-	/* sun in the north-west, 45 degrees up */
+	/* sun in the north-west, 45 degrees high */
 	double sun = (RELIEF * (east - north) * 0.5 + 0.7071067811865476) / sqrt(1 + RELIEF * RELIEF * (east * east + north * north));
 	double bright = FLAT + 0.55 * (sun - 0.7071067811865476);
 	return (uint8_t)(255 * fmin(fmax(bright, 0.45), 1) + 0.5);
@@ -86,7 +87,7 @@ static bool add_line(struct lines *lines, const double ends[4])
 	return true;
 }
 
-/* Where a level crosses one triangle's sides: two points or none. A corner at the level counts as above it. */
+/* Where a level crosses one triangle's sides: two points or none. A corner at the level counts as above. */
 static bool cross_triangle(const double x[3], const double y[3], const double z[3], double level, double ends[4])
 {
 	int found = 0;
@@ -123,7 +124,7 @@ static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t c,
 	return true;
 }
 
-/* A name on the first thick lines that come down the middle of the map, not too close to each other. */
+/* Labels the first thick lines along the middle of the map, not too close to each other. */
 static void name_lines(struct map *m, const struct grid *grid, double base)
 {
 	struct eco_chart_style style = { .size = 11, .align = ECO_CHART_CENTER, .color = ECO_COLOR(0x5c4524), .halo = { 0.97, 0.97, 0.94, 0.9 } };

@@ -1,5 +1,5 @@
-/* What stands where, read as `ecopack make` reads it but for models. Nested files are read once; their plants are drawn where all of them
- * together are few enough, else their bounds stand for them. */
+/* Places of plants, read as `ecopack make` does but without models. Each nested file is read once. Its
+ * plants are drawn if the plants of all nested files are few enough, else its outline. */
 #include "ecofiles/ecopack/map.h"
 
 #include <inttypes.h>
@@ -14,13 +14,13 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
 
-#define EXPANDED_MAX 4000000u    /* plants of nested files that are drawn one by one */
+#define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */
 #define OUTLINES_MAX 4000u
 #define EDGES_MAX 2000000u
 #define POINTS_MAX 500000000u
 #define KINDS_MAX 1000000u
 
-/* Room for one more; false without memory. */
+/* Room for one more item; false: no memory. */
 static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t most, size_t size)
 {
 	if (count < *capacity)
@@ -34,7 +34,7 @@ static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t m
 	return true;
 }
 
-/* A line for the legend. */
+/* Adds a line to the legend. */
 static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 	__attribute__((format(printf, 4, 5)));
 static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
@@ -66,7 +66,7 @@ struct named { const char *name; uint32_t source, plant; };
 
 static int by_name(const void *a, const void *b) { return strcmp(((const struct named *)a)->name, ((const struct named *)b)->name); }
 
-/* Variants, and plants of the same name in several files, are one kind. */
+/* Variants, and plants of one name in several files, are one kind. */
 static enum eco_code find_kinds(struct map *m)
 {
 	uint64_t count = 0;
@@ -128,7 +128,7 @@ static const char *file_of(const char *path)
 	return slash ? slash + 1 : path;
 }
 
-#define DETAILS 8u               /* species, of those that were left out */
+#define DETAILS 8u               /* species listed of those left out */
 
 static int by_most(const void *a, const void *b)
 {
@@ -138,7 +138,7 @@ static int by_most(const void *a, const void *b)
 	return strcmp((*x)->first_text, (*y)->first_text);
 }
 
-/* Which species the map leaves out, the commonest first. */
+/* Lists the species that the scene's map leaves out, the commonest first. */
 static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_positions_counts *counts)
 {
 	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
@@ -254,7 +254,7 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 		code = say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
 	if (!code)
 		eco_scatter_report(scatter, say_scatter, m);
-	if (!code && source == 0)                /* those of nested files would have to be turned; their plants show them */
+	if (!code && source == 0)                /* nested files' areas would have to be turned; their plants show them */
 		code = add_edges(m, &m->areas, eco_scatter_areas(scatter));
 	if (!code && source == 0)
 		code = add_edges(m, &m->clear_of, eco_scatter_clear_of(scatter));
@@ -308,7 +308,7 @@ static void sum_up(struct map *m, uint32_t source)
 	}
 }
 
-/* How often each file is placed, all nesting told; then kinds are counted as often. */
+/* Counts how often each file is placed, through all nesting, then multiplies kinds by that. */
 static enum eco_code count_kinds(struct map *m)
 {
 	uint64_t *times = calloc(m->sources.count, sizeof *times);
@@ -347,7 +347,7 @@ static enum eco_code add_bounds(struct map *m, uint32_t source, const struct tur
 	return ECO_OK;
 }
 
-/* Draws what `source` nests; its plants too if there is room for all of them. */
+/* Draws the files that `source` nests, and their plants if there is room for all. */
 static enum eco_code expand(struct map *m, uint32_t source, const struct turned *t, bool plants, uint32_t depth)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -379,7 +379,7 @@ static int by_count(const void *a, const void *b)
 	return strcmp((*x)->name, (*y)->name);
 }
 
-/* The commonest kinds get colours of their own. One kind alone is not "others". */
+/* Gives the commonest kinds colours of their own. A single remaining kind is not called "others". */
 static enum eco_code choose_colors(struct map *m)
 {
 	struct map_kind **order = calloc(m->kind_count + 1u, sizeof *order);
@@ -439,7 +439,7 @@ static enum eco_code read_sources(struct map *m)
 	m->bounds = calloc(count, sizeof *m->bounds);
 	m->totals = calloc(count, sizeof *m->totals);
 	enum eco_code code = m->own && m->bounds && m->totals ? find_kinds(m) : map_no_memory(m);
-	/* nested files come after those that nest them, and are needed first */
+	/* nested files come after the files that nest them, and are needed first */
 	for (uint32_t s = count; s-- > 0 && !code;) {
 		code = add_instances(m, s);
 		for (uint32_t i = 0; i < m->sources.items[s].positions_count && !code; i++)

@@ -1,5 +1,5 @@
-/* ecopack model: what import sees in a model, for people who are to write rules about its parts, or wonder why it came out as it did.
- * Everything is taken from the same functions that make uses; components are numbered as rules number them. */
+/* ecopack model: shows how import understood a model, for writing rules about its parts or finding out why
+ * it looks wrong. It calls the functions that make calls; components have the numbers that rules use. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@
 #include "lod/build/organ.h"
 
 #define FILES_MAX 64u
-#define SHOWN 20u                /* components and parts that are listed for people */
+#define SHOWN 20u                /* components and parts listed for people */
 #define NOTES_MAX 64u
 #define WELD_BITS 16u
 
@@ -28,7 +28,7 @@ struct seen {
 	const char *unit, *up;       /* as given */
 	struct eco_model model;
 	struct eco_components components;
-	uint8_t *organ;              /* per triangle, ECO_ORGAN_FOUND: covers nothing */
+	uint8_t *organ;              /* per triangle; ECO_ORGAN_FOUND: covers nothing */
 	double diagonal;
 	char *notes[NOTES_MAX];
 	uint32_t note_count;
@@ -38,7 +38,7 @@ static const char *const organ_names[] = { "wood", "foliage", "flower" };
 
 static const char *organ_name(uint8_t organ) { return organ < ECO_ORGAN_COUNT ? organ_names[organ] : "-"; }
 
-/* ---- What there is to see ---- */
+/* ---- Facts about the model ---- */
 
 static void keep_note(void *ctx, const char *text)
 {
@@ -83,7 +83,7 @@ static enum eco_code find_organs(struct seen *s, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* Area of each organ in component `which`, or in all with ECO_NONE. */
+/* Area of each organ in component `which`; ECO_NONE: in all. */
 static void organ_areas(const struct seen *s, uint32_t which, double area[ECO_ORGAN_COUNT])
 {
 	memset(area, 0, ECO_ORGAN_COUNT * sizeof *area);
@@ -103,7 +103,7 @@ static uint8_t largest_organ(const double area[ECO_ORGAN_COUNT])
 
 struct use { uint32_t triangles; double area, organ[ECO_ORGAN_COUNT]; };
 
-/* Per material, or per part. */
+/* Use of each material, or of each part. */
 static struct use *uses_of(const struct seen *s, const uint32_t *of, uint32_t count)
 {
 	struct use *use = calloc(count + 1u, sizeof *use);
@@ -143,7 +143,7 @@ static json_t *text_json(const char *text)
 	return value ? value : json_string("(not UTF-8)");
 }
 
-/* The first file's name up to its dot, as a plant's name. */
+/* The first file's name up to its first dot, as a plant's name. */
 static void plant_name(const struct seen *s, char name[64])
 {
 	snprintf(name, 64, "%.63s", eco_path_last(s->paths[0]));
@@ -155,7 +155,7 @@ static void plant_name(const struct seen *s, char name[64])
 			*c = '_';
 }
 
-/* What says again what was given, and what was guessed. */
+/* The plant's entry, with the options given and the guesses made. */
 static json_t *plant_json(const struct seen *s)
 {
 	json_t *plant = json_object();

@@ -1,5 +1,5 @@
-/* One line that is drawn over again, at most ten times a second; without a terminal, lines at least four seconds
- * apart, and none that says what the one before said. */
+/* One line, redrawn at most ten times a second. Without a terminal: lines at least four seconds apart,
+ * none equal to the one before. */
 #include "ecofiles/ecopack/progress.h"
 
 #include <pthread.h>
@@ -23,7 +23,7 @@ static void ask_to_stop(int number)
 {
 	(void)number;
 	interrupted = 1;
-	eco_guard_interrupt();               /* who waits for a child would not notice */
+	eco_guard_interrupt();               /* a wait for a child would not notice */
 }
 
 void main_catch_interrupts(void)
@@ -66,7 +66,7 @@ bool main_progress(const char *stage, const char *detail, double share)
 	bool terminal = isatty(STDERR_FILENO) == 1;
 	pthread_mutex_lock(&lock);
 	if (!silent && now - last_s >= (terminal ? 0.1 : 4.0)) {
-		/* a run that ends within the first seconds says nothing on the way */
+		/* a run that ends within a few seconds prints nothing */
 		bool first = last_s < 0;
 		last_s = now;
 		share = share < 0 ? 0 : share > 1 ? 1 : share;

@@ -1,6 +1,6 @@
-/* ecopack sheet: a contact sheet of a pack, for whoever wants to see whether the import was right and what detail costs. A row is a
- * plant: what is known of it, its organs in false colours (a leaf taken for wood is seen at once), full detail, then less and less
- * of it, each picture with its vertices and its Q. */
+/* ecopack sheet: a contact sheet of a pack, to see whether the import is right and what detail costs. A
+ * row is a plant: facts, its organs in false colours (a leaf taken for wood is seen at once), full detail,
+ * then ever fewer vertices, each picture with its vertices and its Q. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -15,16 +15,16 @@
 #include "ecofiles/base/phrase.h"
 
 #define COLUMNS_MAX 16u
-#define PAGE_HEIGHT 8000u        /* larger sheets go over several pages */
+#define PAGE_HEIGHT 8000u        /* longer sheets are split into pages */
 #define PAGES_MAX 1000u
 #define MARGIN 24.0
 #define HEAD 92.0
 #define GAP 10.0
 #define CAPTION 24.0
-#define FACTS 260.0              /* width of what is written about a plant */
-#define FACTS_HEIGHT 136.0       /* with all organs, without what was dropped */
+#define FACTS 260.0              /* width of the facts about a plant */
+#define FACTS_HEIGHT 136.0       /* with all organs, without dropped triangles */
 
-struct column { double share; uint64_t vertices; char title[32]; };      /* share 0: so many vertices */
+struct column { double share; uint64_t vertices; char title[32]; };      /* share 0: `vertices` counts */
 
 struct sheet {
 	struct eco_pack *pack;
@@ -92,7 +92,7 @@ static enum eco_code unknown_plant(const struct eco_scene *scene, const char *na
 	return eco_fail(error, ECO_NOT_FOUND, "--plants: the pack has no \"%.*s\"; it has: %s", length < 64 ? length : 64, name, known);
 }
 
-/* Several plants may have one name (variants): all of them. Without names: everything. */
+/* Chooses all plants of each name (variants share one); without names, all plants. */
 static enum eco_code choose_plants(struct sheet *s, const char *names, struct eco_error *error)
 {
 	const struct eco_scene *scene = &s->pack->scene;
@@ -115,7 +115,7 @@ static enum eco_code choose_plants(struct sheet *s, const char *names, struct ec
 	return code || s->plant_count ? code : eco_fail(error, ECO_BAD_INPUT, "the pack has no plants");
 }
 
-/* ---- What is known of a plant ---- */
+/* ---- Facts about a plant ---- */
 
 struct facts {
 	json_int_t triangles_in, dropped;
@@ -176,7 +176,7 @@ static double column_x(const struct sheet *s, uint32_t column)
 	return MARGIN + FACTS + GAP + column * (s->pixels + GAP);
 }
 
-/* Small pictures leave room for the facts beside them. */
+/* The facts beside small pictures need their own height. */
 static double row_height(const struct sheet *s) { return fmax(s->pixels + CAPTION, FACTS_HEIGHT) + GAP; }
 
 static double write_organs(struct sheet *s, const struct facts *facts, double y)
@@ -226,7 +226,7 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 	}
 }
 
-/* Below the picture, where nothing hides it: a length that is half of it or less. */
+/* Drawn below the picture: a length of at most half its width. */
 static void scale_bar(struct sheet *s, const struct sheet_plant *plant, double x, double y)
 {
 	if (!(plant->metres_a_pixel > 0))

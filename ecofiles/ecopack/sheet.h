@@ -1,11 +1,11 @@
 /* Inside `ecopack sheet`: one plant of a pack, alone, as the planner draws it with a given budget.
  *
- *   sheet_plant_open(&plant, pack, number, pixels, &error);      its lists and textures decoded, looked at from the side
+ *   sheet_plant_open(&plant, pack, number, pixels, &error);      decodes its lists and textures, sets the view
  *   sheet_plant_draw(&plant, vertices, &picture, &error);        planned, drawn with light and textures, scored
  *   sheet_plant_close(&plant);
  *
- * The plant is put into a scene of its own, of one tile with one instance, which then goes through lod_plan as any scene: so a cell
- * of the sheet shows what a viewer would get, not what some other rule would choose. */
+ * The plant is put into a scene of one tile with one instance, which goes through lod_plan as any scene:
+ * so a cell of the sheet shows what a viewer gets. */
 #ifndef ECO_MAIN_SHEET_H
 #define ECO_MAIN_SHEET_H
 
@@ -24,23 +24,23 @@ struct sheet_list {              /* a list of the plant, decoded */
 	uint32_t chunk_count;
 	uint32_t image;              /* index of the texture's sheet_list, or ECO_NONE */
 	struct eco_image picture;    /* of a list of kind IMAGE */
-	bool cutout;                 /* some of the picture is transparent */
+	bool cutout;                 /* the picture has transparent pixels */
 	uint8_t organ;
 };
 
 struct sheet_plant {
 	const struct eco_pack *pack;
 	uint32_t number;
-	struct eco_scene scene;      /* the pack's, but of this plant alone */
+	struct eco_scene scene;      /* the pack's, with this plant alone */
 	struct eco_tile tile;
 	struct eco_group group;
 	struct eco_list *scene_lists;
 	uint8_t place[ECO_PLACE_BYTES];
-	struct sheet_list *lists; uint32_t list_count;           /* per list of the pack; list NULL where it is not this plant's */
+	struct sheet_list *lists; uint32_t list_count;           /* per list of the pack; list NULL: not this plant's */
 	struct eco_view view;
 	struct lod_eye eye, fine_eye;
 	double metres_a_pixel;       /* at the plant's middle */
-	uint64_t full;               /* vertices of everything */
+	uint64_t full;               /* vertices of full detail */
 	struct lod_raster fine, coarse;
 	uint8_t *reference;          /* mask of full detail, pixels x pixels */
 };
@@ -60,17 +60,17 @@ void sheet_plant_close(struct sheet_plant *plant);
 enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors, struct sheet_picture *picture,
 	struct eco_error *error);
 
-/* ---- Between its two files ---- */
+/* ---- Shared by its two files ---- */
 
 struct sheet_batch {             /* one cut, as triangles, lines or points */
 	const struct sheet_list *list;
 	struct lod_geometry geometry;
-	uint32_t count, first;       /* primitives; the number of the first among all of the drawing */
+	uint32_t count, first;       /* primitives; number of the first in the drawing */
 	float area;                  /* points */
 };
 struct sheet_drawing { struct sheet_batch *batches; uint32_t count, primitives; uint64_t vertices; };
 
-/* What the planner draws with `vertices`. */
+/* Plans and gathers the cuts for `vertices`. */
 enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant, uint64_t vertices,
 	struct eco_error *error);
 void sheet_drawing_free(struct sheet_drawing *drawing);

@@ -1,7 +1,7 @@
-/* Drawing a plant with light and textures. The rasteriser says which primitive each sample shows (its owners are primitives here);
- * colours are found afterwards, once a sample: where the ray through it meets the triangle, which texel lies there, how the surface
- * stands to the light. Nine samples make a pixel, averaged in linear light. The score is that of the pixels' size, without
- * oversampling, as a viewer would be scored. */
+/* Draws a plant with light and textures. The rasteriser finds the primitive at each sample (its owners are
+ * primitives here). Colours follow, once a sample: the place where the ray meets the triangle, the texel
+ * there, and the light on the surface. Nine samples make a pixel, averaged in linear light. The score is
+ * taken at the pixels' size, without oversampling, as a viewer's is. */
 #include "ecofiles/ecopack/sheet.h"
 
 #include <math.h>
@@ -11,16 +11,16 @@
 #include "lod/raster/texel.h"
 
 #define AMBIENT 0.42f
-#define POINT_LIGHT 0.74f        /* the mean over all directions of a surface that faces the eye */
-#define DEEP 0.35f               /* how much darker the back of a plant is than its front */
+#define POINT_LIGHT 0.74f        /* mean light, over all directions, of a surface that faces the eye */
+#define DEEP 0.35f               /* how much darker a plant's back is than its front */
 #define BACKGROUND 0.84f         /* linear */
 
 const uint8_t sheet_organ_rgb[ECO_ORGAN_COUNT][3] = { { 139, 90, 43 }, { 46, 139, 60 }, { 214, 30, 160 } };
 
 struct light {
 	const struct lod_eye *eye;
-	double sun[3];               /* towards it */
-	double front, depth;         /* distance at which the plant begins, and how deep it is */
+	double sun[3];               /* direction to the sun */
+	double front, depth;         /* distance of the plant's nearest point, and its depth */
 	float linear[256];
 };
 
@@ -89,7 +89,8 @@ static void cross(const double a[3], const double b[3], double out[3])
 		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* How brightly a triangle is lit, both sides alike; and where the ray meets it, as the weights of its second and third corner. */
+/* Brightness of a triangle, both sides alike; and the point where the ray meets it, as weights of its
+ * second and third corner. */
 static float light_triangle(const struct light *light, const float *corner, const double ray[3], double weight[2])
 {
 	double u[3], v[3], n[3], from[3], q[3];
@@ -111,7 +112,7 @@ static float light_triangle(const struct light *light, const float *corner, cons
 	return AMBIENT + (1 - AMBIENT) * (float)fmax(lit, 0);
 }
 
-/* A round branch: its side that is lit best among those that are seen. */
+/* A round branch: the best lit of its visible sides. */
 static float light_line(const struct light *light, const float *ends)
 {
 	double along[3];

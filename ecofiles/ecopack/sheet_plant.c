@@ -1,4 +1,5 @@
-/* A plant of a pack on its own: decoding its lists, the camera that fits it, and the cuts that the planner chooses. */
+/* A plant of a pack alone: its decoded lists, a camera that fits it, and the cuts that the planner
+ * chooses. */
 #include "ecofiles/ecopack/sheet.h"
 
 #include <assert.h>
@@ -14,7 +15,7 @@
 #include "lod/plan/planner.h"
 
 #define AWAY_RADII 8.0           /* the camera's distance: a weak perspective */
-#define DOWN 0.22                /* metres that it looks down a metre */
+#define DOWN 0.22                /* slope of the view, downwards */
 #define MARGIN 1.06
 
 static enum eco_code no_memory(const struct sheet_plant *p, struct eco_error *error)
@@ -71,7 +72,7 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 	return code;
 }
 
-/* ---- Textures: files of strangers, decoded in a child process, all of a plant in one ---- */
+/* ---- Textures: files of strangers, so all of a plant are decoded in one child process ---- */
 
 static bool is_picture(const struct sheet_list *list) { return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count; }
 
@@ -177,7 +178,7 @@ static void set_view(struct sheet_plant *p, const double target[3], double half,
 	lod_eye_make(&p->fine_eye, &fine);
 }
 
-/* Extends low and high by where the batch's corners are seen, as tangents. */
+/* Extends low and high by the batch's corners as seen, in tangents. */
 static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, double low[2], double high[2])
 {
 	size_t corners = (size_t)b->count * eco_list_vertices(b->list->list);
@@ -192,7 +193,7 @@ static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, do
 	}
 }
 
-/* The camera stands to the south, a little above; the picture is just large enough for the plant. */
+/* The camera stands to the south, a little above; the picture just holds the plant. */
 static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco_error *error)
 {
 	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
@@ -219,7 +220,7 @@ static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco
 	return ECO_OK;
 }
 
-/* ---- What the planner draws ---- */
+/* ---- The planner's cuts ---- */
 
 static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cut *cut, struct sheet_batch *b, struct eco_error *error)
 {
@@ -250,7 +251,7 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	return ECO_OK;
 }
 
-/* Does the rule of a cut hold for the only instance there is? */
+/* Whether a cut's rule applies to the one instance. */
 static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen, uint32_t seen_count, uint32_t hash)
 {
 	for (uint32_t i = 0; i < seen_count; i++)

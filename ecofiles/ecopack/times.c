@@ -1,5 +1,5 @@
-/* Each thread says when it goes on to another stage; the clock and the thread's processor time since it last did are added to the one it
- * leaves. Memory is the process's: its peak since the last change is a peak of every stage that was being worked on. */
+/* A thread that changes its stage adds the clock and processor time since its last change to the stage it
+ * leaves. Memory is the process's: the peak since the last change counts for every stage that was running. */
 #include "ecofiles/ecopack/times.h"
 
 #include <inttypes.h>
@@ -32,7 +32,7 @@ static double seconds(clockid_t clock)
 
 static double of(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
 
-/* Readers that have ended: the time of all, the memory of the largest. */
+/* Child processes that have ended: processor time of all, memory of the largest. */
 static void readers(double *cpu_s, double *most_mb)
 {
 	struct rusage used;
@@ -41,7 +41,7 @@ static void readers(double *cpu_s, double *most_mb)
 	*most_mb = (double)used.ru_maxrss / 1024;
 }
 
-/* The peak since it was last reset. */
+/* The peak since the last reset. */
 static double peak_mb(void)
 {
 	char line[128];

@@ -1,5 +1,5 @@
-/* Reads everything that a pack holds as a client would, and says what does not hold. Opening has checked the tables against each other
- * already; here each payload is hashed and decoded, and what is stored twice is compared. */
+/* Reads everything in a pack as a client would, and reports faults. Opening has already checked the tables
+ * against each other; here each payload is hashed and decoded, and data stored twice is compared. */
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static void complain(struct verify *v, const char *format, ...)
 
 static bool in_range(int32_t value, uint64_t count) { return value >= 0 && (uint64_t)value < count; }
 
-/* Colours, plants and sizes that decoded elements name. */
+/* Checks the colours, plants and sizes that decoded elements name. */
 static const char *bad_values(const struct eco_scene *s, const struct eco_list *list, const struct eco_elements *e)
 {
 	bool color = list->attributes & ECO_ATTR_COLOR, plant = list->attributes & ECO_ATTR_PLANT, place = list->attributes & ECO_ATTR_PLACE;
@@ -53,7 +53,8 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 	return NULL;
 }
 
-/* Instance lists against the places that the planner reads; `first`: primitives of the list before this chunk. */
+/* Compares an instance list with the places that the planner reads; `first`: primitives of the list before
+ * this chunk. */
 static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, uint32_t first, const struct eco_elements *e)
 {
 	const struct eco_scene *s = &v->pack->scene;

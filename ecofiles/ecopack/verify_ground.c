@@ -1,5 +1,5 @@
-/* What the table of ground says against what its lists hold: heights within bounds, samples that two levels share equal, and no tile
- * further from its children than its error says. */
+/* Compares the table of ground with its lists: heights within bounds, samples that two levels share equal,
+ * and no tile further from its children than its error. */
 #include <math.h>
 #include <stdio.h>
 
@@ -15,7 +15,7 @@ struct decoded {
 	struct eco_elements samples;
 };
 
-/* False where the chunk is damaged: that has been said. */
+/* False: the chunk is damaged, which has been reported. */
 static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -73,7 +73,7 @@ static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 
 static const char *check_child(const struct decoded *d, const struct decoded *child)
 {
-	/* what the child is rounded by itself (lod/ground_choice.h) */
+	/* the child's own rounding (lod/ground_choice.h) */
 	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16 + 1e-6 * (1 + fabs((double)d->tile->high_m));
 
 	for (uint32_t r = 0; r < child->y.inner; r++)
