@@ -1,6 +1,6 @@
-/* What formats say of their axes and units, beside what assimp has made of it. As measured with assimp 5.2: Collada arrives Y-up and in
- * metres, whatever the file's; FBX as it is in the file, with its axes and unit beside it; 3DS turned from Z-up to Y-up; the others without
- * hint, most of them Y-up. */
+/* Axes and units of formats, and how assimp changes them. As measured with assimp 5.2: Collada arrives
+ * Y-up and in metres, whatever the file says. FBX arrives as in the file, with its axes and unit beside
+ * it. 3DS is turned from Z-up to Y-up. The others arrive without a hint, most of them Y-up. */
 #include "ecofiles/import/model/assimp_module.h"
 
 #include <assimp/scene.h>
@@ -50,8 +50,8 @@ static void set_axes(double axes[3][3], const double to[3][3], double scale)
 static const double as_it_is[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
 static const double up_from_y[3][3] = { { 1, 0, 0 }, { 0, 0, -1 }, { 0, 1, 0 } };
 
-/* The file names the axes that point right, up and to the viewer, each with a sign. Where they are no right-handed system, only up
- * counts. Its unit is a number of centimetres. */
+/* The file names the axes that point right, up and to the viewer, each with a sign; unless they form a
+ * right-handed system, only up counts. Its unit is a number of centimetres. */
 static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame, double axes[3][3])
 {
 	static const char *const names[3][2] = { { "CoordAxis", "CoordAxisSign" }, { "FrontAxis", "FrontAxisSign" }, { "UpAxis", "UpAxisSign" } };
@@ -74,7 +74,7 @@ static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame
 		set_axes(axes, frame->up == ECO_UP_Z ? as_it_is : up_from_y, 1);
 }
 
-/* assimp has applied both; the head of the file says what they were. */
+/* assimp has applied axes and unit; the head of the file says which. */
 static void collada_frame(const char *path, struct eco_model_frame *frame, double axes[3][3])
 {
 	size_t size;

@@ -1,5 +1,5 @@
-/* assimp's materials: one colour, one base colour image, cut out or not. All shading beyond that is left behind. None of these formats
- * says whether alpha counts: it does wherever there is some. */
+/* assimp's materials: one colour, one base colour image, cut out or not; other shading is ignored. None of
+ * these formats says whether alpha counts, so it does wherever there is some. */
 #include "ecofiles/import/model/assimp_module.h"
 
 #include <assimp/material.h>
@@ -11,7 +11,7 @@
 
 #include "ecofiles/format/image.h"
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, however the two were rounded */
+#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 
 struct reader {
 	const struct aiScene *scene;
@@ -79,7 +79,7 @@ static float number_of(const struct aiMaterial *from, const char *key, float oth
 	return value;
 }
 
-/* The texture named for the base colour and its uv set. */
+/* The base colour's texture and its uv set. */
 static char *texture_name(const struct aiMaterial *from, enum aiTextureType type, uint32_t *channel)
 {
 	struct aiString path;
@@ -116,7 +116,7 @@ static void name_of(const struct aiMaterial *from, char name[64])
 	snprintf(name, 64, "%.63s", text.data);
 }
 
-/* Alpha that is in the material, whatever its image says. */
+/* The material's own alpha, without its image's. */
 static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 {
 	struct aiColor4D color;
@@ -125,7 +125,7 @@ static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 	*invisible = color.a * 255 + ALPHA_SLACK < 127.5;
 }
 
-/* False if the material names a picture that cannot be had. */
+/* False if the material names a picture that cannot be read. */
 static bool read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
@@ -159,7 +159,7 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);
-	/* a map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	/* a map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);
 	if (lost)

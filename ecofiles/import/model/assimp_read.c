@@ -1,6 +1,7 @@
-/* From assimp's scene to a soup. Node transforms are applied here, in double, as the tree is walked: assimp's own pre-transformation
- * would copy meshes, and round places far from the origin to floats. Polygons are split by polygon.c into exactly n - 2 triangles:
- * assimp's own clipper leaves some concave ones, and loses others. */
+/* From assimp's scene to a soup. Node transforms are applied here, in double, during the walk: assimp's
+ * own pre-transformation would copy meshes, and round places far from the origin to floats. polygon.c
+ * splits polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses
+ * others. */
 #include "ecofiles/import/model/assimp_module.h"
 
 #include <assimp/cfileio.h>
@@ -15,7 +16,7 @@
 #include "ecofiles/base/polygon.h"
 
 #define NODES_MAX (1u << 20)
-#define COARSE 1e-4                  /* of the extent: coordinates that are rounded more than that are said to be */
+#define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
 
 /* ---- Files as assimp opens them: the model's own may be in memory ---- */
 
@@ -131,8 +132,8 @@ struct soup {
 	struct eco_tints tints;
 	uint64_t hidden;
 	uint32_t averaged;                   /* textured meshes whose vertex colours differ */
-	double *corners;                     /* scratch of one polygon: 3 each */
-	uint32_t *split;                     /* its ring, then its triangles */
+	double *corners;                     /* corners of one polygon, 3 values each */
+	uint32_t *split;                     /* the polygon's ring, then its triangles */
 	struct eco_error *error;
 };
 
@@ -160,7 +161,7 @@ static float bounded_uv(float value)
 	return fabsf(value) <= 65536 ? value : 0;
 }
 
-/* uv from the image's top left; assimp's v points up. */
+/* uv from the image's top left; assimp counts v upwards. */
 static void texture_coordinate(const struct aiVector3D *from, float to[2])
 {
 	to[0] = bounded_uv(from->x);
@@ -220,8 +221,9 @@ static bool one_color(const struct aiMesh *mesh)
 	return true;
 }
 
-/* The one material of all the mesh's triangles; ECO_NONE where their vertex colours make several. A textured mesh gets the mean of its
- * colours: every other colour would be another image, and would cut leaves and branches into pieces. */
+/* The one material of all the mesh's triangles; ECO_NONE: vertex colours make several. A textured mesh
+ * gets the mean of its colours: every further colour would need another image, and would cut leaves and
+ * branches into pieces. */
 static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 {
 	const struct aiColor4D *colors = mesh->mColors[0];
@@ -263,13 +265,14 @@ static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsign
 {
 	struct eco_model *m = s->model;
 
-	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not become one into the next */
+	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not point into the next one */
 		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
 	m->part[m->triangle_count] = m->part_count - 1;
 	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
 }
 
-/* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
+/* A polygon with a missing or infinite corner has no shape: a fan keeps its count of triangles, and the
+ * bad ones are dropped later. */
 static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t whole)
 {
 	unsigned n = face->mNumIndices;
@@ -294,7 +297,7 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	}
 }
 
-/* What people see of a name: nothing of what assimp puts there itself. */
+/* Length of a name as its author wrote it, without assimp's additions. */
 static size_t plain_name(const char *name)
 {
 	const char *helper = strstr(name, "_$AssimpFbx$");
@@ -304,7 +307,7 @@ static size_t plain_name(const char *name)
 	return helper != NULL ? (size_t)(helper - name) : strlen(name);
 }
 
-/* NODE, MESH or NODE/MESH: programs show one or the other. */
+/* NODE, MESH or NODE/MESH: some programs show one, some the other. */
 static void add_part(struct soup *s, const struct aiNode *node, const struct aiMesh *mesh)
 {
 	struct eco_model *m = s->model;
@@ -346,7 +349,8 @@ static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index, 
 	m->vertex_count += mesh->mNumVertices;
 }
 
-/* Calls `visit` for every mesh of every node, parents first, without recursion: the depth of a file's tree is not ours to bound. */
+/* Calls `visit` for every mesh of every node, parents first. Without recursion, as a file's tree may be of
+ * any depth. */
 typedef void visit_mesh(void *ctx, const struct aiNode *node, unsigned mesh, const struct aiMatrix4x4 *world);
 
 static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
@@ -477,8 +481,8 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 
 /* ---- The file ---- */
 
-/* What assimp may hand out all the same: material numbers that are not there, faces without vertices, endless polygons. Empty meshes
- * are no harm. */
+/* Checks against faults that assimp lets pass: material numbers out of range, faces without vertices,
+ * endless polygons. Empty meshes do no harm. */
 static bool meshes_hold_together(const struct aiScene *scene)
 {
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
@@ -493,7 +497,7 @@ static bool meshes_hold_together(const struct aiScene *scene)
 	return true;
 }
 
-/* What has no material is grey; or white, where vertices have colours of their own. */
+/* A triangle without a material is grey; white if vertices have colours. */
 static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 {
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
@@ -541,7 +545,7 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	return code;
 }
 
-/* Collada's names, not its ids, are what people see. */
+/* Asks for Collada's names, which people see, instead of its ids. */
 static const struct aiScene *import_scene(const struct eco_model_file *file, struct aiFileIO *io)
 {
 	struct aiPropertyStore *settings = aiCreatePropertyStore();

@@ -1,6 +1,6 @@
-/* The document: container, JSON, buffers. What real files do beside the specification is taken: a JSON chunk padded with
- * zeros, a byte order mark, whole numbers written as 3.0, names of buffers as another system spells them, a GLB named .gltf.
- * What cannot be right is refused: a GLB that is shorter than it says was cut off on its way. */
+/* The document: container, JSON, buffers. Common departures from the specification are accepted: a JSON
+ * chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
+ * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
 #include "ecofiles/import/model/gltf_document.h"
 
 #include <errno.h>
@@ -103,7 +103,7 @@ static int base64_value(char c)
 	return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/* White space and the URL alphabet are taken. False at any other character. */
+/* Accepts white space and the URL alphabet. False at any other character. */
 static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 {
 	uint32_t bits = 0, count = 0;

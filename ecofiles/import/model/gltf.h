@@ -1,5 +1,5 @@
-/* A glTF 2.0 document, .glb or .gltf with what lies beside it: its JSON, numbers and nodes, checked. Meaning is left to the
- * users: models (import_gltf.c), inventories (rows_gltf.c), cameras.
+/* A glTF 2.0 document, .glb or .gltf with its files: its JSON, numbers and nodes, checked. Its users give
+ * it meaning: models (import_gltf.c), inventories (rows_gltf.c), cameras.
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(eco_gltf_json(doc), "nodes");
@@ -7,10 +7,11 @@
  *   eco_gltf_node_matrix(doc, node, world, &error);
  *   eco_gltf_close(doc);
  *
- * Why not assimp: its reader of 5.2 passes over extensions that files require (quantization, meshopt, instances), and with
- * them over leaves. A file is a stranger's: run this in the child of guard.h (its own code bounds whatever it allocates, but
- * Draco and meshopt unpack small files to large ones). Numbers are read byte by byte. Buffers are loaded when they are first
- * asked for, so what nobody needs may be missing. Not thread-safe. Errors name the file and the thing in it. */
+ * assimp 5.2 is not used for glTF: it ignores extensions that files require (quantization, meshopt,
+ * instances), and so loses leaves. Run this in the child of guard.h: the code here bounds whatever it
+ * allocates, but Draco and meshopt unpack small files to large ones. Numbers are read byte by byte. A
+ * buffer is loaded when it is first needed, so unneeded ones may be missing. Not thread-safe. Errors name
+ * the file and the item in it. */
 #ifndef ECO_GLTF_H
 #define ECO_GLTF_H
 
@@ -21,16 +22,16 @@
 
 #include "ecofiles/base/status.h"
 
-#define ECO_GLTF_NODES_MAX (1u << 20)            /* visited of a scene */
+#define ECO_GLTF_NODES_MAX (1u << 20)            /* nodes visited in a scene */
 #define ECO_GLTF_VALUES_MAX ((uint64_t)1 << 28)  /* numbers of one accessor */
 
 struct eco_gltf;
 
 /* ---- The document ---- */
 
-/* Errors: no file, not glTF 2.0, cut off, JSON that is none (with its line). */
+/* Errors: no file, not glTF 2.0, cut off, bad JSON (with its line). */
 enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_error *error);
-/* The same from memory, which must outlive the document; files that it names are looked for beside `name`. */
+/* The same from memory, which must outlive the document; other files are looked for beside `name`. */
 enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
 void eco_gltf_close(struct eco_gltf *doc);       /* NULL is fine */
@@ -41,19 +42,20 @@ const char *eco_gltf_path(const struct eco_gltf *doc);
 /* Whether .glb or .gltf, by the path. */
 bool eco_gltf_is_path(const char *path);
 
-/* ---- JSON of strangers: what is absent or no such thing is the default ---- */
+/* ---- JSON of strangers: a missing or wrong value becomes the default ---- */
 
 /* Item `index` of an array of the root ("nodes", "meshes", ...); NULL if there is none. */
 const json_t *eco_gltf_item(const struct eco_gltf *doc, const char *array, uint64_t index);
-/* A reference to such an item: ECO_NONE (model.h) if there is none. */
+/* A reference to such an item; ECO_NONE (model.h): absent. */
 uint32_t eco_gltf_index(const json_t *object, const char *key);
-/* A whole number, even if written as 3.0; UINT64_MAX, which no bound lets pass, if it is there but no whole number. */
+/* A whole number, even if written as 3.0. UINT64_MAX, which no bound lets pass: present, but not a whole
+ * number. */
 uint64_t eco_gltf_whole(const json_t *object, const char *key, uint64_t otherwise);
 double eco_gltf_number(const json_t *object, const char *key, double otherwise);
-/* Up to `count` numbers of an array; those not given stay. False if it is there and holds anything else. */
+/* Up to `count` numbers of an array; missing ones keep their values. False if the member is anything else. */
 bool eco_gltf_numbers(const json_t *object, const char *key, double *values, size_t count);
 const json_t *eco_gltf_extension(const json_t *object, const char *name);
-/* Never NULL. */
+/* A text; never NULL. */
 const char *eco_gltf_text(const json_t *object, const char *key);
 
 /* ---- Numbers ---- */
@@ -69,13 +71,13 @@ struct eco_gltf_accessor {
 	bool normalized;
 };
 
-/* `components` 1 to 4, 9 or 16, or 0: any. Bytes live until close, or until the document is closed. */
+/* `components` is 1 to 4, 9 or 16, or 0 for any. Bytes live until close, or until the document is closed. */
 enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components, struct eco_gltf_accessor *a,
 	struct eco_error *error);
 void eco_gltf_accessor_close(struct eco_gltf_accessor *a);
 /* Element i < count as numbers; normalized integers as fractions. */
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values);
-/* Component 0 of element i as a whole number; ECO_NONE where it is none. */
+/* Component 0 of element i as a whole number; ECO_NONE: not a whole number. */
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
 
 /* The whole accessor; *values is malloc'ed: count * components. */
@@ -84,7 +86,7 @@ enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint
 
 /* Bytes of a buffer view, decompressed; live as long as the document. */
 enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error);
-/* Bytes of a data: URI; malloc'ed. *is_data false: it is none, and nothing else is set. */
+/* Bytes of a data: URI; malloc'ed. *is_data false: another URI, and nothing else is set. */
 enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size, struct eco_error *error);
 
 /* ---- Nodes: matrices are 4 x 4, column by column, as in glTF: Y up ---- */
@@ -97,24 +99,24 @@ void eco_gltf_multiply(double out[16], const double a[16], const double b[16]); 
 void eco_gltf_compose(double out[16], const double translation[3], const double rotation[4], const double scale[3]);
 void eco_gltf_apply(const double matrix[16], const double point[3], double out[3]);
 
-/* Is the scene there that a viewer would show: the default, or the first where the file names none? */
+/* Whether the scene that a viewer shows exists: the default one, or the first if the file names none. */
 bool eco_gltf_has_scene(const struct eco_gltf *doc);
-/* Calls visit(ctx, node, world) for each node of that scene, or, where it is not there, below all roots, parents first; hidden
- * nodes (KHR_node_visibility) are passed over with all below. A node below several parents is visited for each. Stops at the first
- * status other than ECO_OK. */
+/* Calls visit(ctx, node, world) for each node of that scene, or below all roots if there is none, parents
+ * first. Hidden nodes (KHR_node_visibility) are skipped with everything below. A node below several
+ * parents is visited for each. Stops at the first status other than ECO_OK. */
 typedef enum eco_code eco_gltf_visit(void *ctx, uint32_t node, const double world[16]);
 enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error);
 
 /* The instances of a node with EXT_mesh_gpu_instancing. */
 struct eco_gltf_instances {
 	uint64_t count;
-	struct eco_gltf_accessor translation, rotation, scale;       /* count 0: not there */
+	struct eco_gltf_accessor translation, rotation, scale;       /* count 0: absent */
 };
-/* *there is false, and nothing else set, where the node has no such extension. */
+/* *there is false, and nothing else set, if the node does not have the extension. */
 enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *instances,
 	struct eco_error *error);
 void eco_gltf_instances_close(struct eco_gltf_instances *instances);
-/* World matrix of instance i of a node whose own is `world`. */
+/* World matrix of instance i of a node whose world matrix is `world`. */
 void eco_gltf_instance_matrix(const struct eco_gltf_instances *instances, uint64_t i, const double world[16], double out[16]);
 
 #endif

@@ -1,5 +1,5 @@
-/* Accessors: where each number stands and what it means. An accessor is resolved once into a place, a stride and a type, and
- * elements are read from it one by one; only sparse ones are copied. */
+/* Accessors: the place and the meaning of numbers. An accessor is resolved once into a start, a stride and
+ * a type, and elements are read from it one by one; only sparse ones are copied. */
 #include "ecofiles/import/model/gltf_document.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ static const struct shape shapes[] = {
 	{ "SCALAR", 1, 1 }, { "VEC2", 2, 2 }, { "VEC3", 3, 3 }, { "VEC4", 4, 4 }, { "MAT2", 4, 2 }, { "MAT3", 9, 3 }, { "MAT4", 16, 4 },
 };
 
-/* Bytes of a component; 0: no type. */
+/* Bytes of a component; 0: unknown type. */
 static size_t component_bytes(uint64_t type)
 {
 	switch (type) {
@@ -36,7 +36,7 @@ static size_t dense_stride(const struct eco_gltf_accessor *a)
 	return a->column_bytes * (a->components / a->rows);
 }
 
-/* Type and number, from the JSON of an accessor. */
+/* Reads type and count of an accessor's JSON. */
 static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
 	struct eco_error *error)
 {
@@ -64,7 +64,7 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 	return ECO_OK;
 }
 
-/* `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
+/* Finds `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
 static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes,
 	size_t stride, const uint8_t **at, struct eco_error *error)
 {
@@ -106,7 +106,7 @@ static uint32_t whole_at(const uint8_t *p, uint64_t type)
 	return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
-/* A dense copy of the elements, zeros where there are none. */
+/* Makes a dense copy of the elements; missing ones are zeros. */
 static bool own_elements(struct eco_gltf_accessor *a)
 {
 	size_t stride = dense_stride(a);

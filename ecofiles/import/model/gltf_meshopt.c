@@ -1,6 +1,6 @@
-/* Views compressed with meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression): its decoders are made for strangers'
- * bytes, but take sizes on trust; those are checked here. The library of Debian 12 knows the codec's first version; the
- * second, which came with the KHR extension, is in gltf_meshopt_v1.c. */
+/* Views compressed with meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression). Its decoders
+ * withstand damaged bytes but trust sizes, so sizes are checked here. The library of Debian 12 knows the
+ * codec's first version; gltf_meshopt_v1.c has the second, which came with the KHR extension. */
 #include "ecofiles/import/model/gltf_document.h"
 
 #include <meshoptimizer.h>
@@ -99,7 +99,7 @@ static void undo_filter(const struct packed *p, uint8_t *bytes)
 	}
 }
 
-/* No codec packs more tightly than 1024 to 1: what says so gets no memory. */
+/* No codec compresses better than 1024 to 1: a view that claims more gets no memory. */
 static bool can_be(const struct packed *p)
 {
 	return p->count * p->stride <= p->length * 1024;

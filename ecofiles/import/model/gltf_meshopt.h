@@ -1,4 +1,4 @@
-/* What KHR_meshopt_compression adds to the meshoptimizer of Debian 12. Not for others than gltf_meshopt.c. */
+/* The part of KHR_meshopt_compression that Debian 12's meshoptimizer lacks. Private to gltf_meshopt.c. */
 #ifndef ECO_GLTF_MESHOPT_H
 #define ECO_GLTF_MESHOPT_H
 

@@ -1,12 +1,13 @@
-/* The second version of meshoptimizer's vertex codec, as the specification of KHR_meshopt_compression gives it, and its filter
- * for colours.
+/* The second version of meshoptimizer's vertex codec, after the specification of KHR_meshopt_compression,
+ * and its filter for colours.
  *
  *   0xa1, blocks, tail:  the vertex that precedes the first (stride bytes), then one byte a channel (stride / 4)
- *   block: one control byte a channel, then the channel's four bytes one after the other, each of all vertices in the block
+ *   block: one control byte a channel, then for each of the channel's four bytes in turn, that byte of all its vertices
  *
- * A channel is four bytes of a vertex. Two bits of its control byte tell for each of the four: groups with 0, 1, 2 or 4 bits
- * (0), or 1, 2, 4 or 8 bits (1), all zero (2), plain bytes (3). The channel's kind says what these bytes are: differences of
- * bytes (0), of 16-bit numbers (1), or rotated 32-bit exclusive ors (2) with the vertex before. */
+ * A channel is four bytes of a vertex. Its control byte has two bits for each of the four: groups with 0,
+ * 1, 2 or 4 bits (0), or 1, 2, 4 or 8 bits (1), all zero (2), plain bytes (3). The channel's kind says
+ * what the bytes are: differences of bytes (0), of 16-bit numbers (1), or rotated 32-bit exclusive ors (2)
+ * with the vertex before. */
 #include "ecofiles/import/model/gltf_meshopt.h"
 
 #include <string.h>
@@ -17,7 +18,7 @@
 
 struct input { const uint8_t *at, *end; };
 
-/* Bytes of a group: each in `bits` bits, where all ones mean that it stands in full behind the group. */
+/* Bytes of a group, each in `bits` bits; all ones: the byte follows in full behind the group. */
 static bool decode_group(struct input *in, uint32_t bits, uint8_t to[GROUP])
 {
 	uint32_t packed = GROUP * bits / 8, escape = (1u << bits) - 1;
@@ -42,7 +43,7 @@ static bool decode_group(struct input *in, uint32_t bits, uint8_t to[GROUP])
 	return true;
 }
 
-/* One byte of each of `count` vertices; `wide` as the control says: 0 or 1. */
+/* One byte of each of `count` vertices; `wide` is 0 or 1, from the control byte. */
 static bool decode_groups(struct input *in, uint32_t wide, size_t count, uint8_t *to)
 {
 	static const uint8_t widths[5] = { 0, 1, 2, 4, 8 };
@@ -155,7 +156,7 @@ static uint32_t clamped(double value, uint32_t most)
 	return value <= 0 ? 0 : value >= most ? most : (uint32_t)(value + 0.5);
 }
 
-/* Luma and two chroma, scaled by a power of two less one that the top bit of alpha tells. */
+/* Luma and two chroma, scaled by a power of two less one; the top bit of alpha gives the power. */
 static void undo_color(uint32_t y, int32_t co, int32_t cg, uint32_t a, uint32_t most, uint32_t rgba[4])
 {
 	uint32_t scale = a;

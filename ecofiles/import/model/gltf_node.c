@@ -1,5 +1,5 @@
-/* Nodes: their places in the world, in double, and the instances that they carry. No recursion: the depth of a stranger's
- * tree, and whether it is one, are not ours to choose. */
+/* Nodes: their places in the world, in double, and their instances. No recursion: a stranger's file may
+ * have a tree of any depth, or none. */
 #include "ecofiles/import/model/gltf_document.h"
 
 #include <math.h>
@@ -130,7 +130,7 @@ static enum eco_code push(struct walk *w, uint32_t node, const double world[16],
 	return ECO_OK;
 }
 
-/* In reverse, so that the first comes off first. */
+/* Pushes in reverse, so that the first is popped first. */
 static enum eco_code push_all(struct walk *w, const json_t *nodes, const double world[16], struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;

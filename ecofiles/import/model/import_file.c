@@ -1,6 +1,7 @@
-/* What a file is, before a reader of models sees it; and files that models name. The commonest mistakes (a packed file, the pointer that
- * Git LFS leaves in place of one, a scene of an editor, a point cloud) are known by their first bytes or their name, and each has a
- * sentence of its own: the readers would only say that they do not understand. */
+/* The kind of a file, before a reader of models sees it, and files that models name. The commonest
+ * mistakes (a packed file, a pointer of Git LFS, a scene of an editor, a point cloud) are known by their
+ * first bytes or their name, and each has a sentence of its own: the readers would only say that they do
+ * not understand. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <dirent.h>
@@ -33,7 +34,7 @@ const char *eco_path_last(const char *path)
 	return last;
 }
 
-/* Percent-escapes undone, backslashes turned: what exporters on other systems meant. */
+/* Undoes percent-escapes and turns backslashes, as exporters on other systems write them. */
 static void plain_path(char *text)
 {
 	char *to = text;
@@ -51,7 +52,7 @@ static void plain_path(char *text)
 	*to = 0;
 }
 
-/* The entry of that name, whatever the case of its letters; of several the first by name. */
+/* The entry of that name in any case; of several, the first in order. */
 static bool find_any_case(const char *folder, const char *name, char *path, size_t size)
 {
 	DIR *open = opendir(*folder != 0 ? folder : ".");
@@ -82,7 +83,7 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 	if (snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - model) + 1 : 0, model) >= (int)sizeof folder
 		|| snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
 		return false;
-	if (is_there(path, size, *name != '/' ? folder : "", name))      /* a percent sign or backslash may be just that */
+	if (is_there(path, size, *name != '/' ? folder : "", name))      /* a percent sign or backslash may be meant as such */
 		return true;
 	plain_path(plain);
 	last = eco_path_last(plain);
@@ -152,9 +153,9 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 	return has;
 }
 
-/* ---- What is no model ---- */
+/* ---- Files that are no models ---- */
 
-/* suffix: without it in the name, the command wants another form */
+/* suffix: if the name lacks it, the command needs its other form */
 struct packed { const char *magic; size_t bytes; const char *what, *command, *suffix, *otherwise; };
 
 static const struct packed packed[] = {
@@ -241,7 +242,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 
 /* ---- Far from the origin ---- */
 
-#define NEAR 16.0                /* times the extent: floats then still hold a millionth of it */
+#define NEAR 16.0                /* times the extent: floats then still resolve a millionth of it */
 
 void eco_model_choose_base(const double low[3], const double high[3], double base[3])
 {

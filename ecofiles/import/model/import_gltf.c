@@ -1,8 +1,9 @@
-/* A glTF model becomes a soup. First the scene is walked and every mesh that stands in it is read once; then it is known which
- * materials count and how far from the origin all of it is; then each place of each mesh is written out, in double.
+/* A glTF model becomes a soup. First the scene is walked, and each mesh in it is read once. Then it is
+ * known which materials count and how far from the origin everything is. Then each place of each mesh is
+ * written out, in double.
  *
- * Axes and unit are the format's: Y up, metres. Files that say they require what is not understood here are refused by name: a
- * model that silently lacks its leaves is worse than an error. */
+ * Axes and unit are the format's: Y up, metres. A file that requires an extension unknown here is refused
+ * by name: an error is better than a model that silently lacks its leaves. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -10,18 +11,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COARSE 1e-4                  /* of the extent: coordinates that are rounded more than that are said to be */
+#define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
 #define ONE_COLOR 0.02f
 
 struct piece {                       /* a primitive, read */
 	struct gltf_surface surface;
-	uint32_t whole;              /* material of all its triangles; ECO_NONE: their vertex colours differ */
+	uint32_t whole;              /* one material for all; ECO_NONE: vertex colours differ */
 };
 
-struct shape {                       /* a mesh, with the morph weights of the first node that asked for it */
+struct shape {                       /* a mesh, with the morph weights of the first node that uses it */
 	uint32_t mesh;
 	const json_t *weights;
-	uint32_t first, count;       /* of its pieces */
+	uint32_t first, count;       /* its pieces */
 	uint64_t triangles;
 	uint32_t next;               /* another shape of the same mesh */
 };
@@ -43,7 +44,7 @@ struct soup {
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct eco_tints tints;
 	struct gltf_counts counts;
-	uint64_t read;               /* triangles of all shapes; each is placed at least once, so their sum is bounded too */
+	uint64_t read;               /* triangles of all shapes; each is placed at least once, so their sum is bounded */
 	uint64_t triangles, vertices, hidden, instances;
 	uint32_t averaged;           /* textured primitives whose vertex colours differ */
 };
@@ -69,10 +70,10 @@ static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 	return true;
 }
 
-/* ---- What files require ---- */
+/* ---- Required extensions ---- */
 
-/* Read correctly, or without effect on a plant at rest; every KHR_materials_* only changes a shading that is not computed
- * here. */
+/* Extensions that are read, or that do not change a plant at rest; every KHR_materials_* only changes
+ * shading, which is not computed here. */
 static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_meshopt_compression",
 	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform", "KHR_lights_punctual",
 	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld", "EXT_mesh_primitive_restart",
@@ -136,7 +137,7 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	return too_many(s, s->read);
 }
 
-/* The shape of a node's mesh, read if it is new. */
+/* The shape of a node's mesh; reads it if it is new. */
 static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
 {
 	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *weights = json_object_get(node, "weights"), *primitives;
@@ -215,7 +216,7 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 	return code;
 }
 
-/* The skin of a place, read if it is new; NULL: none. */
+/* The skin of a place; reads it if it is new; NULL: none. */
 static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_skin **skin)
 {
 	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
@@ -230,7 +231,7 @@ static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_
 	return s->skins[index].matrix != NULL ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
 }
 
-/* A vertex in the scene, Z up. */
+/* A vertex's place in the scene, Z up. */
 static void place_vertex(const struct gltf_surface *surface, uint32_t v, const struct place *place,
 	const struct gltf_skin *skin, double out[3])
 {
@@ -331,8 +332,8 @@ static bool one_color(const struct gltf_surface *surface)
 	return true;
 }
 
-/* A textured primitive gets the mean of its colours: every other colour would be another image, and would cut leaves and
- * branches into pieces. */
+/* A textured primitive gets the mean of its colours: every further colour would need another image, and
+ * would cut leaves and branches into pieces. */
 static void choose_whole(struct soup *s, struct piece *piece)
 {
 	const struct gltf_surface *surface = &piece->surface;
@@ -387,7 +388,7 @@ static bool take_memory(struct soup *s)
 		&& eco_tints_start(&s->tints, m);
 }
 
-/* NODE, MESH or NODE/MESH: programs show one or the other. */
+/* NODE, MESH or NODE/MESH: some programs show one, some the other. */
 static void add_part(struct soup *s, const struct place *place)
 {
 	struct eco_model *m = s->model;

@@ -1,4 +1,4 @@
-/* Inside the reader of glTF models: what its files share. Not for others. */
+/* Shared by the files of the reader of glTF models; private. */
 #ifndef ECO_IMPORT_GLTF_H
 #define ECO_IMPORT_GLTF_H
 
@@ -7,18 +7,18 @@
 
 /* ---- Materials (import_gltf_material.c) ---- */
 
-struct gltf_look {               /* a material as geometry needs to know it */
+struct gltf_look {               /* the part of a material that geometry needs */
 	bool used, invisible;
-	bool textured;               /* has a base colour texture: its uv set and transform count */
+	bool textured;               /* has a base colour texture: then uv_set and uv matter */
 	uint32_t uv_set;
 	struct { double offset[2], scale[2], sine, cosine; } uv;
 };
 
-/* Item `count` of the result, malloc'ed, is the material of what has none. */
+/* Reads all materials; malloc'ed. Item `count` stands for primitives without a material. */
 struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count);
 void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
 
-/* Fills model->materials and the images of those that are used and visible. */
+/* Fills model->materials, and the images of materials used and visible. */
 enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks, uint32_t count,
 	struct eco_notes *notes, struct eco_error *error);
 
@@ -31,14 +31,14 @@ struct gltf_surface {            /* a primitive: triangles in its mesh's own coo
 	float *position;             /* 3 per vertex */
 	float *uv;                   /* 2 per vertex; NULL: none */
 	float *color;                /* 3 per vertex, linear; NULL: none */
-	uint32_t *index;             /* 3 per triangle; ECO_NONE: a vertex that is not there */
-	uint32_t influences;         /* of joints on each vertex; 0: not skinned */
-	uint32_t *joint;             /* influences per vertex */
+	uint32_t *index;             /* 3 per triangle; ECO_NONE: a missing vertex */
+	uint32_t influences;         /* joints per vertex; 0: not skinned */
+	uint32_t *joint;             /* `influences` per vertex */
 	float *weight;
-	double far;                  /* largest coordinate that the file holds in single precision */
+	double far;                  /* largest coordinate, which the file holds in single precision */
 };
 
-struct gltf_counts {             /* what is not drawn, for the notes */
+struct gltf_counts {             /* things not drawn, for the notes */
 	uint64_t points, lines, shapeless, partial, morphed, faint;
 };
 
@@ -46,12 +46,12 @@ struct gltf_surface_source {
 	struct eco_gltf *doc;
 	const struct gltf_look *looks;       uint32_t look_count;
 	const json_t *primitive, *weights;   /* weights: of morph targets; NULL: at rest */
-	uint32_t mesh, number;               /* of the primitive in it, for messages */
+	uint32_t mesh, number;               /* number of the primitive in the mesh, for messages */
 	uint32_t triangles_max;
 	struct gltf_counts *counts;
 };
 
-/* One primitive; without triangles if it is made of points or lines. */
+/* Reads one primitive; no triangles if it consists of points or lines. */
 enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source, struct eco_error *error);
 void gltf_surface_free(struct gltf_surface *surface);
 
@@ -62,7 +62,7 @@ struct gltf_skin {
 	double *matrix;              /* 16 per joint, to the world; NULL: not read */
 };
 enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index, struct eco_error *error);
-/* Vertex `v` in the world; false where no joint holds it. */
+/* Vertex `v` in the world; false: no joint holds it. */
 bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *surface, uint32_t v, double out[3]);
 
 #endif

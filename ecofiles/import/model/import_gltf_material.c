@@ -1,6 +1,6 @@
-/* Materials of glTF: one linear colour, one base colour texture, cut out or not. All shading beyond that is left behind. Of
- * the two ways to say it (metallic-roughness, and the older specular-glossiness, whose diffuse part is meant) the extension
- * wins, as it demands.
+/* Materials of glTF: one linear colour, one base colour texture, cut out or not; other shading is ignored.
+ * A material may be described twice: metallic-roughness, and the older specular-glossiness extension,
+ * which then wins, as it demands; its diffuse part is read.
  *
  * OPAQUE: alpha does not count. MASK: the cutoff is scaled to 0.5. BLEND: cut at 0.5. */
 #include "ecofiles/import/model/import_gltf.h"
@@ -13,7 +13,7 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/base/turn.h"
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, however the two were rounded */
+#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 #define PI 3.14159265358979323846
 
 /* ---- JSON ---- */
@@ -50,7 +50,7 @@ static enum eco_alpha alpha_of(const json_t *material, float *gain)
 	*gain = 1;
 	if (strcmp(mode, "BLEND") == 0)
 		return ECO_ALPHA_BY_IMAGE;
-	if (strcmp(mode, "MASK") != 0 || cutoff <= 0)        /* nothing is below 0 */
+	if (strcmp(mode, "MASK") != 0 || cutoff <= 0)        /* no alpha is below 0 */
 		return ECO_ALPHA_OPAQUE;
 	*gain = (float)(0.5 / fmax(cutoff, 1e-6));
 	return ECO_ALPHA_MASK;
@@ -121,7 +121,7 @@ void gltf_look_apply(const struct gltf_look *look, const double from[2], float t
 
 /* ---- Images ---- */
 
-/* What stands in the notes, and how the callback below knows its image again: "images[3] bark". */
+/* The image's name for notes, by which the callback below finds it again: "images[3] bark". */
 static bool image_name(const struct eco_gltf *doc, uint32_t index, char *name, size_t size)
 {
 	const json_t *image = eco_gltf_item(doc, "images", index);
@@ -234,7 +234,7 @@ enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
 		model->materials[i].image = ECO_NONE;
 	for (uint32_t i = 0; i < all; i++)
 		read_material(&images, doc, i, &looks[i], notes);
-	if (all > count)                     /* of primitives without a material */
+	if (all > count)                     /* for primitives without a material */
 		model->materials[count].colourless = true;
 	eco_images_end(&images);
 	return ECO_OK;

@@ -1,5 +1,5 @@
-/* Skins at rest: a skinned mesh stands where its joints hold it; its node's own place does not count, says the specification,
- * and in files whose skeletons carry the scale or the axis it is wrong by a factor of a hundred. */
+/* Skins at rest: joints place a skinned mesh. The specification says to ignore its node's own place, which
+ * is wrong by a factor of a hundred in files whose skeletons carry the scale or the axis. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* One primitive of a glTF mesh, whatever it comes from (accessors, or a Draco stream), as triangles with the vertices they
- * use. Vertices that nobody names are left behind here: exporters let all primitives of a file share one large buffer. */
+/* One primitive of a glTF mesh, from accessors or a Draco stream, as triangles with the vertices in use.
+ * Other vertices are dropped here: exporters let all primitives of a file share one large buffer. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ enum attribute { POSITION, TEXCOORD, COLOR, JOINTS, WEIGHTS = JOINTS + GLTF_INFL
 struct attribute_values {        /* of all vertices of the file */
 	bool there;
 	struct eco_gltf_accessor accessor;
-	float *draco;                /* instead of the accessor's: its components per vertex */
+	float *draco;                /* replaces the accessor: its components per vertex */
 };
 
 struct reader {
@@ -26,7 +26,7 @@ struct reader {
 	struct attribute_values values[ATTRIBUTES];
 	uint64_t vertex_count;       /* in the file */
 	struct eco_gltf_accessor indices;
-	uint32_t *draco_index;       /* instead of the accessor's */
+	uint32_t *draco_index;       /* replaces the accessor */
 	bool indexed;
 	uint64_t index_count;
 	struct eco_error *error;
@@ -54,7 +54,7 @@ static void name_of(enum attribute which, const struct gltf_look *look, char nam
 		snprintf(name, 32, "WEIGHTS_%u", (unsigned)(which - WEIGHTS));
 }
 
-/* What nobody needs is not read, and may be broken. */
+/* Unneeded attributes are not read, and may be broken. */
 static bool is_wanted(const struct reader *r, enum attribute which, const struct gltf_look *look)
 {
 	if (which == TEXCOORD)
@@ -126,7 +126,7 @@ static uint32_t faces_declared(const struct reader *r)
 	return accessor != NULL && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3) : r->from->triangles_max;
 }
 
-/* Draco's attributes: those of ours that it has. Others keep their accessors, if these have data. */
+/* Finds Draco's attributes among those needed. The others keep their accessors, if these have data. */
 static uint32_t match_attributes(struct reader *r, const json_t *ids, const struct gltf_look *look,
 	struct eco_draco_attribute *wanted, enum attribute *which)
 {
@@ -182,7 +182,7 @@ static uint32_t index_at(const struct reader *r, uint64_t i)
 	return r->draco_index != NULL ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i) : (uint32_t)i;
 }
 
-/* The greatest index of a type is none: it begins the next strip. */
+/* The greatest index of a type is no index: it begins the next strip. */
 static bool is_restart(const struct reader *r, uint32_t index)
 {
 	return r->indexed && r->draco_index == NULL
@@ -257,7 +257,7 @@ static enum eco_code open_indices(struct reader *r)
 
 /* ---- Vertices ---- */
 
-/* New numbers for the vertices in use, in the file's order; `source` receives the old ones. */
+/* Renumbers the vertices in use, in the file's order; `source` receives the old numbers. */
 static bool compact(struct reader *r, uint32_t **source)
 {
 	struct gltf_surface *s = r->to;
@@ -284,7 +284,7 @@ static bool compact(struct reader *r, uint32_t **source)
 	return *source != NULL;
 }
 
-/* A vertex beyond what an attribute has stays 0: the shorter of two accessors is the exporter's mistake. */
+/* A vertex beyond an attribute's end stays 0: the exporter made one accessor too short. */
 static bool has_value(const struct reader *r, enum attribute which, uint32_t vertex)
 {
 	const struct attribute_values *v = &r->values[which];
@@ -386,7 +386,7 @@ static enum eco_code add_targets(struct reader *r, const uint32_t *source)
 
 		if (weight == 0)
 			continue;
-		if (r->draco_index != NULL)          /* Draco has put the vertices into another order */
+		if (r->draco_index != NULL)          /* Draco has reordered the vertices */
 			r->from->counts->morphed++;
 		else
 			code = add_target(r, json_array_get(targets, i), weight, source);
@@ -414,7 +414,7 @@ static enum eco_code read_vertices(struct reader *r, const struct gltf_look *loo
 	return code;
 }
 
-/* Points and lines are counted: nothing is drawn of them. */
+/* Counts points and lines, which are not drawn. */
 static enum eco_code count_others(struct reader *r, uint64_t mode)
 {
 	uint64_t n;

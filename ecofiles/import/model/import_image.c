@@ -1,8 +1,8 @@
 /* Textures of models: found, decoded, brought to one rule of alpha, each once.
  *
- * Alpha: 128 is the threshold everywhere after this; a cutoff and the material's own alpha go into the texels. Lists of triangles say
- * which image they have, not whether its alpha counts: an image that is not cut out is 255 all over, and a texture that is used both
- * ways becomes two images. */
+ * Alpha: afterwards the threshold is 128 everywhere; a cutoff and the material's own alpha are multiplied
+ * into the texels. Lists of triangles say which image they have, not whether its alpha counts. So an image
+ * that is not cut out gets alpha 255 all over, and a texture used both ways becomes two images. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <stdio.h>
@@ -11,7 +11,7 @@
 
 #include "ecofiles/format/image.h"
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, however the two were rounded */
+#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 #define ALL_PIXELS_MAX ((uint64_t)1 << 28)
 
 struct eco_image_key {           /* one decoded image per key */
@@ -35,7 +35,7 @@ static enum eco_code decode(struct eco_images *r, struct eco_image *image, const
 
 /* ---- Alpha ---- */
 
-/* A separate opacity map: its own alpha where it has some, else its brightness; nearest texel. */
+/* Applies a separate opacity map: its own alpha if it has some, else its brightness; nearest texel. */
 static void merge_opacity(struct eco_image *image, const struct eco_image *opacity)
 {
 	bool own = false;
@@ -52,7 +52,7 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 		}
 }
 
-/* Applies the key's alpha rule; returns whether any texel is cut out. Where none is, alpha is 255. */
+/* Applies the key's alpha rule; returns whether any texel is cut out. If none is, alpha becomes 255. */
 static bool apply_alpha(struct eco_image *image, const struct eco_image_key *key)
 {
 	size_t count = (size_t)image->width * image->height;
@@ -115,7 +115,7 @@ bool eco_images_start(struct eco_images *images)
 	return images->model->images != NULL && images->keys != NULL;
 }
 
-/* A failure is remembered too (no rgba). */
+/* Failures are remembered too, as images without rgba. */
 uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout)
 {
 	struct eco_model *m = images->model;

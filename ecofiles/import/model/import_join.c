@@ -1,6 +1,6 @@
-/* Several files make one plant: they are in one coordinate system, so what one of them says of its axes holds for those that do not say.
- * What none says comes from the shape of all together (model_up.h). Files whose formats state different units (a GLB in metres, an FBX in
- * centimetres) are brought to the first one's. */
+/* Several files make one plant. They share one coordinate system, so the axes that one of them states hold
+ * for those that state none. If none does, the shape of all together decides (model_up.h). Files whose
+ * formats state different units (a GLB in metres, an FBX in centimetres) are brought to the first one's. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static bool take_memory(struct eco_model *m, const struct sums *s)
 
 /* ---- Axes ---- */
 
-/* From `from` to `to` up, none of them FOUND, of coordinates that were turned to Z up as if `from` were right: undone and done again. */
+/* Corrects a coordinate that was turned to Z up as if `from` pointed up, when `to` does. Neither is FOUND. */
 static void turn_point(enum eco_up from, enum eco_up to, double p[3])
 {
 	const double was[3] = { p[0], p[1], p[2] };
@@ -67,7 +67,7 @@ static void turn_point(enum eco_up from, enum eco_up to, double p[3])
 		memcpy(p, file, sizeof file);
 }
 
-/* Coordinates as in the file are what a file of Z up is turned to. */
+/* The up axis that a frame's coordinates assume; coordinates left as in the file are Z up. */
 static enum eco_up stands_as(const struct eco_model_frame *frame)
 {
 	return frame->up == ECO_UP_FOUND ? ECO_UP_Z : frame->up;
@@ -116,7 +116,7 @@ static void append_parts(struct eco_model *m, const struct eco_model_piece *piec
 		name_part(&m->parts[m->part_count++], piece->path, "", several);
 }
 
-/* Takes the piece's images. Positions are relative to `frame`'s base, in its unit. */
+/* Appends a piece, and takes its images. Positions are relative to `frame`'s base, in its unit. */
 static void append(struct eco_model *m, const struct eco_model_frame *frame, struct eco_model_piece *piece, bool several)
 {
 	struct eco_model *from = &piece->model;
@@ -150,9 +150,10 @@ static void append(struct eco_model *m, const struct eco_model_frame *frame, str
 		m->dropped[i] += from->dropped[i];
 }
 
-/* ---- What is known of the axes and the unit ---- */
+/* ---- Axes and unit, as far as known ---- */
 
-/* By the shape of the joined soup, which is as in its files, if that says enough; else by what the format usually means. */
+/* Up by the shape of the joined soup, which has its files' axes, if that is clear; else the format's
+ * convention. */
 static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct eco_notes *notes)
 {
 	double certainty = 0;
@@ -170,7 +171,7 @@ static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct e
 	return up;
 }
 
-/* The axis that `options` or one of the pieces names, ECO_UP_FOUND if none does. */
+/* The axis that `options` or a piece names; ECO_UP_FOUND: none does. */
 static enum eco_up known_up(const struct eco_model_piece *pieces, uint32_t count, const struct eco_model_options *options, enum eco_how *how)
 {
 	*how = options->up != ECO_UP_FOUND ? ECO_HOW_GIVEN : ECO_HOW_FORMAT;
@@ -193,7 +194,7 @@ static void share_unit(struct eco_model_piece *pieces, uint32_t count, double gi
 			pieces[i].frame.unit_m = known;
 }
 
-/* Before: positions of a piece stand as its frame says. After: all are turned alike. */
+/* Turns all pieces alike; before, each stands as its own frame says. */
 static void share_up(struct eco_model_piece *pieces, uint32_t count, enum eco_up up, bool given)
 {
 	for (uint32_t i = 0; i < count && up != ECO_UP_FOUND; i++)

@@ -1,4 +1,4 @@
-/* What readers of models share: sentences for the user, colours, materials. */
+/* Shared by readers of models: notes for the user, colours, materials. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
@@ -38,8 +38,8 @@ double eco_linear_from_srgb(uint8_t srgb)
 	return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
-#define HUE_LEAST 8u                  /* between the channels of a colour, sRGB */
-#define LIGHT_LEAST 96u               /* of a default; what is darker was chosen by somebody */
+#define HUE_LEAST 8u                  /* least difference between a colour's channels that is a hue, sRGB */
+#define LIGHT_LEAST 96u               /* least value of a default grey; somebody chose a darker one */
 
 static bool is_grey(const uint8_t rgb[3])
 {

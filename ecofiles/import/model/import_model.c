@@ -1,5 +1,6 @@
-/* Reading a model: each file in a child process, for assimp and the image readers have open vulnerabilities; the soup comes back as
- * bytes, is checked like any other input, is joined with those of the plant's other files, cleaned, and its textures coloured. */
+/* Reading a model. Each file is read in a child process, as assimp and the image readers have open
+ * vulnerabilities. The soup comes back as bytes, is checked like any other input, joined with those of the
+ * plant's other files, and cleaned, and its textures are coloured. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <errno.h>
@@ -17,14 +18,14 @@
 #define TRIANGLES_MAX 20000000u
 #define FILES_MAX 64u
 
-/* ---- From the child to the parent: counts, then arrays, as they lie in memory ---- */
+/* ---- From the child to the parent: counts, then arrays as they lie in memory ---- */
 
 static bool put(FILE *out, const void *bytes, size_t size)
 {
 	return size == 0 || fwrite(bytes, size, 1, out) == 1;
 }
 
-struct head {                    /* what comes first; `model` for its counts, not its pointers */
+struct head {                    /* comes first; `model` for its counts, not its pointers */
 	struct eco_notes notes;
 	struct eco_model_frame frame;
 	struct eco_model model;
@@ -148,7 +149,7 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 
 struct job { const char *path; uint32_t triangles_max; };
 
-/* Materials of Blender's files are linear, except in PLY, which has none of its own. */
+/* Blender's materials are linear, except in PLY, which has none. */
 static bool written_by_blender(const char *path)
 {
 	return !eco_path_ends_with(path, ".ply") && eco_file_head_has(path, 4096, "Blender");
@@ -235,7 +236,7 @@ static struct eco_guard_limits limits_for(const char *path)
 	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0);
 }
 
-/* One file in a child of its own; its notes are told at once. */
+/* Reads one file in a child of its own; warns of its notes at once. */
 static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_model_options *options, uint32_t triangles_max,
 	struct eco_error *error)
 {
@@ -293,7 +294,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		drop_unused_uv(model);
 		code = eco_model_clean(model, &frame, options, options->paths[0], notes, error);
 	}
-	if (code == ECO_OK)          /* of what is left only */
+	if (code == ECO_OK)          /* after cleaning, for the triangles left */
 		code = eco_model_bake_tints(model, options->paths[0], notes, error);
 	if (code == ECO_OK) {
 		eco_model_see_grey(model);

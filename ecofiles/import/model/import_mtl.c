@@ -1,5 +1,6 @@
-/* MTL: libraries of materials beside OBJ files. One colour, one texture, one opacity count. Where `d` and `Tr` disagree `d` wins: exporters
- * agree about it more. A line that makes no sense costs that line only: a plant without a shininess is still a plant. */
+/* MTL: libraries of materials beside OBJ files. One colour, one texture and one opacity are read. Where
+ * `d` and `Tr` disagree `d` wins, about which exporters agree more. A senseless line costs only itself: a
+ * plant without a shininess is still a plant. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <ctype.h>
@@ -11,7 +12,7 @@
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u
 
-struct option { const char *name; int words, numbers; };   /* of what follows: exactly words, or up to so many numbers */
+struct option { const char *name; int words, numbers; };   /* its arguments: so many words, or up to so many numbers */
 
 static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 }, { "-clamp", 1, 0 },
 	{ "-texres", 1, 0 }, { "-imfchan", 1, 0 }, { "-type", 1, 0 }, { "-bm", 1, 0 }, { "-boost", 1, 0 }, { "-colorspace", 1, 0 },
@@ -42,7 +43,7 @@ static const struct option *option_at(const char *at)
 	return NULL;
 }
 
-/* Up to three numbers, of which the first two are kept. */
+/* Reads up to three numbers and keeps the first two. */
 static char *read_numbers(char *at, int most, double *keep)
 {
 	for (int i = 0; i < most; i++) {
@@ -58,7 +59,7 @@ static char *read_numbers(char *at, int most, double *keep)
 	return at;
 }
 
-/* What follows the options of a map_ statement: a file name, spaces and all. */
+/* The file name behind the options of a map_ statement, which may have spaces. */
 static char *map_name(char *at, struct eco_mtl_material *m)
 {
 	const struct option *o;
@@ -135,7 +136,7 @@ static void read_statement(struct eco_mtl_material *m, const char *key, char *re
 		set_text(&m->opacity, map_name(rest, NULL));
 }
 
-/* The key of a statement, cut off; *rest becomes what follows. */
+/* Cuts off a statement's key; *rest becomes its arguments. */
 static char *split_key(char *line, char **rest)
 {
 	char *end = skip_word(line);

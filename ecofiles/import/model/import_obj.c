@@ -1,9 +1,10 @@
-/* Wavefront OBJ, read here and not by assimp: assimp 5.2 refuses a file for one index that is not there, loses the vertex behind a byte
- * order mark, takes 1,5 for 1, keeps georeferenced coordinates as floats, and copies every corner of every face. This reader counts what it
- * cannot use, names the line of what it does not understand, and subtracts what is far from the origin before it rounds.
+/* Wavefront OBJ, read here and not by assimp: assimp 5.2 refuses a file for one missing index, loses the
+ * vertex behind a byte order mark, takes 1,5 for 1, keeps georeferenced coordinates as floats, and copies
+ * every corner of every face. This reader counts what it cannot use, names the line of an error, and
+ * subtracts a base far from the origin before it rounds.
  *
- * The text is cut up in place (eco_obj_text); vertices and faces are gathered as they come (struct obj); when all are there,
- * import_obj_soup.c makes triangles of them. */
+ * The text is cut up in place (eco_obj_text). Vertices and faces are gathered as they come (struct obj);
+ * at the end import_obj_soup.c makes triangles of them. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <ctype.h>
@@ -15,7 +16,7 @@
 
 #include "ecofiles/base/polygon.h"
 
-#define UNIT_LINES 200u              /* comments about units are at the top */
+#define UNIT_LINES 200u              /* comments about units stand at the top */
 
 /* ---- Lines and words ---- */
 
@@ -55,7 +56,8 @@ char *eco_obj_word(char **line)
 	return word;
 }
 
-/* A whole word as a number; NaN and infinity too, in any spelling. A decimal comma or anything else is an error that helps. */
+/* Reads a whole word as a number, also NaN and infinity in any spelling. A decimal comma or anything else
+ * is an error that says what to do. */
 static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
 {
 	char *end;
@@ -63,7 +65,7 @@ static enum eco_code read_number(const struct eco_obj_text *t, const char *word,
 	*number = strtod(word, &end);
 	if (end != word && *end == 0)
 		return ECO_OK;
-	if (end != word && *end == '#') {        /* Windows: 1.#QNAN, -1.#IND, 1.#INF */
+	if (end != word && *end == '#') {        /* from Windows: 1.#QNAN, -1.#IND, 1.#INF */
 		*number = NAN;
 		return ECO_OK;
 	}
@@ -127,7 +129,8 @@ static bool grow_names(struct eco_obj_names *n)
 	return true;
 }
 
-/* The number of a name, new if need be; beyond `most` the last one. ECO_NONE when memory ran out. */
+/* The number of a name; new names get the next number, beyond `most` the last one. ECO_NONE when memory
+ * ran out. */
 static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t most)
 {
 	uint32_t slot;
@@ -207,7 +210,8 @@ static enum eco_code read_uv(struct eco_obj *o, char *rest)
 	return ECO_OK;
 }
 
-/* From 1, or from -1 backwards; ECO_NONE if it is none of these. Whether it is there shows at the end: faces may come first. */
+/* An index counts from 1, or backwards from -1; ECO_NONE: neither. Whether the vertex exists is checked at
+ * the end, as faces may come first. */
 static uint32_t index_of(const char *digits, char **end, size_t count)
 {
 	long long number = strtoll(digits, end, 10);
@@ -230,7 +234,7 @@ static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *wo
 	return c;
 }
 
-/* Before the first `o`, `g` or `usemtl` there are the nameless ones. */
+/* Faces before the first `o`, `g` or `usemtl` have a nameless part and material. */
 static bool number_part(struct eco_obj *o)
 {
 	char name[520];
@@ -381,7 +385,7 @@ static void free_obj(struct eco_obj *o)
 	free_names(&o->parts);
 }
 
-/* Past a byte order mark; refuses what is no text. */
+/* Skips a byte order mark; refuses binary files. */
 static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
 {
 	if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))

@@ -1,4 +1,4 @@
-/* Wavefront OBJ and MTL: what the two readers share. */
+/* Wavefront OBJ and MTL: shared by the two readers. */
 #ifndef ECO_IMPORT_OBJ_H
 #define ECO_IMPORT_OBJ_H
 
@@ -13,13 +13,13 @@
 struct eco_obj_text {
 	const char *path;
 	char *at, *end;              /* *end is 0 */
-	uint32_t line;               /* number of the line that was returned last */
+	uint32_t line;               /* of the line returned last */
 };
 
-/* The next line without spaces around it, NULL at the end. Lines end with LF, CRLF or CR; a backslash at the end of a line continues
- * it where `joins`. */
+/* The next line without surrounding spaces; NULL at the end. Lines end with LF, CRLF or CR; if `joins`, a
+ * backslash at the end of a line continues it. */
 char *eco_obj_line(struct eco_obj_text *text, bool joins);
-/* The next word of a line, NULL where there is none or a comment begins. */
+/* The next word of a line; NULL at its end or at a comment. */
 char *eco_obj_word(char **line);
 
 /* ---- Libraries of materials ---- */
@@ -36,18 +36,18 @@ struct eco_mtl_material {
 struct eco_mtl {                 /* of one or several libraries; owns everything */
 	struct eco_mtl_material *items;
 	uint32_t count;
-	bool linear;                 /* Blender wrote one of them: its colours are linear */
+	bool linear;                 /* Blender wrote one of them, so colours are linear */
 };
 
-/* Appends what the library says. Fails for lack of memory only; what is not understood is passed over. */
+/* Appends a library's materials; skips lines that it does not understand. Fails only for lack of memory. */
 enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error);
-/* The last of that name, else one that differs in case only, else NULL. */
+/* The last material of that name, else one that differs only in case, else NULL. */
 const struct eco_mtl_material *eco_mtl_find(const struct eco_mtl *mtl, const char *name);
 /* 1 is opaque. */
 double eco_mtl_alpha(const struct eco_mtl_material *material);
 void eco_mtl_free(struct eco_mtl *mtl);
 
-/* ---- What an OBJ file holds ---- */
+/* ---- An OBJ file's content ---- */
 
 struct eco_obj_array { void *items; size_t count, room; };
 
@@ -56,7 +56,7 @@ struct eco_obj_names {                   /* names by number, found by hash */
 	uint32_t count, mask, *table;
 };
 
-struct eco_obj_corner { uint32_t v, vt; };   /* ECO_NONE: not given, or not there */
+struct eco_obj_corner { uint32_t v, vt; };   /* ECO_NONE: not given, or missing */
 struct eco_obj_face { uint32_t first, material, part; };     /* its corners end where the next face begins */
 
 struct eco_obj {
@@ -72,12 +72,12 @@ struct eco_obj {
 	uint32_t material, part, triangles_max;
 	uint64_t triangles, loose;
 	char object[256], group[256];
-	double unit_m;               /* by a comment; 0: none */
-	bool linear;                 /* Blender wrote it: its materials' colours are linear */
+	double unit_m;               /* from a comment; 0: none */
+	bool linear;                 /* Blender wrote it, so its materials' colours are linear */
 };
 
-/* Makes the soup of it: materials from its libraries, polygons split, vertices shared where place and texture coordinate are the same, what
- * is not there counted. Fills the frame. */
+/* Makes a soup: materials from the libraries, polygons split, vertices shared where position and texture
+ * coordinate are equal, missing ones counted. Fills the frame. */
 enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj);
 
 #endif

@@ -1,5 +1,6 @@
-/* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh: vertex colours that hardly differ in it
- * are one colour, others become steps, or their mean where there is a texture. */
+/* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. Vertex
+ * colours that hardly differ within a mesh become one colour; others are rounded to steps, or to their
+ * mean if there is a texture. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <math.h>
@@ -10,20 +11,20 @@
 #include "ecofiles/base/polygon.h"
 
 #define ALPHA_SLACK 1e-3
-#define GREY 0.6                     /* of what has no material, as sRGB */
+#define GREY 0.6                     /* colour without a material, as sRGB */
 
 struct maker {
 	const struct eco_obj *obj;
 	struct eco_model *model;
 	struct eco_mtl mtl;
-	const struct eco_mtl_material **of;  /* per material; NULL: no library has it */
+	const struct eco_mtl_material **of;  /* per material; NULL: in no library */
 	bool *invisible;             /* per material */
 	struct eco_tints tints;
 	double base[3];
-	float color_scale;           /* 1/255 for colours that are written as bytes */
+	float color_scale;           /* 1/255 for colours written as bytes */
 	uint64_t hidden, missing_uv;
 	uint32_t averaged;
-	struct eco_obj_corner *key;  /* per vertex: where it is from; vt with the material's texture transform in mind */
+	struct eco_obj_corner *key;  /* per vertex: its origin; vt only where the material has an image */
 	uint32_t *transform;         /* per vertex: material whose -s and -o its uv has, or ECO_NONE */
 	uint32_t *table, mask;       /* open addressing: vertex, ECO_NONE is free */
 	double *corners;             /* scratch of one polygon */
@@ -51,7 +52,7 @@ static const double *place_of(const struct eco_obj *o, uint32_t v)
 
 /* ---- Materials ---- */
 
-/* A line names one library with spaces in its name, or several. */
+/* A line names one library, whose name may have spaces, or several. */
 static enum eco_code read_library(struct maker *m, char *names)
 {
 	const struct eco_obj *o = m->obj;
@@ -78,7 +79,7 @@ static enum eco_code read_library(struct maker *m, char *names)
 	return ECO_OK;
 }
 
-/* Where no library is named, or none is there, the one with the model's name is tried. */
+/* If no library is named or found, tries the one with the model's name. */
 static enum eco_code read_libraries(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
@@ -142,7 +143,7 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	if (from->opacity != NULL && strcmp(from->opacity, from->texture) != 0)
 		wanted.opacity = from->opacity;
 	to->image = eco_images_get(images, &wanted, &to->cutout);
-	if (to->image != ECO_NONE)           /* the map stands instead of the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	if (to->image != ECO_NONE)           /* the map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
 		memset(to->rgb, 255, 3);
 	else if (m->obj->color.count == 0)
 		eco_material_lost_picture(to);
@@ -180,7 +181,7 @@ static enum eco_code make_materials(struct maker *m)
 
 /* ---- Vertices ---- */
 
-/* The uv of what has an image counts, and its texture's own transform with it. */
+/* The uv matters only with an image, and so does the texture's own transform. */
 static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, uint32_t material, uint32_t *transform)
 {
 	const struct eco_mtl_material *from = m->of[material];
@@ -197,7 +198,7 @@ static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, ui
 	return c;
 }
 
-/* OBJ's v points up; the image's top left is (0, 0) here. */
+/* OBJ counts v upwards; here (0, 0) is the image's top left. */
 static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t transform, float uv[2])
 {
 	static const float none[2] = { 0, 1 };
@@ -212,7 +213,7 @@ static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t tran
 	uv[1] = fabs(v) <= 65536 ? (float)(1 - v) : 0;
 }
 
-/* The vertex of a corner, made if need be; ECO_NONE if it names none. */
+/* The vertex of a corner, made if it is new; ECO_NONE: the corner names none. */
 static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_t material)
 {
 	struct eco_model *to = m->model;
@@ -255,7 +256,7 @@ static void byte_color(const double rgb[3], double share, uint8_t to[3])
 		to[k] = (uint8_t)(fmin(fmax(rgb[k] * share, 0), 1) * 255 + 0.5);
 }
 
-/* The one material of the run [first, end); ECO_NONE where vertex colours make several. */
+/* The one material of the run [first, end); ECO_NONE: vertex colours make several. */
 static uint32_t run_material(struct maker *m, size_t first, size_t end)
 {
 	uint32_t material = faces_of(m->obj)[first].material;
@@ -308,7 +309,8 @@ static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *
 
 /* ---- Faces ---- */
 
-/* A polygon with a corner that is not there, or not finite, has no shape: a fan keeps its count, and the rest is dropped later. */
+/* A polygon with a missing or infinite corner has no shape: a fan keeps its count of triangles, and the
+ * bad ones are dropped later. */
 static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t n)
 {
 	uint32_t *triangles = m->split + n;
@@ -376,7 +378,7 @@ static void add_faces(struct maker *m)
 
 /* ---- All ---- */
 
-/* Of the vertices that faces use. */
+/* Finds the base from the vertices that faces use. */
 static void find_base(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;

@@ -1,9 +1,11 @@
-/* PLY before assimp sees it. Its points are floats there, whatever they are in the file: scans in map coordinates would lose their
- * leaves. Here the vertices are moved near the origin first, in a copy of the file: binary doubles in place, text line by line. A file
- * without faces is a point cloud, and is refused as one.
+/* PLY before assimp sees it. assimp holds points as floats, whatever the file has: scans in map
+ * coordinates would lose their leaves. Here vertices are first moved near the origin, in a copy of the
+ * file: binary doubles in place, text line by line. A file without faces is a point cloud, and is refused
+ * as one.
  *
- * assimp 5.2 takes a line feed at the start of binary data for the header's end, and loses a byte. There the byte is one higher: the
- * lowest bits of the first number of the first vertex, or the highest of one that is 10^-32 (big-endian). */
+ * assimp 5.2 takes a line feed at the start of binary data for the header's end and loses a byte. So such
+ * a byte is raised by one here: it is the lowest byte of the first vertex's first number, or (big-endian)
+ * the highest byte of a number near 10^-32. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
@@ -17,14 +19,14 @@
 struct ply {
 	const char *path;
 	uint8_t *bytes;
-	size_t size, data;           /* where the elements begin */
+	size_t size, data;           /* offset of the elements */
 	enum { ASCII, LITTLE, BIG } format;
-	uint64_t vertices, surfaces; /* of the element "vertex"; of "face", "tristrips" and the like */
+	uint64_t vertices, surfaces; /* of element "vertex"; of "face", "tristrips" and the like */
 	bool vertex_first;
 	uint32_t property_count;     /* of a vertex */
 	size_t offset[PROPERTIES_MAX], stride;
 	bool is_double[PROPERTIES_MAX];
-	uint32_t axis[3];            /* properties x, y, z; ECO_NONE: not there */
+	uint32_t axis[3];            /* properties x, y, z; ECO_NONE: absent */
 };
 
 static size_t type_bytes(const char *type)
@@ -56,7 +58,7 @@ static bool add_property(struct ply *p, const char *type, const char *name)
 	return true;
 }
 
-/* False where this is no header that a vertex can be found by: assimp may think otherwise. */
+/* False: no header that leads to a vertex; assimp may still read it. */
 static bool read_header(struct ply *p)
 {
 	size_t at = 0;
@@ -121,7 +123,7 @@ static uint8_t *binary_at(const struct ply *p, uint64_t vertex, int k)
 
 /* ---- Text ---- */
 
-/* The numbers of x, y and z in a line, and where they stand; false if one is not there. */
+/* The numbers of x, y and z in a line, and their places in it; false if one is missing. */
 static bool line_places(const struct ply *p, char *line, double place[3], char *from[3], char *to[3])
 {
 	int found = 0;
@@ -151,7 +153,7 @@ static char *next_line(const struct ply *p, char *line)
 	return end != NULL ? end + 1 : (char *)p->bytes + p->size;
 }
 
-/* The file with its vertices moved; what follows them as it is. */
+/* Copies the file with its vertices moved. */
 static bool rewrite_text(struct eco_model_file *file, struct ply *p, const double base[3])
 {
 	char *line = (char *)p->bytes + p->data;
@@ -220,7 +222,7 @@ static bool find_bounds(struct ply *p, double low[3], double high[3])
 	return low[0] <= high[0];
 }
 
-/* Whether its vertices can be moved: they come first, and are text or doubles. */
+/* Whether the vertices can be moved: they come first, and are text or doubles. */
 static bool can_move(const struct ply *p)
 {
 	if (!p->vertex_first || p->axis[0] == ECO_NONE || p->axis[1] == ECO_NONE || p->axis[2] == ECO_NONE)
@@ -231,7 +233,7 @@ static bool can_move(const struct ply *p)
 		&& p->vertices <= (p->size - p->data) / p->stride;
 }
 
-/* The file as it is now takes the place of the one on disk. */
+/* The changed copy replaces the file on disk. */
 static void hand_over(struct eco_model_file *file, struct ply *p)
 {
 	file->bytes = p->bytes;

@@ -1,20 +1,20 @@
-/* Colours of vertices become materials, each its own: lists have a colour a primitive, not a vertex.
+/* Vertex colours become materials, one for each colour: lists have a colour per primitive, not per vertex.
  *
- * The colours of textured materials go into their images. Lists of triangles have an image and no colour beside it, points and lines
- * take their colours from texels and materials: with the product in the texels all of them show the same. The product is taken in
- * linear light, as glTF means it. A copy of an image is made for each further colour that it is used with; where that would be
- * too many, the nearest colour that there is stands in.
+ * Colours of textured materials are multiplied into their images, in linear light as glTF means it. Lists
+ * of triangles have an image and no colour beside it, while points and lines take their colours from
+ * texels and materials: with the product in the texels all of them agree. Each further colour of an image
+ * needs a copy of it; beyond a limit the nearest existing colour is used.
  *
- * After that, images that are equal texel by texel become one: names, alpha modes and cut-offs that differ without effect cost
- * nothing in a pack. */
+ * Afterwards images that are equal texel by texel become one, so that names, alpha modes and cut-offs
+ * without effect cost nothing in a pack. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define TINTS_MAX 32u                            /* of one image */
-#define COPIED_PIXELS_MAX ((uint64_t)1 << 26)    /* of a model */
+#define TINTS_MAX 32u                            /* per image */
+#define COPIED_PIXELS_MAX ((uint64_t)1 << 26)    /* per model */
 
 /* ---- Colours of vertices ---- */
 
@@ -47,7 +47,7 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 		return material;
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
-	if (m->materials[material].name[0] == 0)         /* by its name a surface is known as one, whatever its colours (lod/build/organ_split.h) */
+	if (m->materials[material].name[0] == 0)         /* lod/build/organ_split.h knows a surface by its material's name, whatever its colours */
 		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u", (unsigned)material + 1);
 	to = &m->materials[m->material_count];
 	*to = m->materials[material];
@@ -72,7 +72,7 @@ void eco_tints_end(struct eco_tints *t)
 
 /* ---- Colours of textures ---- */
 
-struct variant {                 /* an image as it is used with one colour */
+struct variant {                 /* an image with one colour */
 	uint32_t source, image;      /* the first variant of a source takes its place */
 	uint8_t rgb[3];
 };
@@ -82,7 +82,7 @@ struct tints {
 	struct variant *variants;
 	uint32_t count;
 	uint64_t copied_pixels;
-	uint32_t replaced;           /* materials with a colour that is not quite theirs */
+	uint32_t replaced;           /* materials that got the nearest colour instead of theirs */
 };
 
 static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
@@ -94,7 +94,7 @@ static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
 	return sum;
 }
 
-/* The variant of `source` nearest in colour, NULL if it has none, and how many it has. */
+/* The variant of `source` nearest in colour, NULL if there is none; and their number. */
 static const struct variant *nearest(const struct tints *t, uint32_t source, const uint8_t rgb[3], uint32_t *count)
 {
 	const struct variant *best = NULL;
@@ -134,7 +134,8 @@ static bool copy_image(struct tints *t, uint32_t source, uint32_t *copy)
 	return true;
 }
 
-/* Gives the material the variant of its image that has its colour; texels are as they were until all variants are known. */
+/* Gives the material the variant of its image with its colour; texels do not change until all variants are
+ * known. */
 static bool choose_variant(struct tints *t, struct eco_material *material)
 {
 	const struct eco_image *image = &t->model->images[material->image];

@@ -1,5 +1,6 @@
-/* What every reader of models needs afterwards: triangles that cover nothing are dropped and counted, rules about parts are followed
- * (model_parts.c), the plant is stood on its foot and brought to its height (model_stand.c), and what is not used is forgotten. */
+/* The steps after every reader of models: drops and counts triangles that cover nothing, applies rules
+ * about parts (model_parts.c), puts the plant on its foot and to its height (model_stand.c), and removes
+ * unused data. */
 #include "ecofiles/import/model/model_clean.h"
 
 #include <assert.h>
@@ -53,7 +54,8 @@ static void corner_places(const struct clean *c, uint32_t triangle, uint32_t pla
 		places[k] = c->place[c->model->index[(size_t)triangle * 3 + k]];
 }
 
-/* Whether the places of `triangle` (kept as number `kept`) were seen before in its material; remembers them if not. */
+/* Whether a triangle at the places of `triangle` was seen before in its material; if not, remembers it as
+ * number `kept`. */
 static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t material, uint32_t kept)
 {
 	uint32_t sorted[3] = { corners[0], corners[1], corners[2] }, slot;
@@ -114,9 +116,9 @@ static bool drop_triangles(struct clean *c)
 	return true;
 }
 
-/* ---- What is used ---- */
+/* ---- Removing unused data ---- */
 
-/* Only materials and images in use stay. `used` has room for all of either. */
+/* Keeps materials and images in use. `used` has room for all of either. */
 static void compact_materials(struct eco_model *m, uint32_t *used)
 {
 	uint32_t kept = 0;
@@ -151,7 +153,7 @@ static void compact_materials(struct eco_model *m, uint32_t *used)
 	m->image_count = kept;
 }
 
-/* Only parts in use stay. */
+/* Keeps parts in use. */
 static void compact_parts(struct eco_model *m, uint32_t *used)
 {
 	uint32_t kept = 0;
@@ -171,7 +173,7 @@ static void compact_parts(struct eco_model *m, uint32_t *used)
 	m->part_count = kept;
 }
 
-/* Only vertices that a triangle uses stay. */
+/* Keeps vertices in use. */
 static void compact(struct clean *c)
 {
 	struct eco_model *m = c->model;

@@ -8,38 +8,41 @@
 
 #include "ecofiles/format/model.h"
 
-/* One rule about parts of a plant, the first that fits a triangle counts: {"name": "pot*", "is": "left out"}. */
+/* One rule about parts of a plant: {"name": "pot*", "is": "left out"}. The first rule that fits a triangle
+ * counts. */
 enum eco_part_kind { ECO_PART_NAME, ECO_PART_COMPONENT, ECO_PART_SIZE };
 #define ECO_PART_LEFT_OUT 254u
 struct eco_part_rule {
 	enum eco_part_kind kind;
-	char *name;              /* * and ? are wildcards, case does not count: of the material, or of the mesh, object or group */
-	uint32_t component;      /* from 1, connected components by falling area, as `ecopack model` numbers them */
-	double size[2];          /* of a component: its diagonal from size[0] to size[1] times that of the whole file */
+	char *name;              /* of the material, or of the mesh, object or group; wildcards * and ?, any case */
+	uint32_t component;      /* connected component, from 1 by falling area, as in `ecopack model` */
+	double size[2];          /* range of a component's diagonal, in the whole file's */
 	uint8_t is;              /* enum eco_organ (pack.h) or ECO_PART_LEFT_OUT */
 };
 
 struct eco_model_options {
 	const char *const *paths; uint32_t path_count;   /* files of one plant, in one coordinate system */
-	double height_m;         /* scale so that the model is this high; 0: by its unit */
-	double unit_m;           /* metres per unit of the files; 0: as the format says, else guessed, and said */
+	double height_m;         /* height to scale to; 0: by the unit */
+	double unit_m;           /* metres per unit of the files; 0: the format's, else guessed */
 	enum eco_up up;
 	const struct eco_part_rule *rules; uint32_t rule_count;
 	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */
-	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call: a missing texture, a guess, ... */
+	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence: a missing texture, a guess, ... */
 	void *ctx;
 };
 
-/* Imports glTF, GLB, OBJ, FBX, PLY, Collada and what else assimp reads (textures through the image module, multiplied by their
- * materials' colours), several files into one soup, whose parts then are named FILE/OBJECT. Turned to Z up; the foot (where the wood-like,
- * else all, that no rule leaves out is lowest) goes to x = y = 0. The lowest vertex goes to z = 0; twigs that hang lower than the stem's
- * foot, and roots below the file's own zero, stay below (model_stand.c). Errors name file and reason. On failure *model is empty. */
+/* Imports glTF, GLB, OBJ, FBX, PLY, Collada and the other formats of assimp. Textures go through the image
+ * module and are multiplied by their materials' colours. Several files become one soup, with parts named
+ * FILE/OBJECT. The model is turned to Z up. The foot goes to x = y = 0: the lower end of the wood, or
+ * without wood of everything that no rule leaves out. The lowest vertex goes to z = 0, except that twigs
+ * below the stem's foot, and roots below the file's own zero, stay below (model_stand.c). Errors name file
+ * and reason. On failure *model is empty. */
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);
-/* Beyond these a unit is doubted: the highest tree measures 116 m. */
+/* Beyond these heights the unit is doubted: the highest tree measures 116 m. */
 #define ECO_PLANT_HEIGHT_MOST_M 120.0
 #define ECO_PLANT_HEIGHT_LEAST_M 0.01
 
-/* "centimetres"; NULL for what has no name. */
+/* "centimetres"; NULL: the unit has no name. */
 const char *eco_unit_name(double metres);
 
 #endif

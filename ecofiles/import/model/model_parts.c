@@ -1,5 +1,5 @@
-/* Components by union of triangles that share a place; rules by the first that fits a triangle. For each material, part and component
- * the first rule that fits it is found once; a triangle takes the earliest of its three. */
+/* Components are found by joining triangles that share a place. For each material, part and component, the
+ * first rule that fits is found once; a triangle takes the earliest of its three. */
 #include "ecofiles/import/model/model_parts.h"
 
 #include <math.h>
@@ -89,7 +89,7 @@ double eco_component_diagonal(const struct eco_component *c)
 	return sqrt(square);
 }
 
-/* Joins triangles that share a place; the root of each set is its first triangle. */
+/* Joins triangles that share a place; a set's root is its first triangle. */
 static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material, uint32_t *parent)
 {
 	uint32_t mask, *table = table_new((uint64_t)m->triangle_count * 3, &mask);
@@ -191,7 +191,8 @@ void eco_components_free(struct eco_components *c)
 
 /* ---- Names ---- */
 
-/* The next character without its case, 0 at `end`; bytes that are no UTF-8 stand for themselves. Latin, Greek and Cyrillic letters. */
+/* The next character in lower case (Latin, Greek, Cyrillic), 0 at `end`; bytes that are not UTF-8 are
+ * returned as they are. */
 static uint32_t next_letter(const char **at, const char *end)
 {
 	const unsigned char *p = (const unsigned char *)*at;
@@ -261,10 +262,10 @@ struct rules {
 	struct eco_model *model;
 	const struct eco_part_rule *rules;
 	uint32_t count;
-	bool *fitted;                /* per rule: it fits something */
+	bool *fitted;                /* per rule: whether it fits anything */
 	uint32_t *of_material, *of_part, *of_component;      /* the first rule that fits, or ECO_NONE */
 	struct eco_components components;
-	double diagonal;             /* of all */
+	double diagonal;             /* of the whole model */
 };
 
 static uint32_t rule_of_name(struct rules *r, const char *name)
@@ -309,7 +310,7 @@ static void measure_all(struct rules *r)
 	r->diagonal = eco_component_diagonal(&all);
 }
 
-/* Which rule is for what; names count only where a triangle bears them. */
+/* Finds the first rule of each material, part and component; names count only if a triangle has them. */
 static bool match_all(struct rules *r, const uint32_t *place)
 {
 	const struct eco_model *m = r->model;
@@ -373,9 +374,9 @@ static bool apply(struct rules *r)
 	return true;
 }
 
-/* ---- What is said of rules that fit nothing ---- */
+/* ---- Reports of rules that fit nothing ---- */
 
-/* The first few names, each once, as a list in quotes. */
+/* The first few distinct names, as a list in quotes. */
 static void list_names(char *to, size_t size, const char *first, size_t stride, uint32_t count)
 {
 	size_t used = 0;

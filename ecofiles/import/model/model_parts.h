@@ -1,4 +1,4 @@
-/* What a model falls into: places, connected components, and what the rules of a scene file say about its parts. */
+/* Places and connected components of a model, and a scene file's rules about its parts. */
 #ifndef ECO_MODEL_PARTS_H
 #define ECO_MODEL_PARTS_H
 
@@ -18,26 +18,29 @@ struct eco_component {
 	uint32_t triangle_count, first;      /* its first triangle */
 };
 
-/* What hangs together by places. Owns its arrays. */
+/* Connected components, by shared places. Owns its arrays. */
 struct eco_components {
 	uint32_t count;
 	uint32_t *of;                        /* per triangle */
-	struct eco_component *items;         /* by falling area, of equal ones that with the first triangle first */
+	struct eco_component *items;         /* by falling area; ties by first triangle */
 };
 
-/* All places of the model's triangles must be finite (eco_model_clean has seen to it). `by_material`: triangles of different materials
- * never hang together, as in lod/build/weld.h; this is how rules and `ecopack model` number components, from 1. False when memory ran out. */
+/* All places of the model's triangles must be finite (eco_model_clean sees to it). `by_material`:
+ * triangles of different materials are never connected, as in lod/build/weld.h; rules and `ecopack model`
+ * number these components from 1. False when memory ran out. */
 bool eco_components_find(struct eco_components *components, const struct eco_model *model, const uint32_t *place, bool by_material);
 void eco_components_free(struct eco_components *components);
 
 double eco_component_diagonal(const struct eco_component *component);
 double eco_triangle_area(const struct eco_model *model, uint32_t triangle);
 
-/* Whether `pattern` (* any characters, ? one, case does not count) fits `name`, or a part of it between slashes. UTF-8. */
+/* Whether `pattern` (* any characters, ? one, any case) fits `name`, or a part of it between slashes.
+ * UTF-8. */
 bool eco_part_name_fits(const char *pattern, const char *name);
 
-/* The first rule that fits a triangle says what it is: dropped and counted (ECO_DROP_LEFT_OUT), or model->organ. A rule that fits nothing
- * is noted, with what there is. Fails if nothing is left; errors name `what`. */
+/* Applies the first rule that fits each triangle: drops and counts it (ECO_DROP_LEFT_OUT), or sets
+ * model->organ. Notes rules that fit nothing, with the names there are. Fails if no triangle is left;
+ * errors name `what`. */
 enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place, const struct eco_part_rule *rules, uint32_t count,
 	const char *what, struct eco_notes *notes, struct eco_error *error);
 

@@ -1,15 +1,18 @@
-/* A plant stands on its foot, at its size.
+/* Puts a plant on its foot and gives it its size.
  *
- * The foot is where stems end below: the middle of the edges there, so that each stem counts by its girth, however finely it is
- * modelled. Stems are components that reach through a good part of the height, and are large and thick beside the others; where rules say
- * what wood is, they are followed. Where nothing is long (a bush that is one hull), the whole lower part counts.
+ * The foot is the stems' lower end: the mean of the edges there by length, so that each stem counts by its
+ * girth, however finely it is modelled. Stems are components that reach through a good part of the height
+ * and are large and thick beside the others; where rules name wood, the rules decide. If nothing is long
+ * (a bush that is one hull), the whole lower part counts.
  *
- * The ground is at the lowest vertex, with two exceptions. Twigs may hang lower than the stem's foot (willows, bushes): then the stem
- * stands on the ground and they end in it; a stem that floats would be seen from far. But if something right under the foot surrounds it
- * (a pot, roots, a trunk below a crown that is one hull), the plant stands on that. And where the file's origin is in the stem just above
- * its lower end, its modeller let the stem or its roots reach below the ground: zero is the ground.
+ * The ground is at the lowest vertex, with two exceptions. Twigs may hang lower than the stem's foot
+ * (willows, bushes): then the stem stands on the ground and the twigs end in it, as a floating stem would
+ * be seen from far. But if something right under the foot surrounds it (a pot, roots, a trunk below a
+ * crown that is one hull), the plant stands on that. And if the file's origin is in the stem just above
+ * its lower end, the modeller let the stem or its roots reach below the ground: zero is the ground.
  *
- * The size: as asked for; else by the unit that is given or that the file says; else by a unit that makes it a plant, which is said. */
+ * The size is the one asked for; else that of the unit given, or of the file's unit; else of a unit that
+ * makes it a plausible plant, which is reported. */
 #include "ecofiles/import/model/model_clean.h"
 
 #include <math.h>
@@ -22,30 +25,30 @@
 #include "ecofiles/format/pack.h"
 
 #define GUESS_MOST_M 60.0            /* higher trees are rarer than files in centimetres */
-#define FOOT_SHARE 0.02              /* of the height: a stem's foot is within that of its lowest vertex */
-#define HULL_SHARE 0.25              /* the same where nothing is long */
-#define STEMS_SHARE 0.1              /* of the height: stems whose feet differ by more do not stand on the same ground */
-#define TALL_SHARE 0.25              /* of the height: what reaches through less is no stem */
-#define STEM_TRIANGLES 6u            /* a tube has more; cards of leaves have less */
-#define WOOD_SHARE 0.1               /* of the largest component's area */
-#define GIRTH_SHARE 0.5              /* of the thickest long component's circumference */
-#define LONG 4.0                     /* times its circumference / pi */
-#define HANGS_MOST 0.1               /* of the area may be below the stem's foot */
-#define DEPTH_MOST 0.35              /* of the height that hangs */
-#define UNDER 0.005                  /* of the height: how far below the foot is looked for what it stands on */
-#define SECTORS_LEAST 3              /* sixteenths of the round that a component under the foot takes; twigs take less */
+#define FOOT_SHARE 0.02              /* of the height: a stem's foot is this near its lowest vertex */
+#define HULL_SHARE 0.25              /* the same if nothing is long */
+#define STEMS_SHARE 0.1              /* of the height: stems on one ground differ by at most this */
+#define TALL_SHARE 0.25              /* of the height: a component that reaches through less is no stem */
+#define STEM_TRIANGLES 6u            /* least triangles of a stem: a tube has more, cards of leaves fewer */
+#define WOOD_SHARE 0.1               /* least share of the largest component's area */
+#define GIRTH_SHARE 0.5              /* least share of the thickest long component's circumference */
+#define LONG 4.0                     /* least length, in circumferences / pi */
+#define HANGS_MOST 0.1               /* most of the area that may be below the stem's foot */
+#define DEPTH_MOST 0.35              /* most of the height that may hang */
+#define UNDER 0.005                  /* of the height: how far below the foot to look for a support */
+#define SECTORS_LEAST 3              /* least sixteenths of the circle that a support covers */
 #define SECTORS_HALF 8
 #define STEPS 8
 #define TAN_22_5 0.41421356237309503
-#define ROOTS_MOST 0.1               /* of the height may be below the file's zero */
+#define ROOTS_MOST 0.1               /* most of the height that may be below the file's zero */
 #define PI 3.14159265358979323846
 
 struct stance {
 	const struct eco_model *model;
 	struct eco_components components;
 	bool *wood;                  /* per component */
-	double girth;                /* of the thickest long component, 0: nothing is long */
-	double low, high, area;      /* of all, z */
+	double girth;                /* of the thickest long component; 0: nothing is long */
+	double low, high, area;      /* of the whole model, z */
 	double wood_low, foot[3];
 };
 
@@ -54,7 +57,7 @@ static double length_of(double x, double y)
 	return sqrt(x * x + y * y);
 }
 
-/* Circumference of a tube of that area and length. */
+/* Circumference of a tube with that area and length. */
 static double girth_of(const struct eco_component *c)
 {
 	double length = eco_component_diagonal(c);
@@ -78,7 +81,7 @@ static void measure(struct stance *s)
 	}
 }
 
-/* Of what may be a stem: 2, else of what has enough triangles: 1, else of all: 0. */
+/* Candidates for stems: 2 may be a stem, 1 has enough triangles, 0 any. */
 static int rank_of(const struct stance *s, const struct eco_component *c)
 {
 	if (c->triangle_count < STEM_TRIANGLES)
@@ -86,8 +89,9 @@ static int rank_of(const struct stance *s, const struct eco_component *c)
 	return c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
 }
 
-/* Leaves and twigs are small, branches that hang below the trunk's foot are thin; pots are thick, and taken too. Where all are alike
- * (grass), or nothing is long (bushes), all large ones are taken. */
+/* Marks wood by shape: leaves and twigs are small, and branches that hang below the trunk's foot are thin.
+ * Pots are thick, and marked too. If all components are alike (grass), or none is long (bushes), all large
+ * ones are marked. */
 static void mark_by_shape(struct stance *s)
 {
 	double largest = 0;
@@ -111,7 +115,7 @@ static void mark_by_shape(struct stance *s)
 	}
 }
 
-/* Rules win; wood that ends high above all else is none. */
+/* Rules win; but wood that ends high above everything else is no stem. */
 static void find_wood(struct stance *s)
 {
 	const struct eco_model *m = s->model;
@@ -134,7 +138,8 @@ static void find_wood(struct stance *s)
 	s->wood_low = s->low;
 }
 
-/* Middle of the stems' edges near their lowest vertices, weighed by their lengths; without edges, of the box around the vertices. */
+/* Mean of the stems' edges near their lowest vertices, by length; without edges, the middle of the
+ * vertices' box. */
 static void find_foot(struct stance *s)
 {
 	const struct eco_model *m = s->model;
@@ -163,7 +168,7 @@ static void find_foot(struct stance *s)
 		s->foot[k] = weight > 0 ? sum[k] / weight : (box[k][0] + box[k][1]) / 2;
 }
 
-/* Which sixteenth of the round a direction is in; products and comparisons alone decide. */
+/* The sixteenth of the circle that a direction is in, by products and comparisons alone. */
 static unsigned sector_of(double x, double y)
 {
 	unsigned sector = y < 0 ? 8 : 0;
@@ -173,7 +178,8 @@ static unsigned sector_of(double x, double y)
 	return sector + ((x < 0) != (y < 0) ? 7 - eighth : eighth);
 }
 
-/* The sectors around the foot that the triangle's cut through the plane at height z is in, as bits; 0 if it does not meet it. */
+/* The sectors around the foot, as bits, that the triangle's cut with the plane at height z covers; 0: it
+ * does not meet the plane. */
 static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
 {
 	double cut[3][2] = { { 0 } };
@@ -194,7 +200,7 @@ static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
 	return sectors;
 }
 
-/* Whether what is right below the foot surrounds it at least half. False too when memory ran out. */
+/* Whether geometry right below the foot surrounds it at least half. False also when memory ran out. */
 static bool stands_on_something(const struct stance *s)
 {
 	double z = s->wood_low - UNDER * (s->high - s->low);
@@ -211,7 +217,7 @@ static bool stands_on_something(const struct stance *s)
 	return __builtin_popcount(all) >= SECTORS_HALF;
 }
 
-/* What is below the stem's foot only hangs there. */
+/* Whether everything below the stem's foot only hangs there. */
 static bool only_hangs(const struct stance *s)
 {
 	double below = 0;
@@ -250,7 +256,7 @@ const char *eco_unit_name(double metres)
 	return NULL;
 }
 
-/* The largest of metres, centimetres and millimetres in which it is no higher than most trees grow. */
+/* The largest of metres, centimetres and millimetres in which it is no higher than most trees. */
 static const struct known_unit *guess_unit(double height)
 {
 	for (int i = 0; i < 3; i++)

@@ -1,6 +1,7 @@
-/* The soup is sampled by points that stand for equal shares of its area, and the points are sorted into slices across an axis. Each
- * slice knows its area, its centre and how far it spreads around it; what follows from these is a handful of numbers per axis. The x
- * axis is horizontal either way: what the y and z axes are compared with when it comes to being round. */
+/* The soup is sampled by points of equal area, which are sorted into slices across an axis. Area, centre
+ * and spread of the slices give a handful of numbers per axis. The x axis is horizontal either way, so y
+ * and z are compared with it to find how round the plant is. Weights and
+ * limits: lod/EXPERIMENTS.md, Up axis by shape. */
 #include "ecofiles/import/model/model_up.h"
 
 #include <math.h>
@@ -12,31 +13,31 @@
 #include "ecofiles/base/union.h"
 
 #define SLICES 32
-#define SPLIT_MOST 32                /* parts a triangle's side is cut into, each about half a slice long */
+#define SPLIT_MOST 32                /* most parts of a triangle's side, each about half a slice long */
 #define COORDINATE_MAX 1e9f
 #define STEM_WIDTH 0.35              /* of the whole's spread */
-#define STEM_AREA 0.002              /* of a slice's mean area: what is less is no stem */
+#define STEM_AREA 0.002              /* of a slice's mean area: least area of a stem */
 #define LARGE 0.3                    /* of the diagonal: stems, boughs, pots */
-#define LARGE_LEAST 0.003            /* of the area, for large parts to tell anything; and at most LARGE_MOST, lest they are all */
+#define LARGE_LEAST 0.003            /* of the area: large parts below this or above LARGE_MOST do not tell */
 #define LARGE_MOST 0.97
-#define FLAT 0.002                   /* of the extent: what is thinner is a card, and tells nothing */
-#define CLEAR 1.3                    /* sum of contrasts that leaves no doubt; the largest wrong one of 672 turned models is 0.43 */
+#define FLAT 0.002                   /* of the extent: a thinner model is a card, and tells nothing */
+#define CLEAR 1.3                    /* a sum of contrasts without doubt; the largest wrong one is 0.43 */
 #define AT_ZERO 0.03                 /* of the extent */
-#define TRIANGLES 24                 /* fewer, such as one blade of grass or two crossed cards, tell less */
-#define PLACED 0.25                  /* what it counts that the file's zero is at the lower end of one axis only */
+#define TRIANGLES 24                 /* fewer (one blade of grass, two crossed cards) tell less */
+#define PLACED 0.25                  /* weight of the file's zero at the lower end of one axis only */
 
 struct slice { double area, sum[2], square; };
 struct profile { struct slice slice[SLICES]; struct slice all; double square[2]; };
 struct box { double low[3], high[3], extent; };
 
-/* What an axis looks like, from its lower end. */
+/* Properties of an axis, from its lower end. */
 enum trait {
 	NARROW,                      /* spread of the lower quarter */
 	HEAVY,                       /* share of the area in the lowest sixteenth */
-	CENTRED,                     /* how far the lower end is off the centre of mass */
-	ROUND,                       /* spread along the one direction across the axis and along the other */
-	LOPSIDED,                    /* how much the two ends differ */
-	STEM,                        /* how far from the lower end it stays narrow */
+	CENTRED,                     /* distance of the lower end from the centre of mass */
+	ROUND,                       /* spreads along the two directions across the axis */
+	LOPSIDED,                    /* difference between the two ends */
+	STEM,                        /* how far up it stays narrow */
 	TRAITS
 };
 
@@ -54,7 +55,7 @@ static bool usable(const struct eco_model *m, uint32_t t, const float *p[3])
 	return true;
 }
 
-/* Of the triangles that `wanted` marks; NULL: of all. */
+/* Box of the triangles that `wanted` marks; NULL: of all. */
 static struct box bound(const struct eco_model *m, const bool *wanted)
 {
 	struct box box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0 };
@@ -169,7 +170,7 @@ static void find_traits(const struct profile *p, double trait[TRAITS])
 	trait[STEM] = stem_of(p, whole);
 }
 
-/* How much more the second is than the first, from -1 to 1; `least` is what makes no difference. */
+/* How much greater the second is than the first, from -1 to 1; `least` makes no difference. */
 static double contrast(double first, double second, double least)
 {
 	return (second - first) / (first + second + least);
@@ -177,7 +178,8 @@ static double contrast(double first, double second, double least)
 
 struct rule { double weight, least; };
 
-/* Weighted contrasts between y and z, positive for z, of the triangles that `wanted` marks (NULL: all). False if they have no volume. */
+/* Sum of weighted contrasts between y and z, positive for z, over the triangles that `wanted` marks (NULL:
+ * all). False: no volume. */
 static bool compare(const struct eco_model *soup, const bool *wanted, const struct rule rule[TRAITS], double *sum)
 {
 	struct box box = bound(soup, wanted);
@@ -205,8 +207,8 @@ static bool compare(const struct eco_model *soup, const bool *wanted, const stru
 struct part { float low[3], high[3]; };
 
 struct parts {
-	uint32_t *place;             /* per vertex: the first vertex there; exporters repeat them along seams */
-	uint32_t *owner;             /* per vertex that is first at its place: the first triangle there */
+	uint32_t *place;             /* per vertex: the first one there; exporters repeat vertices along seams */
+	uint32_t *owner;             /* per first vertex at a place: the first triangle there */
 	uint32_t *parent;            /* union-find over triangles */
 	struct part *part;           /* of roots */
 	bool *large;                 /* per triangle */
@@ -228,7 +230,7 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 		memcpy(bits, even, sizeof bits);
 		place[i] = i;
 		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
-			continue;            /* equal to nothing, it would be looked for in vain for ever */
+			continue;            /* NaN equals nothing: the search would not end */
 		uint64_t at = eco_mix(eco_mix(bits[0], bits[1]), bits[2]) & (size - 1);
 		while (table[at] != ECO_NONE && (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1] || q[2] != p[2]))
 			at = (at + 1) & (size - 1);
@@ -239,8 +241,8 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 	return true;
 }
 
-/* Triangles of one material that share a place hang together. A place is the first triangle's: what is of another material joins its
- * own kind elsewhere. */
+/* Joins triangles of one material that share a place. A place belongs to its first triangle; triangles of
+ * another material are joined elsewhere. */
 static void join(const struct eco_model *m, struct parts *parts)
 {
 	const float *p[3];
@@ -275,7 +277,7 @@ static void measure(const struct eco_model *m, struct parts *parts)
 	}
 }
 
-/* Marks the triangles of large parts; false if those tell nothing of their own. */
+/* Marks the triangles of large parts; false if these tell nothing. */
 static bool mark_large(const struct eco_model *m, const struct box *box, struct parts *parts)
 {
 	double whole = 0, all = 0, some = 0;
@@ -318,7 +320,7 @@ static void ask_large_parts(const struct eco_model *soup, const struct box *box,
 
 /* ---- All ---- */
 
-/* 1 if the file's zero is at the lower end of z, but neither of y nor of x; -1 the other way round. */
+/* 1 if the file's zero is at the lower end of z but of neither y nor x; -1: of y but of neither z nor x. */
 static double placed(const struct box *box)
 {
 	bool zero[3];
