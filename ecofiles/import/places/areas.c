@@ -1,5 +1,6 @@
-/* Surfaces are asked by bands of y, each with the edges that cross it; many of them by a coarse grid of their boxes first; nearness by a
- * grid of cells as wide as what counts as near, each with the edges that come within one cell of it. */
+/* Three indices answer the questions. Inside one surface: bands of y, each with the edges that cross it.
+ * Inside any of many surfaces: first a coarse grid of their boxes. Near: a grid of cells as wide as
+ * near_m, each with the edges that come within one cell. */
 #include "ecofiles/import/places/areas.h"
 
 #include <math.h>
@@ -21,7 +22,7 @@ struct reading {
 	size_t size, at;
 	eco_area_convert *convert;
 	void *ctx;
-	bool kept, surfaces;         /* this pass takes surfaces, or else lines and points */
+	bool kept, surfaces;         /* this pass takes surfaces; else lines and points */
 	struct eco_error *error;
 };
 
@@ -74,7 +75,7 @@ static enum eco_code add_edge(struct reading *r, const double a[2], const double
 	return ECO_OK;
 }
 
-/* `count` corners; edges between them are kept in the pass that wants them. */
+/* Reads `count` corners; keeps the edges between them in the pass that wants them. */
 static enum eco_code take_path(struct reading *r, bool little, uint32_t count, bool ring)
 {
 	double first[2] = { 0, 0 }, last[2] = { 0, 0 };
@@ -186,7 +187,7 @@ static uint32_t strip_of(const struct eco_area *area, double y)
 	return !(at > 0) ? 0 : at >= area->strips ? area->strips - 1 : (uint32_t)at;
 }
 
-/* An edge belongs to every band that it touches. */
+/* Puts each edge into every band that it touches. */
 static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, struct eco_error *error)
 {
 	const struct eco_edge *edges = areas->edges + area->edge_first;
@@ -222,7 +223,7 @@ static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, 
 	return ECO_OK;
 }
 
-/* Does a ray from (x, y) towards greater x cross the edge? */
+/* Whether a ray from (x, y) towards greater x crosses the edge. */
 static bool crosses(const struct eco_edge *e, double x, double y)
 {
 	return (e->a[1] > y) != (e->b[1] > y) && x < e->a[0] + (y - e->a[1]) / (e->b[1] - e->a[1]) * (e->b[0] - e->a[0]);
@@ -267,8 +268,8 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 	return span[0] <= span[1];
 }
 
-/* By the even-odd rule orientation says nothing: a ring counts against the others if it lies within an odd number of them, which one
- * of its points tells. */
+/* By the even-odd rule orientation does not matter: a ring is a hole if it lies within an odd number of
+ * the others, which one of its points shows. */
 static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *area, uint32_t first, uint32_t end)
 {
 	const struct eco_edge *edges = areas->edges + area->edge_first;
@@ -307,7 +308,7 @@ static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
 	return !(column > 0) ? 0 : column >= b->side ? b->side - 1 : (uint32_t)column;
 }
 
-/* Counts what each cell will hold, then fills it in. */
+/* Counts the entries of each cell, or fills them in. */
 static void fill_boxes(struct eco_areas *areas, uint32_t *at, bool count)
 {
 	struct eco_area_boxes *b = &areas->boxes;
@@ -389,7 +390,7 @@ static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_
 	return ECO_OK;
 }
 
-/* Row by row of cells: those that the edge, widened by near_m, comes through. */
+/* Links the edge, widened by near_m, to the cells that it crosses, row by row. */
 static enum eco_code link_edge(struct eco_areas *s, uint32_t index, struct eco_error *error)
 {
 	const struct eco_edge *e = &s->edges[index];

@@ -1,4 +1,4 @@
-/* Polygons, lines and points in metres, and two questions about them: is this place inside, is it near?
+/* Polygons, lines and points in metres, and two questions about a place: is it inside, is it near?
  *
  *   eco_areas_add_wkb(&areas, wkb, size, convert, ctx, &error);      each feature, in any order
  *   eco_areas_index(&areas, near_m, &error);
@@ -15,42 +15,42 @@
 
 #define ECO_AREA_POINTS_MAX (1u << 26)   /* corners of all features */
 
-struct eco_edge { double a[2], b[2]; };  /* of a ring, of a line, or a point twice */
+struct eco_edge { double a[2], b[2]; };  /* of a ring or a line; a point: twice the same */
 
-struct eco_area {                        /* a feature: all its rings, by the even-odd rule, so that holes are holes */
-	uint32_t edge_first, edge_count, ring_edges;     /* edges; the first ring_edges of them bound a surface, the others are lines and points */
+struct eco_area {                        /* a feature: all its rings, by the even-odd rule */
+	uint32_t edge_first, edge_count, ring_edges;     /* first the rings', then lines' and points' */
 	double low[2], high[2];
-	double size_m2;                      /* of the surface, without its holes */
+	double size_m2;                      /* of the surface without its holes */
 	uint32_t strips, *strip_first, *strip;           /* edges by bands of y; after eco_areas_index */
 };
 
 struct eco_areas {                       /* owns its arrays; zero-initialised is empty */
 	struct eco_area *items; uint32_t count, capacity;
 	struct eco_edge *edges; uint32_t edge_count, edge_capacity;
-	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;     /* features by what their boxes touch */
+	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;     /* features by the cells that their boxes touch */
 	double near_m;
 	double cell_m; uint32_t *cell_head, cell_mask; /* edges by cells of a grid, hashed */
 	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count, link_capacity;
 };
 
-/* False where a corner cannot be converted: the feature is left out, *kept is false. */
+/* False: a corner cannot be converted; then the feature is left out and *kept is false. */
 typedef bool eco_area_convert(void *ctx, double xy[2], struct eco_error *error);
 
-/* One feature as well-known binary of two dimensions: point, line, polygon, several of these or a collection. What does not hold
- * together is ECO_DAMAGED. */
+/* Adds one feature, given as well-known binary of two dimensions: a point, a line, a polygon, several of
+ * these or a collection. ECO_DAMAGED: malformed. */
 enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size, eco_area_convert *convert, void *ctx,
 	bool *kept, struct eco_error *error);
 
-/* Prepares the questions. near_m > 0: eco_areas_near is asked too. */
+/* Prepares the indices. near_m > 0: also for eco_areas_near. */
 enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco_error *error);
 
-/* Inside the surface of one feature? */
+/* Whether a place is inside the surface of one feature. */
 bool eco_area_holds(const struct eco_areas *areas, uint32_t area, double x, double y);
-/* Where x of the surface of one feature begins and ends between two y; false where it is not. Good to a rounding. */
+/* The range of x that the surface of one feature covers between two y, up to rounding; false: none. */
 bool eco_area_span(const struct eco_areas *areas, uint32_t area, double low_y, double high_y, double span[2]);
-/* Inside the surface of any? */
+/* Whether a place is inside any surface. */
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y);
-/* Within near_m of any edge? */
+/* Whether a place is within near_m of any edge. */
 bool eco_areas_near(const struct eco_areas *areas, double x, double y);
 void eco_areas_free(struct eco_areas *areas);
 

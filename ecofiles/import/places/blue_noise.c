@@ -12,14 +12,14 @@
 
 struct field {
 	uint16_t (*at)[2];
-	uint32_t count;              /* of the candidates that take part */
+	uint32_t count;              /* of the candidates in use */
 	uint32_t cells, *cell_first, *member;        /* cells * cells + 1, count */
-	double reach;                /* beyond it two points do not crowd each other */
-	double *weight;              /* how crowded each is */
-	uint32_t *heap, *place, heap_count;          /* most crowded first; place of each in it */
+	double reach;                /* distance beyond which two points do not crowd each other */
+	double *weight;              /* how crowded each point is */
+	uint32_t *heap, *place, heap_count;          /* most crowded first; position of each point in it */
 };
 
-/* On a square that repeats the shorter way counts. */
+/* Distance on a square that repeats: the shorter way. */
 static double distance(const uint16_t a[2], const uint16_t b[2])
 {
 	double x = (int16_t)(uint16_t)(a[0] - b[0]), y = (int16_t)(uint16_t)(a[1] - b[1]);
@@ -50,12 +50,12 @@ static void fill_cells(struct field *f)
 		f->cell_first[c + 1] += f->cell_first[c];
 	for (uint32_t i = f->count; i-- > 0;)
 		f->member[--f->cell_first[cell_of(f, f->at[i]) + 1]] = i;
-	/* the last step moved every bound one cell down */
+	/* counting moved every bound one cell down: undo it */
 	memmove(f->cell_first, f->cell_first + 1, sizeof *f->cell_first * (f->cells * f->cells));
 	f->cell_first[f->cells * f->cells] = f->count;
 }
 
-/* ---- A heap of those that are left ---- */
+/* ---- A heap of the points left ---- */
 
 static bool before(const struct field *f, uint32_t a, uint32_t b)
 {
@@ -81,7 +81,7 @@ static void sink(struct field *f, uint32_t slot)
 	set(f, slot, point);
 }
 
-/* Build: adds up what crowds `gone`; else takes from its neighbours what it crowded them by. */
+/* Build: adds up how its neighbours crowd `gone`; else subtracts from its neighbours how it crowded them. */
 static void relieve(struct field *f, uint32_t gone, bool build)
 {
 	uint32_t x = (uint32_t)f->at[gone][0] * f->cells / 65536, y = (uint32_t)f->at[gone][1] * f->cells / 65536;
@@ -102,7 +102,7 @@ static void relieve(struct field *f, uint32_t gone, bool build)
 		}
 }
 
-/* Leaves `wanted` of the field's points. The others end behind them, the first to go last. */
+/* Removes points until `wanted` are left. Removed points lie behind these, the last removed first. */
 static void eliminate(struct field *f, uint32_t wanted, uint16_t (*scratch)[2])
 {
 	f->reach = 2 * SIDE * sqrt(1 / (2 * sqrt(3.0) * wanted));
@@ -148,7 +148,7 @@ bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 		at[i][0] = (uint16_t)bits;
 		at[i][1] = (uint16_t)(bits >> 16);
 	}
-	/* each round orders the half that it takes away */
+	/* each round orders the half that it removes */
 	for (uint32_t wanted = ECO_BLUE_NOISE_POINTS; good && wanted >= 1; wanted /= 2)
 		eliminate(&f, wanted, scratch);
 	if (good)

@@ -1,7 +1,9 @@
-/* Points that are spread evenly whatever their number: a progressive blue-noise set on a square that repeats without seams.
+/* Points that are evenly spread for any number of them: a progressive blue-noise set on a square that
+ * repeats without seams.
  *
- * Random candidates lose the most crowded of them until the wanted number is left, and again for each halving of that number; the
- * order of loss, read backwards, is the order of the set (Yuksel 2015, sample elimination, with its progressive ordering). */
+ * Of random candidates the most crowded is removed until the wanted number is left, and again for each
+ * halving of that number; the order of removal, reversed, is the order of the set (Yuksel 2015, sample
+ * elimination, with its progressive ordering). */
 #ifndef ECO_BLUE_NOISE_H
 #define ECO_BLUE_NOISE_H
 
@@ -10,7 +12,8 @@
 
 #define ECO_BLUE_NOISE_POINTS 4096u
 
-/* x and y in 1/65536 of the square's side; any first n are spread evenly. The same on every machine. False when memory ran out. */
+/* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. The same on
+ * every machine. False when memory ran out. */
 bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
 
 #endif

@@ -1,4 +1,5 @@
-/* Rows that are wanted, or not, by what stands in a column: {"only": {"status": ["alive*"]}, "skip": {"diameter": [0]}}. */
+/* Filters choose rows by the value of a column: {"only": {"status": ["alive*"]}, "skip": {"diameter":
+ * [0]}}. */
 #ifndef ECO_FILTER_H
 #define ECO_FILTER_H
 
@@ -7,16 +8,16 @@
 
 #define ECO_FILTERS_MAX 64u
 
-struct eco_value { char *text; double number; };     /* text folded (inventory_text.h), with "*" for any text; NULL: the number */
+struct eco_value { char *text; double number; };     /* text folded (inventory_text.h), "*" is any text; NULL: the number */
 
 struct eco_filter {
 	char *column;
-	bool only;                   /* rows with none of the values are left out; else rows with one of them */
+	bool only;                   /* drops rows with none of the values; else rows with one of them */
 	struct eco_value *values;
 	uint32_t value_count;
 };
 
-/* Is a row with this text in the column wanted? `decimal` as in eco_text_number. */
+/* Whether a row with this text in the column is kept. `decimal` as in eco_text_number. */
 bool eco_filter_passes(const struct eco_filter *filter, const char *text, char decimal);
 void eco_filters_free(struct eco_filter *filters, uint32_t count);
 

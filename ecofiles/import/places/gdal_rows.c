@@ -1,6 +1,6 @@
-/* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs in the child process
- * of rows_child.c. Points are places, each point of a multipoint a row of its own; surfaces and lines are handed over whole where areas
- * are wanted, else named. */
+/* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
+ * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. */
 #include "ecofiles/import/places/rows.h"
 
 #include <cpl_conv.h>
@@ -21,7 +21,7 @@
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/places/rows_formats.h"
 
-#define LOOKED_AT 64                 /* features, for what their numbers can be */
+#define LOOKED_AT 64                 /* features looked at to judge the coordinates */
 #define AREA_BYTES_MAX (1u << 28)
 
 struct ogr_rows {
@@ -29,12 +29,12 @@ struct ogr_rows {
 	GDALDatasetH data;
 	OGRLayerH layer;
 	OGRFeatureH feature;
-	OGRGeometryH points;             /* of the feature, if it has several; owned by it */
+	OGRGeometryH points;             /* the feature's geometry, if it has several points; owned by the feature */
 	int point;
 	bool areas;
 	char *path;
 	uint8_t *wkb; size_t wkb_capacity;
-	char *text; size_t text_capacity;        /* fields that are no texts, of the row */
+	char *text; size_t text_capacity;        /* the row's fields that are not texts */
 	bool copied[ECO_COLUMNS_MAX];
 };
 
@@ -96,7 +96,7 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 		OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
 }
 
-/* The one asked for; the only one; the only one whose geometries can be what is wanted. */
+/* Chooses the layer asked for, or the only one, or the only one whose geometries fit. */
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
 	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
@@ -162,7 +162,8 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	return r->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 }
 
-/* Do the numbers of the first features fit degrees, have they heights? Single absurd ones are single absurd rows. */
+/* Checks whether the first features' coordinates fit degrees and have heights. A few absurd ones count
+ * only as bad rows. */
 static void look_at_some(struct ogr_rows *r)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
@@ -193,7 +194,7 @@ static void look_at_some(struct ogr_rows *r)
 
 /* ---- Columns ---- */
 
-/* Fields that nobody asks for are not even read. */
+/* Fields that are not needed are not even read. */
 static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *source)
 {
 	char **ignored = NULL;
@@ -296,7 +297,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* OGR formats every number into one buffer of its own, which the next one overwrites: they are copied, one behind the other. */
+/* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied, one
+ * behind the other. */
 static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 {
 	size_t used = 0;
@@ -373,7 +375,7 @@ static void close_ogr(struct eco_rows *rows)
 	free(r);
 }
 
-/* A Shapefile is several files, of which people send one. */
+/* A Shapefile is several files, and people often send one. */
 static bool lacks_part(const char *path, const char *extension)
 {
 	size_t length = strlen(path);

@@ -1,5 +1,5 @@
-/* What is scattered where: areas come as rows with geometry, through the same child process, columns and filters as inventories; a
- * raster is read as ground is, and then its heights are shares. */
+/* The input of a scatter. Areas come as rows with geometry, through the same child process, columns and
+ * filters as inventories. A mask is a raster, read as ground is, with its heights taken as shares. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 #define MASK_SIDE_MAX 8192u
 #define BYTE_FULL 255.0
-#define DISTANCE_MAX_M 1e7           /* as of inventories */
+#define DISTANCE_MAX_M 1e7           /* as for inventories */
 
 static void note(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -37,7 +37,7 @@ struct reading {
 	struct eco_rows *rows;
 	struct eco_crs *crs;
 	uint32_t number_column, filter_column[ECO_FILTERS_MAX];
-	bool converted, near;        /* so far of this feature */
+	bool converted, near;        /* of this feature, so far */
 };
 
 static bool convert(void *ctx, double xy[2], struct eco_error *error)
@@ -68,7 +68,7 @@ static bool passes(const struct reading *r)
 	return true;
 }
 
-/* Keeps the number of the area that was added last. */
+/* Keeps the number of the area added last. */
 static enum eco_code keep_number(struct reading *r, double number, struct eco_error *error)
 {
 	const struct eco_areas *areas = &r->input->areas;
@@ -159,7 +159,8 @@ static void mask_note(void *ctx, const char *text)
 	note(ctx, "%s", text);
 }
 
-/* No data is no plants. Bytes are shares of 255, as programs that paint masks write them. */
+/* Turns values into shares. Pixels without data get no plants; bytes are shares of 255, as programs that
+ * paint masks write them. */
 static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground *raster, const struct eco_scatter_spec *spec,
 	struct eco_scatter_input *input, struct eco_error *error)
 {
@@ -193,7 +194,7 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 {
 	char *paths[] = { spec->path };
 	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs,
-		/* what stands out is not a hole here, and what the file calls no data is */
+		/* a mask has no holes but the file's own no data */
 		.nodata = -1e30, .has_nodata = true };
 	struct eco_ground raster = { .columns = 0 };
 	struct eco_mask *mask = &input->mask;
@@ -213,8 +214,8 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 
 /* ---- Both ---- */
 
-/* What it is only its readers know, each in a child of its own: a table with areas, else a raster. Where it is neither, the first says
- * what is wrong with it. */
+/* Only the readers know the kind of a file, each in a child of its own: a table with areas, else a raster.
+ * If it is neither, the table reader's error is reported. */
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
 	struct eco_error *error)
 {

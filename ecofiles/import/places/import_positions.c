@@ -1,6 +1,6 @@
-/* From rows of texts to plants in the scene: what a row is (filters, species), where it stands (columns or geometry, through
- * positions_crs.c), how large it is (positions_size.c). Each step counts what it leaves out, with the first line of each reason.
- * Formats are behind rows.h. */
+/* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
+ * geometry, through positions_crs.c), and its size (positions_size.c). Each step counts the rows it leaves
+ * out, with the first line of each reason. Formats are behind rows.h. */
 #include "ecofiles/import/places/positions.h"
 
 #include <ctype.h>
@@ -26,9 +26,9 @@
 #define FAR_M 100000.0
 #define ROW_NAME 280
 
-/* ---- What is said ---- */
+/* ---- Notes and counts ---- */
 
-/* A note of the reader itself, kept once. */
+/* Keeps a note of the reader's own, once. */
 __attribute__((format(printf, 2, 3))) static void add_note(void *reader, const char *format, ...)
 {
 	struct eco_positions *p = reader;
@@ -39,7 +39,7 @@ __attribute__((format(printf, 2, 3))) static void add_note(void *reader, const c
 	va_end(arguments);
 }
 
-/* Counts into one of `skipped` or `filtered`, with the first line and text. */
+/* Counts a row into one of `skipped` or `filtered`, with the first line and text. */
 static void count_in(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
 {
 	if (counter->count++ > 0)
@@ -58,7 +58,7 @@ static void count(struct eco_positions *p, enum eco_skip why, const char *text)
 
 /* ---- Fields ---- */
 
-/* Without the spaces in front of it. */
+/* A field's text without leading spaces. */
 static const char *field(const struct eco_positions *p, uint32_t column)
 {
 	const char *text = p->rows->fields[column];
@@ -68,7 +68,7 @@ static const char *field(const struct eco_positions *p, uint32_t column)
 	return text;
 }
 
-/* Of a text without the spaces at its ends, short enough for a message. */
+/* A text for a message: trimmed and shortened. */
 static const char *shown(const char *text, char *buffer, size_t size)
 {
 	size_t length = strlen(text);
@@ -128,7 +128,7 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 
 enum verdict { GOOD, SKIPPED, FAILED };
 
-/* The row being read, as errors name it: FILE:LINE, or FILE, feature NUMBER where a file has no lines that anyone would count. */
+/* The row being read, for errors: FILE:LINE, or FILE, feature NUMBER in a file without meaningful lines. */
 static const char *row_name(const struct eco_positions *p, char *text, size_t size)
 {
 	unsigned long long number = p->rows->line;
@@ -140,7 +140,8 @@ static const char *row_name(const struct eco_positions *p, char *text, size_t si
 	return text;
 }
 
-/* Before any good row a text tells what the whole file is like: with the other decimal sign, or in minutes and seconds. */
+/* A bad coordinate before any good row shows the notation of the whole file: the other decimal sign, or
+ * minutes and seconds. Then the file is refused. */
 static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
 {
 	double number;
@@ -221,7 +222,7 @@ static bool sounds_like_degrees(const char *x, const char *y)
 	return is_x && is_y;
 }
 
-/* A scene in plain metres that is fed with degrees would become a heap of a few millimetres. */
+/* Refuses degrees in a scene of plain metres: they would become a heap a few millimetres wide. */
 static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3], struct eco_error *error)
 {
 	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
@@ -267,7 +268,8 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	return GOOD;
 }
 
-/* Swapped columns, degrees taken for metres and the wrong zone give coordinates that are valid, and far from everything. */
+/* Notes places far from everything: swapped columns, degrees taken for metres, and a wrong zone give valid
+ * coordinates. */
 static void note_far(struct eco_positions *p)
 {
 	double swapped[3] = { p->first[1], p->first[0], p->first[2] };
@@ -286,7 +288,7 @@ static void note_far(struct eco_positions *p)
 			p->nearest_m / 1000);
 }
 
-/* At the place of an earlier plant? */
+/* Whether an earlier plant stands at this place. */
 static enum verdict find_duplicate(struct eco_positions *p, const double at[3], struct eco_error *error)
 {
 	char text[80];
@@ -345,7 +347,7 @@ static void remark(struct eco_positions *p, const struct eco_size_remarks *remar
 		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
 }
 
-/* A size with a decimal comma, before there was any size: all of them would get lost. */
+/* Refuses a size with a decimal comma before any size was understood: all of them would be lost. */
 static bool refuse_size(const struct eco_positions *p, const char *text, struct eco_error *error)
 {
 	double number, unit_m;
@@ -452,7 +454,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	return GOOD;
 }
 
-/* The next usable row, its plant the first of its variants. */
+/* The next usable row, with the first variant as its plant. */
 static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
 	while (!p->ended) {

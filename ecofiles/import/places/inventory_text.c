@@ -1,4 +1,5 @@
-/* Small readers of texts in tables. No locale decides anything, so that a table means the same on every machine. */
+/* Small readers of texts in tables. They ignore the locale, so that a table means the same on every
+ * machine. */
 #include "ecofiles/import/places/inventory_text.h"
 
 #include <math.h>
@@ -9,7 +10,8 @@
 
 #define NUMBER_BYTES 64u
 
-/* Bytes of the space that text begins with, 0 if none: ASCII, no-break (U+00A0), and thin spaces (U+2000 to U+200A, U+202F). */
+/* Bytes of the space at the start of a text, 0 if there is none: ASCII, no-break (U+00A0), and thin spaces
+ * (U+2000 to U+200A, U+202F). */
 static size_t space_bytes(const char *text)
 {
 	const unsigned char *t = (const unsigned char *)text;
@@ -48,7 +50,8 @@ bool eco_text_is_missing(const char *text)
 
 /* ---- Comparing ---- */
 
-/* The small letter of a code point of two UTF-8 bytes: blocks whose capitals lie at a fixed distance, or at even numbers. */
+/* The small letter of a code point with two UTF-8 bytes, in blocks whose capitals lie at a fixed distance
+ * or at even numbers. */
 static unsigned small_letter(unsigned c)
 {
 	if ((c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
@@ -121,8 +124,9 @@ bool eco_text_fits(const char *text, const char *pattern)
 
 /* ---- Numbers ---- */
 
-/* Copies a number that text begins with, with '.' as its decimal sign and without group signs; returns the bytes it took, 0 if it is
- * none. Groups are three digits wide, and have the sign that is not the decimal one (or a space); that sign alone, once, is ambiguous. */
+/* Copies the number at the start of a text, with '.' as decimal sign and without group signs. Returns the
+ * bytes read; 0: no number. Groups are three digits wide; the group sign is a space or the sign that is
+ * not decimal. One such sign alone is ambiguous. */
 static size_t plain_number(const char *text, char decimal, char *plain)
 {
 	char group = decimal == ',' ? '.' : ',';
@@ -156,7 +160,7 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 		lone = true;
 	if (digits == 0 || (lone && group == ',') || (!fraction && groups > 1 && in_group != 3))
 		return 0;
-	if (lone) {                          /* a decimal point though commas are told */
+	if (lone) {                          /* a decimal point although commas are expected */
 		plain[used] = 0;
 		memmove(plain + used - in_group + 1, plain + used - in_group, in_group + 1);
 		plain[used - in_group] = '.';
@@ -175,7 +179,7 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 	return at;
 }
 
-/* Also with a lone sign of the other kind that cannot be a group: decimal ',' and "565123.45". */
+/* Also accepts one sign of the other kind that cannot separate groups: decimal ',' and "565123.45". */
 static size_t number_at(const char *text, char decimal, double *number)
 {
 	char plain[NUMBER_BYTES + 8];
@@ -221,7 +225,7 @@ static const char *const more_words[] = { "+", "and more", "and over", "or more"
 
 static const char *const closing_words[] = { ")", "]" };
 
-/* Takes one of the words off *text, letters only where the word ends. */
+/* Removes one of the words from *text; a word of letters must end there. */
 static bool take(const char **text, const char *const *words, size_t count)
 {
 	const char *at = skip_spaces(*text);
@@ -259,7 +263,7 @@ static bool take_number(const char **text, char decimal, double *number)
 	return bytes > 0;
 }
 
-/* "5 ft 6 in", "5'6\"": the second number is a part of the first; in units of the first. */
+/* "5 ft 6 in", "5'6\"": adds the second number to the first, in units of the first. */
 static void take_inches(const char **text, char decimal, double unit_m, double *number)
 {
 	const char *at = *text;
@@ -313,7 +317,8 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 
-/* Behind the name of a class, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL where there is none. */
+/* The text behind a class's name, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL: no such
+ * name. */
 static const char *behind_class(const char *folded)
 {
 	size_t sign = strspn(folded, "abcdefghijklmnopqrstuvwxyz");

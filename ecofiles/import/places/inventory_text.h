@@ -1,33 +1,36 @@
-/* What people write into tables: numbers with decimal commas, ranges, units behind numbers, many words for nothing, names in any case. */
+/* Texts as people write them into tables: numbers with decimal commas, ranges, units behind numbers, many
+ * words for "no value", names in any case. */
 #ifndef ECO_INVENTORY_TEXT_H
 #define ECO_INVENTORY_TEXT_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Empty, or a word for it: NA, N/A, NaN, null, none, -, ... in any case. */
+/* Whether a text is empty or means "no value": NA, N/A, NaN, null, none, -, ... in any case. */
 bool eco_text_is_missing(const char *text);
 
-/* For comparing: without spaces at its ends, runs of spaces as one, small letters (Latin, Greek, Cyrillic). Writes at most `size`
- * bytes with the ending 0, cut where it does not fit, and returns the length. */
+/* For comparing: trims, makes runs of spaces one, and lowers case (Latin, Greek, Cyrillic). Writes at most
+ * `size` bytes with the ending 0, cut if needed, and returns the length. */
 size_t eco_text_fold(const char *text, char *folded, size_t size);
 
-/* Does a folded text fit a folded pattern, where "*" stands for any text, the empty one too? Time: lengths' product at worst. */
+/* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one. Time: at
+ * worst the product of the lengths. */
 bool eco_text_fits(const char *text, const char *pattern);
 
-/* A decimal number, spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point is taken for a decimal point too. decimal '.' :
- * "1.5" and "1,234.5". A lone comma is never guessed. No infinities, no hexadecimal. */
+/* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
+ * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. No infinities, no
+ * hexadecimal. */
 bool eco_text_number(const char *text, char decimal, double *number);
 
 enum eco_size_form {
-	ECO_FORM_NONE,               /* says no size */
+	ECO_FORM_NONE,               /* no size */
 	ECO_FORM_EXACT,
-	ECO_FORM_RANGE,              /* "21 to 30", "<10": the middle, from 0 where only the upper end is given */
+	ECO_FORM_RANGE,              /* "21 to 30", "<10": the middle; the lower end is 0 if not given */
 	ECO_FORM_OPEN                /* "> 101", "101+": the bound */
 };
 
-/* A size: a number, a range, or a bound, perhaps with units ("12.5 m", "40'", "5 ft 6 in"). *unit_m is what the text's unit is in
- * metres, or 0 where it has none. The number is finite and >= 0. */
+/* A size: a number, a range, or a bound, possibly with units ("12.5 m", "40'", "5 ft 6 in"). *unit_m is
+ * the text's unit in metres, or 0 if it has none. The number is finite and >= 0. */
 enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m);
 
 #endif

@@ -1,14 +1,14 @@
-/* Where plants stand, from an inventory: a stream of records.
+/* Plants from an inventory: a stream of records.
  *
  *   eco_positions_open(&reader, &spec, &frame, &error);
  *   while (eco_positions_next(reader, &record, &error) == ECO_OK && record.plant != ECO_NONE) ...
- *   eco_positions_report(reader, say, ctx);          the table: rows, plants, what was left out and why
+ *   eco_positions_report(reader, say, ctx);          the table: rows, plants, rows left out by reason
  *   eco_positions_close(reader);
  *
- * A file is never loaded whole. A row that says nothing usable is counted by reason and passed over; a file that does not fit
- * its description (a column that is not there, a CRS that nobody knows) is an error. A further format is one more
- * struct eco_rows (rows.h): columns by name, rows as texts, perhaps with a geometry; all else is shared. Files are read in a child
- * process (guard.h), which runs beside the caller. */
+ * A file is never loaded whole. An unusable row is counted by reason and skipped. A file that does not fit
+ * its description (a missing column, an unknown CRS) is an error. A further format is one more struct
+ * eco_rows (rows.h): columns by name, rows as texts, perhaps with a geometry; everything else is shared.
+ * Files are read in a child process (guard.h), which runs beside the caller. */
 #ifndef ECO_POSITIONS_H
 #define ECO_POSITIONS_H
 
@@ -18,20 +18,20 @@
 #include "ecofiles/import/places/filter.h"
 #include "ecofiles/base/status.h"
 
-struct eco_species {             /* a species, with "*" for any text, and its plant (the first of its variants) */
+struct eco_species {             /* a species, in which "*" is any text, and its plant */
 	char *name;
-	uint32_t plant, variant_count;       /* plant ECO_NONE: left out on purpose */
+	uint32_t plant, variant_count;       /* the first variant; ECO_NONE: left out on purpose */
 };
 
 /* h = 1.3 + (max_m - 1.3) (1 - exp(-rate * dbh))^shape, dbh in mm: Chapman and Richards; shape 1 is the common two-parameter form. */
 struct eco_allometry {
-	uint32_t plant;              /* first variant; ECO_NONE: of all plants without one of their own */
+	uint32_t plant;              /* first variant; ECO_NONE: all plants without a rule of their own */
 	double max_m, rate, shape;
 };
 
 enum eco_size_kind { ECO_SIZE_NONE, ECO_SIZE_NUMBER, ECO_SIZE_COLUMN, ECO_SIZE_DBH };
 
-struct eco_size {                /* one place where a height, or a crown's radius, may come from */
+struct eco_size {                /* one source of a height or of a crown's radius */
 	enum eco_size_kind kind;
 	char *column;
 	double value_m;              /* ECO_SIZE_NUMBER */
@@ -41,11 +41,11 @@ struct eco_size {                /* one place where a height, or a crown's radiu
 	uint32_t rule_count;
 };
 
-struct eco_positions_spec {      /* texts are owned by whoever made it; NULL where not given */
+struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer;
 	char *x, *y, *z;             /* columns; x is easting or longitude, y northing or latitude; z: metres above the datum.
 	                              * x and y NULL: the file's geometry. z "geometry": that of the geometry */
-	char *crs, *vertical;        /* win over what the file says */
+	char *crs, *vertical;        /* win over the file's */
 	char *species;               /* column; NULL: every row is `fallback` */
 	char separator;              /* of a CSV; 0: found in its header */
 	char decimal;                /* 0: '.'; or ',' */
@@ -53,32 +53,32 @@ struct eco_positions_spec {      /* texts are owned by whoever made it; NULL whe
 	struct eco_species *map;     uint32_t map_count;
 	struct eco_species fallback; /* "*", or the only plant; plant ECO_NONE and name NULL: unknown species are skipped */
 	struct eco_filter *filters;  uint32_t filter_count;
-	struct eco_size *heights;    uint32_t height_count;      /* the first that gives one counts; none: the plant's own height */
+	struct eco_size *heights;    uint32_t height_count;      /* the first that gives one counts; none: the plant's */
 	struct eco_size crown;       /* kind ECO_SIZE_NONE: not given */
 	uint32_t levels;             /* 0: as they are; else heights of a plant are brought to at most so many values */
-	char *yaw_deg;               /* column; NULL: random, by `seed` and the row's number */
+	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
 	char *scale;                 /* column; NULL: 1 */
 	uint64_t seed;
-	uint32_t line, column;       /* where the scene file says so, for messages */
+	uint32_t line, column;       /* in the scene file, for messages */
 };
 
-/* The coordinates that records are wanted in. */
+/* The frame of the records' coordinates. */
 struct eco_frame {
-	const char *crs;             /* of the scene; NULL: plain metres */
-	const char *vertical;        /* vertical datum of its heights; NULL: not stated, unless crs is a compound one */
+	const char *crs;             /* the scene's; NULL: plain metres */
+	const char *vertical;        /* datum of its heights; NULL: not stated, unless in a compound crs */
 	double origin[3];
 };
 
 struct eco_position {
-	uint32_t plant;              /* ECO_NONE: no more rows; one of the variants, by a hash of the row's number */
-	uint32_t variant_first, variant_count;       /* those it was taken from */
-	double at[3];                /* metres from the origin; z is 0 where there is no z */
+	uint32_t plant;              /* a variant, by a hash of the row's number; ECO_NONE: end */
+	uint32_t variant_first, variant_count;       /* the variants it was taken from */
+	double at[3];                /* metres from the origin; z is 0 if the row has none */
 	bool absolute;               /* at[2] counts from the origin, not from the ground */
 	double yaw_deg;              /* counter-clockwise */
-	double height_m;             /* NaN: the plant's own height, or as crown_radius_m says */
+	double height_m;             /* NaN: the plant's own, or by crown_radius_m */
 	double crown_radius_m;       /* NaN: not known */
-	double scale;                /* times all of that; 1 where not given */
-	uint64_t row, line;          /* data row from 1; line of the file where it begins, or number of the feature */
+	double scale;                /* factor of the size; 1: not given */
+	uint64_t row, line;          /* data row from 1; line where it begins, or feature */
 };
 
 enum eco_skip {
@@ -93,13 +93,13 @@ enum eco_skip {
 	ECO_SKIP_FILTERED,           /* "only" or "skip" */
 	ECO_SKIP_DUPLICATE,          /* at the place of an earlier plant, and "duplicates" says skip */
 	ECO_SKIP_SHORT_ROW,          /* fewer fields than columns that are needed */
-	ECO_SKIP_REASONS,            /* what follows is NOT skipped, but said: */
-	ECO_KEPT_NO_HEIGHT = ECO_SKIP_REASONS,       /* no usable height, so the plant's own (or the crown's) */
-	ECO_KEPT_BY_CROWN,           /* no usable height, so the crown's radius decides */
+	ECO_SKIP_REASONS,            /* the following are kept, but reported: */
+	ECO_KEPT_NO_HEIGHT = ECO_SKIP_REASONS,       /* no usable height: the plant's own (or the crown's) */
+	ECO_KEPT_BY_CROWN,           /* no usable height: the crown's radius decides */
 	ECO_KEPT_RANGE,              /* a height, dbh or crown as a range: its middle */
 	ECO_KEPT_OPEN,               /* "> 101": its bound */
-	ECO_KEPT_OTHER_UNIT,         /* a value with a unit of its own, which counts */
-	ECO_KEPT_UNREAD,             /* a text that says no size: the next source, else the plant's own */
+	ECO_KEPT_OTHER_UNIT,         /* a value with its own unit, which counts */
+	ECO_KEPT_UNREAD,             /* no size in the text: the next source, else the plant's own */
 	ECO_KEPT_IMPLAUSIBLE,        /* height > 150 m, dbh > 12 m, crown radius > 60 m */
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT
@@ -108,26 +108,26 @@ extern const char *const eco_skip_names[ECO_SKIP_COUNT];
 
 struct eco_skipped {
 	uint64_t count, first_line;
-	char first_text[48];         /* what stood there, shortened */
+	char first_text[48];         /* the value there, shortened */
 };
 
-#define ECO_UNKNOWN_MOST 5u      /* unknown species that are named */
+#define ECO_UNKNOWN_MOST 5u      /* unknown species named */
 
-/* What was read so far. */
+/* Counts of the rows read so far. */
 struct eco_positions_counts {
 	uint64_t rows, plants;       /* data rows; records handed out */
 	const struct eco_skipped *skipped;   /* [ECO_SKIP_COUNT] */
-	const struct eco_skipped *keys;      /* [map_count + 1]: rows of each key of the map (first_text: the species), last those of the fallback */
-	const struct eco_skipped *filters;   /* [filter_count]: rows that it left out */
-	struct eco_skipped unknown[ECO_UNKNOWN_MOST];        /* most frequent unknown species, most first; count 0: no more */
-	uint32_t unknown_species;    /* how many different ones */
-	const char *where;           /* what `line` counts: "line", "feature" */
-	double low[2], high[2];      /* of the records' x and y; low > high without any */
+	const struct eco_skipped *keys;      /* [map_count + 1]: rows of each key (first_text: the species); last the fallback's */
+	const struct eco_skipped *filters;   /* [filter_count]: rows left out by each */
+	struct eco_skipped unknown[ECO_UNKNOWN_MOST];        /* the commonest, most first; count 0: no more */
+	uint32_t unknown_species;    /* number of different unknown species */
+	const char *where;           /* unit of `line`: "line", "feature" */
+	double low[2], high[2];      /* of the records' x and y; low > high: none */
 };
 
 struct eco_positions;
 
-/* Opens and checks. `spec` and `frame` must outlive the reader. */
+/* Opens and checks the file. `spec` and `frame` must outlive the reader. */
 enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error);
 /* The next usable row; plant = ECO_NONE at the end. With `levels` the first call reads the whole file for the heights. */
@@ -135,7 +135,7 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 /* Rows seen so far, and ECO_SKIP_COUNT counters. */
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows);
 void eco_positions_counted(const struct eco_positions *reader, struct eco_positions_counts *counts);
-/* Says all of it: first what was guessed and noted, then a table, a line per call, without line ends. */
+/* Reports through `say`, a line per call without line ends: first guesses and notes, then the table. */
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text), void *ctx);
 void eco_positions_close(struct eco_positions *reader);
 

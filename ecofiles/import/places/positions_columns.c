@@ -1,4 +1,4 @@
-/* Which columns of a table are which, or what a user could write where that cannot be told. */
+/* Finds the columns of a table; an error suggests what a user could write. */
 #include <stdio.h>
 #include <string.h>
 

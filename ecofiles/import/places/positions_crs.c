@@ -1,5 +1,5 @@
-/* Metres that stay as they are, and what needs no PROJ to be refused; all else is proj_crs.c's, which is loaded where a place has to be
- * converted or a CRS to be compared. */
+/* Coordinates that are already in the scene's metres, and errors that need no PROJ. proj_crs.c does the
+ * rest; it is loaded only to convert a place or to compare a CRS. */
 #include "ecofiles/import/places/positions_crs.h"
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 
 struct eco_crs {
 	const struct eco_proj_module *proj;
-	struct eco_crs_path *path;           /* NULL: places are in the scene's metres already */
+	struct eco_crs_path *path;           /* NULL: already in the scene's metres */
 	double origin[3];
 	bool use_z;
 };

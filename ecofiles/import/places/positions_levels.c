@@ -1,6 +1,7 @@
-/* Levels: a plant's heights are divided between their least and greatest in equal ratios, and each takes the mean of its class: the
- * relative error is bounded, so that the few tall trees among many shrubs keep their height (classes of equal counts would
- * average them away). The file is read once before for that, into counts per centimetre. */
+/* Levels: a plant's heights are divided into classes of equal ratio between the least and the greatest,
+ * and each becomes the mean of its class. So the relative error is bounded, and the few tall trees among
+ * many shrubs keep their height (classes of equal counts would average them away). A first pass through
+ * the file counts heights per centimetre. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,7 +11,7 @@
 #define BINS 30001u                  /* centimetres */
 #define PLANTS_MAX 4096u
 
-struct plant_levels { uint32_t plant, *bin; };       /* bin[cm]: first a count, then the height taken instead, in cm */
+struct plant_levels { uint32_t plant, *bin; };       /* bin[cm]: first a count, then the class's height in cm */
 
 struct eco_levels {
 	struct plant_levels plants[PLANTS_MAX];

@@ -1,4 +1,4 @@
-/* Inside the reader of inventories: what its files share. Not for others. */
+/* Shared by the files of the reader of inventories; private. */
 #ifndef ECO_POSITIONS_PARTS_H
 #define ECO_POSITIONS_PARTS_H
 
@@ -8,25 +8,25 @@
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/rows.h"
 
-/* ---- Species (positions_species.c): the map's keys, and what each text met was found to be ---- */
+/* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
 
 struct eco_species_table;
 
 /* NULL when memory ran out. `spec` must outlive it. */
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec);
-/* The key of the map that a text belongs to: exact before wildcards, of these the one with most literal characters, the first of
- * equals; spec->map_count: none, so the fallback. Counts it. */
+/* The map's key for a text, which it counts: exact keys before wildcards, of these the one with most
+ * literal characters, of equals the first; spec->map_count: none, so the fallback. */
 uint32_t eco_species_find(struct eco_species_table *table, const char *text, uint64_t line);
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts);
 void eco_species_reset(struct eco_species_table *table);
 void eco_species_close(struct eco_species_table *table);
 
-/* ---- Places taken (positions_places.c): a set of 64-bit hashes, at most 16 bytes for each ---- */
+/* ---- Places taken (positions_places.c): a set of 64-bit hashes, at most 16 bytes each ---- */
 
 struct eco_place_set;
 
 struct eco_place_set *eco_place_set_open(void);
-/* Puts a place in, to the millimetre. *known: it was there. False when memory ran out. */
+/* Adds a place, rounded to the millimetre. *known: it was in the set. False when memory ran out. */
 bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *known);
 void eco_place_set_close(struct eco_place_set *set);
 
@@ -37,9 +37,9 @@ struct eco_levels;
 struct eco_levels *eco_levels_open(void);
 /* Counts a height of a plant (0.01 to 300 m). */
 enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path, struct eco_error *error);
-/* After all were counted: at most `count` heights for each plant. */
+/* Makes at most `count` heights for each plant; call it after all were counted. */
 void eco_levels_make(struct eco_levels *levels, uint32_t count);
-/* The height of its class, metres; height_m itself where none was made. */
+/* The height of the class of height_m, in metres; height_m itself if there is none. */
 double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double height_m);
 void eco_levels_close(struct eco_levels *levels);
 
@@ -47,7 +47,8 @@ void eco_levels_close(struct eco_levels *levels);
 
 struct eco_size_remarks { bool range, open, other_unit, unread, implausible; };
 
-/* Metres, to the millimetre, or NaN where this source gives none (implausible also above high_m): the text of its column, for a plant. */
+/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also implausible,
+ * above high_m). */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant, double low_m, double high_m,
 	struct eco_size_remarks *remarks);
 
@@ -61,7 +62,7 @@ struct eco_positions {
 	const struct eco_positions_spec *spec;
 	struct eco_frame frame;
 	struct eco_rows *rows;
-	uint32_t column[ECO_COLUMN_FIXED];   /* ECO_NONE: not asked for */
+	uint32_t column[ECO_COLUMN_FIXED];   /* ECO_NONE: not needed */
 	uint32_t height_column[ECO_HEIGHT_SOURCES_MAX], filter_column[ECO_FILTERS_MAX];
 	uint32_t fields_needed;
 	bool from_geometry, use_z;
@@ -71,15 +72,15 @@ struct eco_positions {
 	struct eco_levels *levels;
 	struct eco_skipped skipped[ECO_SKIP_COUNT], filtered[ECO_FILTERS_MAX];
 	uint64_t plants, good_places;
-	double low[2], high[2], nearest_m;   /* nearest to the origin */
-	double first[3];             /* the first place, as the file has it */
+	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
+	double first[3];             /* the first place, in the file's coordinates */
 	bool sized;                  /* a size was understood */
 	char *notes[ECO_ROWS_NOTES_MAX];
 	uint32_t note_count;
 	bool ended;
 };
 
-/* Opens the file, again if it was open, and finds the columns (positions_columns.c). */
+/* Opens the file (again, if it was open) and finds the columns (positions_columns.c). */
 enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error *error);
 
 #endif

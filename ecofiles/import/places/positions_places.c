@@ -1,6 +1,6 @@
-/* Which places are taken: open addressing over 64-bit hashes of millimetres, in 256 parts that grow on their own, by half and when
- * four fifths full. So a place takes 10 to 15 bytes, also while a part grows. Two places that share a hash (one in 10^5 inventories
- * of 10^7 rows) count as one. */
+/* A set of places: open addressing over 64-bit hashes of millimetres, in 256 parts. Each part grows by
+ * half when it is four fifths full, so that a place takes 10 to 15 bytes, also during growth. Two places
+ * with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -18,7 +18,7 @@ struct eco_place_set *eco_place_set_open(void)
 	return calloc(1, sizeof(struct eco_place_set));
 }
 
-/* The slot of a hash, or the free one where it belongs. */
+/* The slot of a hash, or the free slot where it belongs. */
 static uint64_t *slot_of(const struct part *part, uint64_t hash)
 {
 	uint32_t at = (uint32_t)(((hash >> 8 & 0xffffffffu) * part->capacity) >> 32);

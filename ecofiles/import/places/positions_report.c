@@ -1,5 +1,5 @@
-/* What is said about an inventory after it was read: what was guessed, then one table, so that a forester can see at a glance which rows
- * are in the scene and why the others are not. */
+/* The report on an inventory: guesses first, then one table, in which a forester sees at a glance which
+ * rows are in the scene and why the others are not. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_DUPLICATE] = "kept at the place of an earlier plant",
 };
 
-/* The lines of the table; those that have lines of their own (per key, per filter) are NULL. */
+/* The lines of the table; NULL: counted in lines of its own (per key, per filter). */
 static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_SKIP_NO_COORDINATES] = "left out: no coordinates",
 	[ECO_SKIP_BAD_NUMBER] = "left out: a coordinate that is not a number",

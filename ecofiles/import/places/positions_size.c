@@ -1,5 +1,5 @@
-/* From a text to metres: heights, crowns, and heights by allometry. Rounded to the millimetre, so that exp() and pow(), which differ
- * between machines in their last bits, do not decide a bit of a pack. */
+/* From a text to metres: heights, crowns, and heights by allometry. Rounded to the millimetre, so that the
+ * last bits of exp() and pow(), which differ between machines, do not change a pack. */
 #include <math.h>
 
 #include "ecofiles/import/places/inventory_text.h"
@@ -27,7 +27,7 @@ static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t
 		else
 			high = middle;
 	}
-	/* that of all others is the last, ECO_NONE being the greatest */
+	/* the rule of all other plants is the last: ECO_NONE is the greatest number */
 	return size->rule_count > 0 && size->rules[size->rule_count - 1].plant == ECO_NONE ? &size->rules[size->rule_count - 1] : NULL;
 }
 

@@ -1,5 +1,6 @@
-/* Species. An inventory has few different ones among many rows, so each text is matched with the keys once and remembered, up to a
- * number that bounds memory; what is beyond is matched anew and not named among the unknown ones. */
+/* Species. An inventory has few different ones in many rows, so each text is matched with the keys once
+ * and remembered. A limit bounds memory; texts beyond it are matched each time and not named among the
+ * unknown ones. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,11 +9,11 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 
-#define KNOWN_MAX 65536u             /* texts that are remembered */
+#define KNOWN_MAX 65536u             /* texts remembered */
 #define SLOTS (2 * KNOWN_MAX)
-#define TEXT_BYTES 256u              /* of a species, folded; longer ones are cut */
+#define TEXT_BYTES 256u              /* longest species, folded; longer ones are cut */
 
-struct known { char *text; uint32_t key; uint64_t count, first_line; };      /* text as it stood */
+struct known { char *text; uint32_t key; uint64_t count, first_line; };      /* text as in the file */
 
 struct pattern { char *text; uint32_t key, literal; };
 
@@ -20,7 +21,7 @@ struct eco_species_table {
 	const struct eco_positions_spec *spec;
 	struct known *known;         /* SLOTS, open addressing */
 	uint32_t known_count;
-	struct pattern *exact, *wild;        /* exact ascending by text, wild by literal characters, most first */
+	struct pattern *exact, *wild;        /* exact: ascending by text; wild: most literal characters first */
 	uint32_t exact_count, wild_count;
 	struct eco_skipped *keys;    /* map_count + 1 */
 };
@@ -93,7 +94,7 @@ static uint32_t match(const struct eco_species_table *t, const char *folded)
 	return t->spec->map_count;
 }
 
-/* Keyed by the text as it stands, so that a hit costs no folding. */
+/* Keyed by the text as it is, so that a hit needs no folding. */
 static struct known *slot_of(const struct eco_species_table *t, const char *text, size_t length)
 {
 	uint64_t hash = length;
@@ -139,7 +140,7 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 	return key;
 }
 
-/* Into the list of the most frequent: most first, of equals the one that came first. */
+/* Inserts into the list of the commonest: most first, of equals the earlier one. */
 static void add_unknown(struct known *most, uint32_t *kinds, const struct known *known)
 {
 	uint32_t at = ECO_UNKNOWN_MOST;

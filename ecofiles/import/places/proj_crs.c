@@ -1,7 +1,7 @@
-/* One conversion for an inventory. What PROJ would guess is settled here before it is asked: axis order (normalized), datums of
- * heights (both stated, or none), operations that need a grid which is not there (an error for heights, which would be wrong by tens
- * of metres; said for places, which are off by little). Converted numbers are rounded to the millimetre, so that PROJ's last bits do
- * not decide a bit of a pack. */
+/* One conversion for an inventory. Everything that PROJ would guess is settled before it is asked: axis
+ * order (normalized), datums of heights (both stated, or none), and operations whose grid is missing (an
+ * error for heights, which would be wrong by tens of metres; a note for places, which are off by little).
+ * Converted numbers are rounded to the millimetre, so that PROJ's last bits do not change a pack. */
 #include "ecofiles/import/places/proj_module.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ struct eco_crs_path {
 	PJ_CONTEXT *context;
 	PJ *from, *to, *conversion;          /* conversion NULL: the same CRS */
 	bool use_z, convert_z, checked;
-	struct eco_crs_request request;      /* path, note and ctx are used on the first place */
+	struct eco_crs_request request;      /* path, note and ctx are used for the first place */
 	char *path, *from_name, *to_name;
 };
 
@@ -30,7 +30,7 @@ static PJ *parse(PJ_CONTEXT *context, const char *text)
 		proj_destroy(crs);
 		return NULL;
 	}
-	if (crs != NULL && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {        /* a datum shift of its own, which PROJ uses when it converts */
+	if (crs != NULL && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {        /* has its own datum shift, which PROJ uses in converting */
 		PJ *base = proj_get_source_crs(context, crs);
 
 		if (base != NULL && proj_get_type(base) == PJ_TYPE_COMPOUND_CRS) {
@@ -51,7 +51,8 @@ static PJ *horizontal_of(PJ_CONTEXT *context, const PJ *crs)
 	return proj_clone(context, crs);
 }
 
-/* The vertical half: of a stated name, else of the CRS. *ellipsoid: heights above the ellipsoid, which are no CRS of their own. */
+/* The vertical part: from a stated name, else of the CRS. *ellipsoid: heights above the ellipsoid, which
+ * have no CRS of their own. */
 static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char *stated, PJ **vertical, bool *ellipsoid, const char *whose,
 	struct eco_error *error)
 {
@@ -117,7 +118,7 @@ static bool same(PJ_CONTEXT *context, const PJ *a, const PJ *b)
 	return proj_is_equivalent_to(a, b, PJ_COMP_EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS);
 }
 
-/* ---- What is stated ---- */
+/* ---- Stated CRSs ---- */
 
 static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
 {
@@ -198,7 +199,7 @@ static PJ *with_height(PJ_CONTEXT *context, PJ *flat, PJ *vertical)
 	return whole;
 }
 
-/* Brings from and to to what is converted: plain maps, or maps with heights. */
+/* Reduces from and to to the parts that are converted: plain maps, or maps with heights. */
 static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
 {
 	struct heights h = { .from = NULL };
@@ -241,7 +242,7 @@ static void describe_missing(PJ_CONTEXT *context, const PJ *operation, char *nam
 	}
 }
 
-/* Grids of the best operation at a place (degrees) that are not installed; "" if it needs none or has them. */
+/* The grids that the best operation at a place (degrees) needs and that are not installed; "": none. */
 static void missing_grids(const struct eco_crs_path *c, double longitude, double latitude, char *names, size_t size)
 {
 	PJ_OPERATION_FACTORY_CONTEXT *factory = proj_create_operation_factory_context(c->context, NULL);
@@ -310,7 +311,7 @@ static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_cr
 	return ECO_OK;
 }
 
-/* After the first place: which way did PROJ take? */
+/* Checks, after the first place, which operation PROJ chose. */
 static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3], bool converted, struct eco_error *error)
 {
 	const struct eco_crs_request *r = &c->request;

@@ -1,4 +1,4 @@
-/* ecoproj.so: what of this system calls PROJ. */
+/* ecoproj.so: the part of this system that calls PROJ. */
 #include "ecofiles/import/places/proj_module.h"
 
 ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {

@@ -1,4 +1,4 @@
-/* Inside ecoproj.so: what its table names, and what its parts share. */
+/* Inside ecoproj.so: the functions in its table, and those that its parts share. */
 #ifndef ECO_PROJ_MODULE_H
 #define ECO_PROJ_MODULE_H
 
@@ -6,7 +6,7 @@
 
 #include "ecofiles/base/module.h"
 
-/* A projected CRS in metres, alone or as the map of a compound one. */
+/* Whether a CRS is projected and in metres, alone or as the map of a compound one. */
 bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs);
 
 /* As in struct eco_proj_module. */

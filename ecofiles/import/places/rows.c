@@ -1,4 +1,4 @@
-/* Which reader a file needs: by its first bytes, and where these say nothing, by the name's extension. */
+/* Chooses a file's reader: by its first bytes, else by the name's extension. */
 #include "ecofiles/import/places/rows.h"
 
 #include <errno.h>
@@ -90,7 +90,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips), "a table", error);
 }
 
-/* The first byte that is no space and no byte order mark. */
+/* The first byte that is neither a space nor part of a byte order mark. */
 static unsigned char first_sign(const struct head *head)
 {
 	size_t at = head->size >= 3 && memcmp(head->bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
@@ -113,7 +113,7 @@ static bool is_text(const struct head *head)
 	return head->size > 0 && memchr(head->bytes, 0, head->size) == NULL;
 }
 
-/* Without GDAL a text that nobody knows is a CSV. */
+/* Without GDAL an unknown text is taken for a CSV. */
 static bool ogr_knows(const char *path)
 {
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, NULL);

@@ -1,5 +1,5 @@
-/* A table being read row by row: what every inventory format is reduced to. A further format implements `next` and `close`, and is
- * chosen in eco_rows_open_here (rows.c).
+/* A table read row by row: the common form of all inventory formats. A further format implements `next`
+ * and `close`, and is chosen in eco_rows_open_here (rows.c).
  *
  *   eco_rows_open(&rows, &source, &error);           in a child process; or eco_rows_open_here in this one
  *   while (rows->next(rows, &more, &error) == ECO_OK && more) rows->fields[...], rows->place
@@ -23,15 +23,15 @@ enum eco_place_kind {
 	ECO_PLACE_NONE,              /* a table without geometry: coordinates are in columns */
 	ECO_PLACE_POINT,
 	ECO_PLACE_EMPTY,             /* null or empty */
-	ECO_PLACE_OTHER,             /* not a point; place.what says what */
-	ECO_PLACE_AREA,              /* any geometry, whole, where source.areas asks for it */
+	ECO_PLACE_OTHER,             /* not a point; place.what names the type */
+	ECO_PLACE_AREA,              /* any geometry, whole, if source.areas asks for it */
 	ECO_PLACE_COUNT
 };
 
 struct eco_rows_place {          /* the geometry of a row */
 	enum eco_place_kind kind;
 	double at[3];                /* easting or longitude first */
-	double yaw_deg, scale;       /* NaN where the format has none; then columns or the seed decide */
+	double yaw_deg, scale;       /* NaN: not in the format; then columns or the seed decide */
 	char what[16];
 	const uint8_t *wkb;          /* ECO_PLACE_AREA: well-known binary, two dimensions; valid until the next row */
 	uint32_t wkb_bytes;
@@ -46,51 +46,53 @@ struct eco_rows {
 	const char **fields;         /* of the current row, ended by 0; valid until the next call */
 	uint32_t field_count;
 	uint64_t row, line;          /* data rows from 1; line of the file where the row begins, from 1 */
-	const char *where;           /* what `line` counts: "line", "feature", "instance" */
-	bool has_geometry, has_z;    /* rows have places, those with a height of their own */
-	bool local;                  /* places count from the scene's origin, in metres, unless a CRS is stated */
-	bool degrees_doubted;        /* it says degrees, by its format alone, and its numbers cannot be degrees */
-	char *crs;                   /* of the places, as code or WKT; NULL: the file does not say */
-	char no_crs[112];            /* why not, for an error; may be empty */
+	const char *where;           /* unit of `line`: "line", "feature", "instance" */
+	bool has_geometry, has_z;    /* rows have places, and these a height */
+	bool local;                  /* places are metres from the scene's origin, unless a CRS is stated */
+	bool degrees_doubted;        /* degrees by the format alone, but the numbers cannot be degrees */
+	char *crs;                   /* of the places, as code or WKT; NULL: not stated */
+	char no_crs[112];            /* the reason, for an error; may be empty */
 	struct eco_rows_place place;
-	char *notes[ECO_ROWS_NOTES_MAX];     /* what was guessed, what is odd; malloc'ed, no file name in front */
+	char *notes[ECO_ROWS_NOTES_MAX];     /* guesses and oddities; malloc'ed, without the file's name */
 	uint32_t note_count;
 };
 
 struct eco_rows_source {
-	const char *path, *layer;    /* layer: NULL where not stated */
+	const char *path, *layer;    /* layer: NULL: not stated */
 	char separator;              /* of a CSV; 0: found in its header */
-	const char *const *wanted;   /* columns whose fields will be looked at, the others may come empty; NULL: all */
+	const char *const *wanted;   /* columns needed; others may come empty; NULL: all */
 	uint32_t wanted_count;
-	bool areas;                  /* geometries are wanted whole; files without any are refused */
+	bool areas;                  /* geometries whole; files without any are refused */
 };
 
-/* Opens by content, then by extension. A file that is not what it seems is an error with what to do. */
+/* Opens by content, then by extension. The error for a file that is not what it seems says what to do. */
 enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
 /* The same in this process: for the child, and for tests of the readers themselves. */
 enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
 void eco_rows_close(struct eco_rows *rows);
 
-/* The names of the columns, for a message. */
+/* Lists the columns' names for a message. */
 void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size);
 /* Index of the column of that name; ECO_NONE for NULL. `path` is for errors, which list the columns there are. */
 enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
 	struct eco_error *error);
 
-/* For readers: a note, printf-like; kept once, up to ECO_ROWS_NOTES_MAX. */
+/* For readers: adds a note, printf-like; each once, up to ECO_ROWS_NOTES_MAX. */
 void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* The same to notes that others keep. */
+/* The same for notes kept elsewhere. */
 void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
 	__attribute__((format(printf, 3, 0)));
 
-/* CSV (RFC 4180): first row names the columns; fields may be quoted and then hold separators, line breaks and doubled quotes; lines
- * end in LF or CRLF; a byte order mark is passed over, and so are empty lines; what is not UTF-8 is taken for Windows-1252. Memory:
- * one row. separator 0: found in the header. A column whose first value is a point as well-known text is the geometry. */
+/* CSV (RFC 4180): the first row names the columns; quoted fields may hold separators, line breaks and
+ * doubled quotes; lines end in LF or CRLF; a byte order mark and empty lines are skipped; a row that is
+ * not UTF-8 is taken for Windows-1252. Memory: one row. separator 0: found in the header. A column whose
+ * first value is a point as well-known text is the geometry. */
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error);
-/* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in files without, for each node that has a mesh. Columns: x, y, z
- * (metres, Z up), name (of the node, else of its mesh), mesh, yaw_deg (of the turn about the vertical), scale (the cube root of that of
- * volumes; none of quantized meshes), height_m (of the mesh, so placed; none where the file does not
- * say its bounds); then scalar attributes of instances and "extras" of nodes, by their names. Line is row. */
+/* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in a file without instances, for
+ * each node with a mesh. Columns: x, y, z (metres, Z up), name (of the node, else of its mesh), mesh,
+ * yaw_deg (turn about the vertical), scale (cube root of the volumes' ratio; empty for quantized meshes),
+ * height_m (of the mesh as placed; empty if the file does not state its bounds); then scalar attributes of
+ * instances and "extras" of nodes, by their names. Line is row. */
 enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error);
 /* SolitaryVegetationObject of CityGML 1 to 3, read as a stream. */
 enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, struct eco_error *error);

@@ -1,13 +1,16 @@
-/* A table read in a child process (guard.h) and handed over row by row through a pipe, so that reading and placing overlap and nobody
- * holds the file. What arrives is checked as if it came from a stranger, for after a bug in a library it does.
+/* A table is read in a child process (guard.h) and handed over row by row through a pipe, so that reading
+ * and placing overlap and nobody holds the whole file. Messages are checked like a stranger's, because
+ * after a bug in a library they are.
  *
- *   message  u32 bytes of what follows, u8 kind, then by kind
- *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs ("" none), no_crs, names of columns
+ *   message  u32 bytes of the rest, u8 kind, then by kind
+ *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs ("" none), no_crs,
+ *            names of columns
  *   'N'      note: text
- *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, them, u32 fields, texts (those not wanted are empty)
+ *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, the area, u32 fields,
+ *            texts (unneeded ones are empty)
  *   'E'      end: u64 rows
  *
- * Numbers are the machine's own: both ends are one program. A text ends with 0. */
+ * Numbers have the machine's byte order, as both ends are one program. A text ends with 0. */
 #include "ecofiles/import/places/rows.h"
 
 #include <math.h>
@@ -188,7 +191,7 @@ static enum eco_code damaged(const struct child *c, struct eco_error *error)
 		"reads it", c->path);
 }
 
-/* The stream ended early: how did the child? */
+/* The stream ended early: reports how the child ended. */
 static enum eco_code ended(struct child *c, struct eco_error *error)
 {
 	enum eco_code code = eco_guard_finish(c->guard, error);

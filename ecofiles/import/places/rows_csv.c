@@ -1,5 +1,6 @@
-/* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, fields are offsets into it. A row that is not
- * UTF-8 is taken for Windows-1252 as a whole, which contains Latin-1: files are mixed more often than one would think. */
+/* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, and fields are
+ * offsets into it. A row that is not UTF-8 is taken as a whole for Windows-1252, which contains Latin-1:
+ * many files mix the two. */
 #include "ecofiles/import/places/rows.h"
 
 #include <errno.h>
@@ -19,14 +20,14 @@ struct csv {
 	struct eco_rows rows;
 	FILE *file;
 	char *path, separator;
-	char line_end;               /* '\n', with or without a '\r' before it; or '\r', where there is no other */
+	char line_end;               /* '\n', also after a '\r'; or '\r' if the file has no other */
 	char *text;
 	size_t used, capacity;
 	size_t *start;               /* of each field in text */
-	char *converted;             /* the row in UTF-8, where it was not */
+	char *converted;             /* the row converted to UTF-8, if it was not */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
-	uint32_t wkt;                /* column with points as text, if rows.has_geometry */
+	uint32_t wkt;                /* column with points as text, if has_geometry */
 };
 
 static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
@@ -75,7 +76,7 @@ static enum eco_code begin_field(struct csv *csv, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* One field; *c is the byte after it: separator, '\n' or EOF. */
+/* Reads one field; *c is the byte after it: separator, '\n' or EOF. */
 static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error)
 {
 	bool quoted = false;
@@ -112,7 +113,7 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 
 /* ---- Text that is not UTF-8 ---- */
 
-/* Bytes of the character that text begins with, 0 if it is not UTF-8. */
+/* Bytes of the character at the start of a text; 0: not UTF-8. */
 static size_t utf8_bytes(const unsigned char *t)
 {
 	size_t bytes = t[0] < 0x80 ? 1 : t[0] >= 0xc2 && t[0] < 0xe0 ? 2 : t[0] >= 0xe0 && t[0] < 0xf0 ? 3 : t[0] >= 0xf0 && t[0] < 0xf5 ? 4 : 0;
@@ -123,7 +124,7 @@ static size_t utf8_bytes(const unsigned char *t)
 	return bytes;
 }
 
-/* Ends in 0, so that no character runs over the end. */
+/* The text ends in 0, so no character runs over its end. */
 static bool is_utf8(const char *text, size_t size)
 {
 	for (size_t i = 0, bytes; i < size; i += bytes)
@@ -264,7 +265,8 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	return code;
 }
 
-/* Looks into the first row for a column with points, and goes back. What is wrong with the row is said when it is its turn. */
+/* Looks for a column with points in the first row, and goes back. Errors of the row are reported when it
+ * is read. */
 static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
@@ -300,7 +302,7 @@ static void close_csv(struct eco_rows *rows)
 	free(csv);
 }
 
-/* Without the spaces around it, malloc'ed. */
+/* A copy without surrounding spaces, malloc'ed. */
 static char *trimmed(const char *name)
 {
 	size_t size;
@@ -323,7 +325,7 @@ static bool excel_separator(const char *text, char *separator)
 	return true;
 }
 
-/* The sign that stands most often outside of quotes in the first line; ',' of equals. */
+/* The separator that is most frequent outside quotes in the first line; ',' if equal. */
 static char count_separators(const char *text)
 {
 	static const char signs[] = { ',', ';', '\t', '|' };
@@ -342,7 +344,7 @@ static char count_separators(const char *text)
 	return signs[best];
 }
 
-/* Passes over the byte order mark and a "sep=" line, and settles the separator. */
+/* Skips the byte order mark and a "sep=" line, and determines the separator. */
 static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 {
 	char *head = malloc(SNIFF_BYTES + 1);

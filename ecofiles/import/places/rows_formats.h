@@ -1,4 +1,4 @@
-/* Inside the readers of tables. Not for others. */
+/* Shared by the readers of tables; private. */
 #ifndef ECO_ROWS_FORMATS_H
 #define ECO_ROWS_FORMATS_H
 

@@ -1,13 +1,13 @@
-/* glTF as an inventory: programs that place plants (game engines, tools for 3D Tiles) write one node with thousands of
- * instances (EXT_mesh_gpu_instancing), others a node for each plant. Rows are made one at a time from the file's own bytes: a
- * million instances cost no memory beyond the file.
+/* glTF as an inventory. Programs that place plants (game engines, tools for 3D Tiles) write one node with
+ * thousands of instances (EXT_mesh_gpu_instancing); others write a node for each plant. Rows are made one
+ * at a time from the file's own bytes: a million instances need no memory beyond the file.
  *
- * A plant stands where its mesh has its origin. Where a mesh is quantized (KHR_mesh_quantization), that origin and the node's scale are
- * what packing made of them; there the middle of the lower side of its box stands for the origin, and scale has no value. The height of the
- * box is sound in any case.
+ * A plant stands at its mesh's origin. In a quantized mesh (KHR_mesh_quantization) packing has changed
+ * that origin and the node's scale: there the middle of the lower side of its box replaces the origin, and
+ * scale has no value. The height of the box is right in any case.
  *
- * What a program wanted to say of a plant stands in scalar attributes of the instances (_ID, _SPECIES) or in a node's "extras"; both
- * become columns. */
+ * Scalar attributes of the instances (_ID, _SPECIES) and a node's "extras" become columns: programs
+ * describe plants there. */
 #include "ecofiles/import/places/rows.h"
 #include "ecofiles/import/places/rows_formats.h"
 
@@ -23,12 +23,12 @@ enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, HEIGHT, FIXED };
 static const char *const fixed_names[FIXED] = { "x", "y", "z", "name", "mesh", "yaw_deg", "scale", "height_m" };
 
 #define FURTHER_MAX 64u
-#define TEXT_BYTES 1024u             /* of a field; names are cut there */
+#define TEXT_BYTES 1024u             /* longest field; longer ones are cut */
 #define DEGREES (180 / 3.14159265358979323846)
 
 struct holder { uint32_t node; double world[16]; };
 
-struct box {                     /* of a mesh, in its own coordinates */
+struct box {                     /* of a mesh, in its coordinates */
 	bool known, quantized;
 	double low[3], high[3];
 };
@@ -38,7 +38,7 @@ struct gltf_rows {
 	struct eco_gltf *doc;
 	struct holder *holders;
 	uint32_t holder_count, room;
-	bool instanced;              /* some node holds instances: other nodes make no rows */
+	bool instanced;              /* a node holds instances: nodes without make no rows */
 	uint32_t at;                 /* holder */
 	uint64_t instance;
 	bool open;
@@ -48,7 +48,7 @@ struct gltf_rows {
 	char (*text)[TEXT_BYTES];    /* per column */
 };
 
-/* ---- Finding them ---- */
+/* ---- Finding instances and nodes ---- */
 
 static bool holds_instances(const struct eco_gltf *doc, uint32_t node)
 {
@@ -168,7 +168,7 @@ static void set_json(struct gltf_rows *g, uint32_t column, const json_t *value)
 		set_text(g, column, json_is_true(value) ? "true" : json_is_false(value) ? "false" : "");
 }
 
-/* As the file says it, without a look at the vertices. */
+/* Extends the box by the bounds stated in the file, without reading vertices. */
 static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, struct box *box)
 {
 	const json_t *accessor = eco_gltf_item(doc, "accessors", eco_gltf_whole(json_object_get(primitive, "attributes"), "POSITION", UINT64_MAX));
@@ -198,7 +198,7 @@ static void find_box(struct gltf_rows *g, const json_t *node)
 		add_to_box(g->doc, json_array_get(primitives, i), &g->box);
 }
 
-/* What is the same for all rows of a node. */
+/* Prepares everything that all rows of a node share. */
 static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 {
 	uint32_t node = g->holders[g->at].node;
@@ -240,7 +240,7 @@ static void extent(const struct box *box, const double m[16], double *low, doubl
 	}
 }
 
-/* The turn about the vertical that is nearest to what the matrix does, and the cube root of how much larger it makes things. */
+/* The turn about the vertical nearest to the matrix, and the cube root of its volume ratio. */
 static void set_place(struct gltf_rows *g, const double m[16])
 {
 	double yaw = round(atan2(m[8] - m[2], m[0] + m[10]) * DEGREES * 1e4) / 1e4, at[3] = { m[12], m[13], m[14] };

@@ -1,4 +1,4 @@
-/* What a reader of tables says beside its rows, and the end of its texts. */
+/* Notes of a reader of tables, and the freeing of its texts. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -14,11 +14,11 @@
 
 #define HECTARE_M2 10000.0
 #define LATTICE_CELLS 64u
-#define SPARE 1.2                    /* the set has so many times the places that are wanted, and up to four times that */
-#define SIDE_EXPONENT_MIN -10        /* of the set's square: a millimetre to a thousand kilometres */
+#define SPARE 1.2                    /* times the places wanted that the set has; up to four times more */
+#define SIDE_EXPONENT_MIN -10        /* side of the set's square: a millimetre to a thousand kilometres */
 #define SIDE_EXPONENT_MAX 20
-#define TRIES 3                      /* sets four times as dense, each, where places are short */
-#define SPREAD 0.5                   /* of the mean spacing: as near as places of a second set may come to others */
+#define TRIES 3                      /* sets, each four times as dense, tried if places are short */
+#define SPREAD 0.5                   /* of the mean spacing: least distance of a later set's places to others */
 #define NEAREST_M 0.001
 
 struct lattice {                     /* the set, by cells of its square */
@@ -57,7 +57,7 @@ static enum eco_code too_many(struct eco_scatter *s)
 		ECO_SCATTER_PLANTS_MAX);
 }
 
-/* ---- The set, over the plane ---- */
+/* ---- The set, repeated over the plane ---- */
 
 static struct lattice *make_lattice(void)
 {
@@ -82,8 +82,8 @@ static struct lattice *make_lattice(void)
 	return l;
 }
 
-/* Side of the square at which the set has at least SPARE times the density: a power of two, so that areas of like density share
- * places along their borders. */
+/* Side of the square at which the set has at least SPARE times the density. A power of two, so that areas
+ * of similar density share places along their borders. */
 static double side_for(double density_m2)
 {
 	int exponent;
@@ -97,7 +97,7 @@ struct sweep {
 	struct eco_scatter *scatter;
 	double side, low[2], high[2];
 	uint32_t rank_end;
-	/* false: not wanted */
+	/* false: the place is not used */
 	bool (*wants)(const struct sweep *sweep, uint32_t rank, double x, double y);
 	uint32_t area;               /* ECO_NONE: the mask */
 	double full;                 /* density of the whole set, plants a m2 */
@@ -130,8 +130,9 @@ static int64_t square_of(int64_t cell)
 	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
 }
 
-/* All places of the box with ranks below rank_end, cell row by cell row; in an area only as far as it reaches there, a cell to spare: a road
- * across the country is a small part of its box. */
+/* Visits all places of the box with ranks below rank_end, cell row by cell row. In an area only as far as
+ * the area reaches in that row, with a cell to spare: a road across the country is a small part of its
+ * box. */
 static bool sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
@@ -198,7 +199,7 @@ static bool grid_grow(struct eco_scatter *s)
 	return true;
 }
 
-/* Is a place nearer than `distance`, which is at most the grid's cell? */
+/* Whether another place is nearer than `distance`, which is at most the grid's cell. */
 static bool is_near(const struct eco_scatter *s, const double at[2], double distance)
 {
 	const struct near_grid *g = &s->grid;
@@ -259,7 +260,7 @@ static bool is_clear(const struct eco_scatter *s, const double at[2])
 	return !eco_areas_near(&s->input.clear, at[0], at[1]) && !eco_areas_hold(&s->input.clear, at[0], at[1]);
 }
 
-/* Which plant the next place gets: the one that is furthest behind its share. */
+/* The plant of the next place: the one furthest behind its share. */
 static uint32_t next_plant(const struct eco_scatter_spec *spec, double total, const uint64_t *given, uint64_t placed)
 {
 	uint32_t best = 0;
@@ -299,7 +300,8 @@ static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 	return ECO_OK;
 }
 
-/* A density counts where plants may stand: of an area that is kept clear in part, only the rest. A number counts for the whole. */
+/* Finds the share of an area that is not kept clear. A density counts only there; a number of plants
+ * counts for the whole area. */
 static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
@@ -321,7 +323,7 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 	return ECO_OK;
 }
 
-/* In the set's order, from sets ever denser where one does not suffice. */
+/* Fills the area in the set's order; if one set does not suffice, from ever denser ones. */
 static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
@@ -334,7 +336,7 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 
 		memcpy(w.low, area->low, sizeof w.low);
 		memcpy(w.high, area->high, sizeof w.high);
-		/* most areas find enough among little more ranks than they need; then all are looked at */
+		/* most areas find enough in few more ranks than they need; else all ranks are tried */
 		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M, s->spec->distance_m);
 		f->distance = fmin(f->distance, s->grid.cell_m);
 		for (int all = 0; all < 2 && code == ECO_OK && f->placed < f->wanted; all++) {
@@ -368,7 +370,7 @@ static double total_weight(const struct eco_scatter_spec *spec)
 	return total;
 }
 
-/* What an area is to have; the fraction of a plant decides by chance, which depends on where the area is. */
+/* Number of plants wanted in an area; chance, by the area's place, decides about a fraction. */
 static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 {
 	const struct eco_area *area = &s->input.areas.items[index];

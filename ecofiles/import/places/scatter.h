@@ -1,14 +1,15 @@
-/* Plants where nobody counted them one by one: so many to the hectare within areas, or as a raster of densities says.
+/* Plants that nobody counted one by one: a number per hectare within areas, or a raster of densities.
  *
  *   eco_scatter_open(&scatter, &spec, &frame, &error);       reads the areas or the mask, and places everything
  *   while (eco_scatter_next(scatter, &place)) ...
  *   eco_scatter_report(scatter, say, ctx);
  *   eco_scatter_close(scatter);
  *
- * Places come from one progressive blue-noise set (blue_noise.h) that repeats over the plane, at a density of its own in steps of four.
- * An area takes those inside it in the set's order until it has its number; so counts are exact, what stands is spread evenly, and it
- * depends neither on the order of the file nor on the other areas, but where plants would stand too close to those of another: then
- * the larger area, then the one further south-west, comes first. */
+ * Places come from one progressive blue-noise set (blue_noise.h) that repeats over the plane, at a density
+ * in steps of four. An area takes the places inside it in the set's order until it has its number. So
+ * counts are exact and plants evenly spread, whatever the order of the file and the other areas. Only
+ * where plants would stand too close to those of another area does the larger area come first, then the
+ * one further south-west. */
 #ifndef ECO_SCATTER_H
 #define ECO_SCATTER_H
 
@@ -19,21 +20,21 @@
 
 #define ECO_SCATTER_PLANTS_MAX 100000000u
 
-struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };      /* plants a hectare, or shares of what a column says */
+struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };      /* plants a hectare, or shares of a column's number */
 
-struct eco_scatter_spec {        /* texts are owned by whoever made it; NULL where not given */
+struct eco_scatter_spec {        /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer, *crs;
 	struct eco_scatter_plant *plants; uint32_t plant_count;
-	char *density_column;        /* plants a hectare, of all kinds; weights are shares then */
+	char *density_column;        /* plants a hectare, all kinds; weights are then shares */
 	char *count_column;          /* plants in the area */
-	double full;                 /* of a mask: the value that means the whole density; 0: 1, or 255 where values go beyond 1 */
+	double full;                 /* a mask's value for the whole density; 0: 1, or 255 if values exceed 1 */
 	double distance_m;           /* between any two plants of this entry; 0: none */
-	char *clear_of, *clear_layer, *clear_crs;        /* what to keep away from: within it, or nearer than clear_m */
+	char *clear_of, *clear_layer, *clear_crs;        /* features kept clear, and clear_m around */
 	double clear_m;
 	struct eco_filter *filters;  uint32_t filter_count;
 	double height_low_m, height_high_m;              /* NaN: the plant's own; else evenly between the two */
 	uint64_t seed;
-	uint32_t line, column;       /* where the scene file says so, for messages */
+	uint32_t line, column;       /* in the scene file, for messages */
 };
 
 struct eco_scatter_place {
@@ -44,16 +45,16 @@ struct eco_scatter_place {
 
 struct eco_scatter;
 
-/* `spec` and `frame` must outlive it. Files are read in a child process (guard.h). Errors name the file and what to add. `progress` may be
- * NULL; false stops with ECO_INTERRUPTED. */
+/* `spec` and `frame` must outlive it. Files are read in a child process (guard.h). Errors name the file
+ * and what to add. `progress` may be NULL; returning false stops with ECO_INTERRUPTED. */
 enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
 	bool (*progress)(void *ctx, double share), void *ctx, struct eco_error *error);
-/* Reads the areas or the mask, and forgets them: what is wrong with them is said before time is spent on other things. */
+/* Reads the areas or the mask and drops them, to report their errors before other work takes time. */
 enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error);
 bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place);
-/* Areas, hectares, plants wanted and placed, what was left out and why: a line per call. */
+/* Reports areas, hectares, plants wanted and placed, and features left out by reason: a line per call. */
 void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text), void *ctx);
-/* Its areas (none: a mask) and what it keeps clear of, for pictures. */
+/* The areas (none: a mask) and the features kept clear of, for pictures. */
 struct eco_areas;
 const struct eco_areas *eco_scatter_areas(const struct eco_scatter *scatter);
 const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *scatter);
