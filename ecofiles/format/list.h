@@ -26,7 +26,7 @@ enum eco_list_kind {
 	ECO_LIST_IMAGE           /* one chunk: a PNG file */
 };
 
-/* How a chunk's payload becomes elements. All integers inside come from Draco's lossless integer
+/* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
  * attributes.
  *   ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; then the seeded permutation
  *             eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw order.
@@ -116,7 +116,7 @@ float eco_growth(uint32_t code, float scale);
 #define ECO_SIZE_ONE 32u
 float eco_size(uint32_t code);
 
-/* How level the leaves of a plant lie, for lighting: a share of them is taken as level, the others as
+/* Levelness of a plant's leaves, for lighting: a share of them is taken as level, the others as
  * facing all directions. The share comes from the mean square, by area, of the height of their unit
  * normals. Code 0 is not known, and stands for the mean of broadleaved trees, 27 % (Ross's index of 0.25:
  * Sellers 1985; land surface models). Conifers and flowers have far more, grass none. */

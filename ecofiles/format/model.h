@@ -44,7 +44,7 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 
 #define ECO_ORGAN_FOUND 255u     /* no rule says: lod/build/organ.h finds it */
 
-/* How the file's numbers were understood. Up: the file's axis that points up; FOUND: from the format, else
+/* The meaning taken for the file's numbers. Up: the file's axis that points up; FOUND: from the format, else
  * by shape, Y or Z. */
 enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
 static inline const char *eco_up_name(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }

@@ -1,4 +1,4 @@
-/* What the server writes about a scene, except plans (wire_plan.c). The scene has passed eco_scene_check. */
+/* The server's messages about a scene, except plans (wire_plan.c). The scene has passed eco_scene_check. */
 #include "ecofiles/format/wire.h"
 
 #include <assert.h>

@@ -170,7 +170,7 @@ static void find_traits(const struct profile *p, double trait[TRAITS])
 	trait[STEM] = stem_of(p, whole);
 }
 
-/* How much greater the second is than the first, from -1 to 1; `least` makes no difference. */
+/* The contrast of the second to the first, from -1 to 1; `least` makes no difference. */
 static double contrast(double first, double second, double least)
 {
 	return (second - first) / (first + second + least);
