@@ -267,7 +267,7 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i], t->kind[i].lists, t->kind[i].chunks,
 				t->kind[i].primitives, bytes_text(t->kind[i].bytes, text));
 	if (t->shape_chunks)
-		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves are coded together, those of one shape as placings of it\n", t->shape_chunks,
+		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as placings of it, others by prediction\n", t->shape_chunks,
 			bytes_text(t->shape_bytes, text));
 	const char *order = json_string_value(json_object_get(meta, "order"));
 	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count, order ? ", leaves in order " : "",

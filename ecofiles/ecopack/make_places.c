@@ -186,7 +186,7 @@ static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_til
 			.above = child->scale * root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(inner->instances) };
 		memcpy(items[i].at, nested->at, sizeof items[i].at);
 		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
-			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with what it nests it has more than 2^64 plants", s->path);
+			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with the files it nests it has more than 2^64 plants", s->path);
 	}
 	return ECO_OK;
 }

@@ -152,7 +152,7 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
 	if (source->crs != NULL && origin.value == NULL) {
-		eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene in a CRS needs the point of it that is its 0, 0, 0, such as "
+		eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, such as "
 			"\"origin\": [747375, 4308510, 0]");
 		return false;
 	}

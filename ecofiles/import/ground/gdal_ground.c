@@ -133,10 +133,10 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 
 	if (source->vertical != NULL && scene == NULL)
 		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "
-			"scene, or what its heights count from", source->vertical);
+			"scene, or the datum of its heights", source->vertical);
 	if (scene != NULL && own[0] == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": \"%.60s\" to "
-			"the ground, if that is what its heights count from", r->path, scene);
+			"the ground, if that is the datum of its heights", r->path, scene);
 	if (scene != NULL && !same_datum(scene, own))
 		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at hand; convert "
 			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);

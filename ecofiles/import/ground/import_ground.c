@@ -88,7 +88,7 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	if (code != ECO_OK)
 		eco_fail(error, code, "%s", verdict.text);
 	else if (!whole)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", options->source->heights[0]);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", options->source->heights[0]);
 	if (code == ECO_OK)
 		tell(options, ground, &job);
 	else

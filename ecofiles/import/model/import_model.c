@@ -248,7 +248,7 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
 
 	if (code == ECO_OK && !get_model(result, head, triangles_max))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: what its reader handed over does not hold together", piece->path);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", piece->path);
 	if (result != NULL)
 		fclose(result);
 	if (head != NULL) {

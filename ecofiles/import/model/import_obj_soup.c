@@ -61,7 +61,7 @@ static enum eco_code read_library(struct maker *m, char *names)
 	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
 		return eco_mtl_read(&m->mtl, path, o->error);
 	if (strpbrk(names, " \t") == NULL) {
-		eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", names);
+		eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", names);
 		return ECO_OK;
 	}
 	for (char *name, *rest = names; (name = strsep(&rest, " \t")) != NULL;) {
@@ -72,7 +72,7 @@ static enum eco_code read_library(struct maker *m, char *names)
 		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
 			code = eco_mtl_read(&m->mtl, path, o->error);
 		else
-			eco_note(o->notes, "its library of materials %.200s is not there: what it describes has no colour", name);
+			eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", name);
 		if (code != ECO_OK)
 			return code;
 	}

@@ -384,8 +384,8 @@ static uint32_t cell_hash(int64_t x, int64_t y)
 static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge, struct eco_error *error)
 {
 	if (s->link_count == LINKS_MAX || !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
-		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for what is to be kept clear of; simplify "
-			"it, or take a larger distance");
+		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for the features to keep clear of; simplify "
+			"them, or take a larger distance");
 	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
 	return ECO_OK;
 }
@@ -424,7 +424,7 @@ static enum eco_code index_near(struct eco_areas *s, struct eco_error *error)
 		size *= 2;
 	s->cell_head = malloc(size * sizeof *s->cell_head);
 	if (s->cell_head == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for what is to be kept clear of");
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the features to keep clear of");
 	for (uint32_t i = 0; i < size; i++)
 		s->cell_head[i] = UINT32_MAX;
 	s->cell_mask = size - 1;

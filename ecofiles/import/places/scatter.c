@@ -540,7 +540,7 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 	if (s->short_areas > 0) {
 		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m from each other%s",
 			(unsigned long long)s->short_areas, s->short_areas == 1 ? " has" : "s have", s->spec->distance_m,
-			s->spec->clear_of != NULL ? " and clear of what is to be kept clear of" : "");
+			s->spec->clear_of != NULL ? " and away from \"clear_of\"" : "");
 		say(ctx, line);
 	}
 }
