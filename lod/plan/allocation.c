@@ -3,12 +3,12 @@
 
 #include <math.h>
 
-#define GIVING_WAY 0.07          /* tiles and gates are open in part where both choices differ by less than this share of what the finer saves */
-#define LAST_LAMBDA 1e-200        /* of what is bought where nothing else is left to buy */
+#define TIE_SHARE 0.07          /* tiles and gates are open in part where both choices differ by less than this share of what the finer saves */
+#define LAST_SLOPE 1e-200        /* of what is bought where nothing else is left to buy */
 
 /* ---- At a lambda ---- */
 
-static void buy(struct lod_cost *cost, const struct lod_hull *hull, double weight_px, double position)
+static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double weight_px, double position)
 {
 	uint32_t whole = (uint32_t)position;
 	double part = position - whole;
@@ -29,12 +29,12 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double f
 	sum->vertices += times * cost->vertices;
 }
 
-static double paid(const struct lod_cost *cost, double fp_weight, double lambda)
+static double lagrangian(const struct lod_cost *cost, double fp_weight, double lambda)
 {
 	return fp_weight * cost->fp + cost->fn + lambda * cost->vertices;
 }
 
-static void lambda_slot_choices(struct lod_allocation *m)
+static void relax_slots(struct lod_allocation *m)
 {
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
 		struct lod_slot_choice *slot_choice = &m->slot_choices[s];
@@ -44,9 +44,9 @@ static void lambda_slot_choices(struct lod_allocation *m)
 			struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
 			ladder_choice->position = ladder_choice->weight_px > 0 ? lod_hull_position(&ladder_choice->hull, m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
 			if (ladder_choice->when != LOD_NEAR)
-				buy(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
+				add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
 			if (ladder_choice->when != LOD_FAR)
-				buy(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
+				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
 		}
 	}
 }
@@ -61,16 +61,16 @@ static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struc
 /* How far what is coarse, and saves so much, has given way to what is fine: 1 where that saves much more. */
 static double fine_share(const struct lod_allocation *m, double fine, double coarse)
 {
-	if (m->sharp || !(fine > 0))
+	if (m->few_plants || !(fine > 0))
 		return fine > coarse;
-	double share = 0.5 + (fine - coarse) / (2 * GIVING_WAY * fine);
+	double share = 0.5 + (fine - coarse) / (2 * TIE_SHARE * fine);
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
 struct bands { double plants, near, far; };              /* of a plant, side by side: what they save with cells, and without */
 
 /* Plants before a gate draw cells, and are the nearest. So where cells are worth more in a band than in the one before it, both decide as one. */
-static uint32_t join_bands(struct bands *bands, uint32_t count)
+static uint32_t pool_bands(struct bands *bands, uint32_t count)
 {
 	while (count > 1) {
 		struct bands *a = &bands[count - 2], *b = &bands[count - 1];
@@ -88,15 +88,15 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 	struct bands bands[ECO_BANDS];
 	uint32_t count = 0;
 	double sum = 0;
-	for (uint32_t band = 0; band < m->gates_most[plant]; band++) {
+	for (uint32_t band = 0; band < m->gates_counted[plant]; band++) {
 		uint32_t s = lod_allocation_slot(m, plant, (uint8_t)band);
 		if (s == ECO_NONE)
 			continue;
 		const struct lod_slot_choice *choice = &m->slot_choices[s];
 		double plants = (double)m->counts[s], fp_weight = choice->fp_weight, weight_px = plants * choice->weight_px[0];
-		bands[count++] = (struct bands){ plants, weight_px - plants * paid(&choice->cost[1], fp_weight, m->lambda) - paid(&choice->cells, fp_weight, m->lambda),
-			weight_px - plants * paid(&choice->cost[0], fp_weight, m->lambda) };
-		count = join_bands(bands, count);
+		bands[count++] = (struct bands){ plants, weight_px - plants * lagrangian(&choice->cost[1], fp_weight, m->lambda) - lagrangian(&choice->cells, fp_weight, m->lambda),
+			weight_px - plants * lagrangian(&choice->cost[0], fp_weight, m->lambda) };
+		count = pool_bands(bands, count);
 	}
 	for (uint32_t i = 0; i < count; i++)
 		sum += bands[i].plants * fine_share(m, bands[i].near, bands[i].far);
@@ -107,7 +107,7 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double near)
 {
 	uint32_t gate = 0;
-	for (uint32_t band = 0; band < m->gates_most[plant] && near > 0; band++) {
+	for (uint32_t band = 0; band < m->gates_counted[plant] && near > 0; band++) {
 		uint32_t s = lod_allocation_slot(m, plant, (uint8_t)band);
 		if (s == ECO_NONE)
 			continue;
@@ -119,15 +119,15 @@ static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double n
 }
 
 /* What the cells of each band of a plant come to, and up to where they are worth it. */
-static void lambda_gates(struct lod_allocation *m)
+static void relax_gates(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
 	lod_allocation_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
 		if (m->lambda <= 0)
 			p->gates[plant] = gate_of(m, plant, INFINITY);
-		else if (m->gates_held[plant])
-			p->gates[plant] = (uint32_t)(m->gates_held[plant] - 1) * ECO_SHARE_ONE;
+		else if (m->gates_fixed[plant])
+			p->gates[plant] = (uint32_t)(m->gates_fixed[plant] - 1) * ECO_SHARE_ONE;
 		else
 			p->gates[plant] = gate_of(m, plant, count_near(m, plant));
 	}
@@ -154,20 +154,20 @@ static struct lod_cost plants_cost(const struct lod_allocation *m, uint32_t n)
 /* How far a tile is open whose plants and children save so much, and its summary so much. */
 static double open_share(const struct lod_allocation *m, const struct lod_tile_choice *choice, double plants, double summary)
 {
-	if (!choice->summary || m->lambda <= 0)
+	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	if (choice->held != LOD_HELD_NOT)
-		return choice->held == LOD_HELD_OPEN;
-	double share = fine_share(m, plants, summary), least = m->sharp || !(plants > 0) ? 0 : 1 - choice->shut_most;
+	if (choice->fixed != LOD_FREE)
+		return choice->fixed == LOD_FIXED_OPEN;
+	double share = fine_share(m, plants, summary), least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
 	return share < least ? least : share;
 }
 
 /* Points stand for the plants that are left, but no one knows which are whose: all stay until half of the plants are there. */
 static double points_share(double share) { return share < 0.5 ? 1 : 2 * (1 - share); }
 
-static void mix(struct lod_tile_choice *choice, const struct lod_cost *fine)
+static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
 {
-	double s = choice->share, points = choice->summary ? points_share(s) : 0;
+	double s = choice->share, points = choice->has_summary ? points_share(s) : 0;
 	choice->cost.fp = s * fine->fp + (1 - s) * choice->cost.fp;
 	choice->cost.fn = s * fine->fn + (1 - s) * choice->cost.fn;
 	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
@@ -175,18 +175,18 @@ static void mix(struct lod_tile_choice *choice, const struct lod_cost *fine)
 
 /* What the summary comes to at the lambda; false where that need not be known: the tile draws its plants and children alone, as they save
  * `plants`. */
-static bool lambda_summary(struct lod_allocation *m, struct lod_tile_choice *choice, double plants)
+static bool relax_summary(struct lod_allocation *m, struct lod_tile_choice *choice, double plants)
 {
-	struct lod_summary_hull *points = &choice->points;
+	struct lod_summary_hull *summary = &choice->summary;
 	double lambda = m->lambda / choice->weight_px;
 	m->p->looks++;
 	do {
-		if (choice->open && open_share(m, choice, plants, choice->weight_px * lod_summary_hull_gain_most(points, lambda)) >= 1)
+		if (choice->open && open_share(m, choice, plants, choice->weight_px * lod_summary_hull_gain_bound(summary, lambda)) >= 1)
 			return false;
-	} while (lod_summary_hull_refine(points, lambda));
-	choice->position = lod_hull_position(&points->hull, lambda, 0);
-	buy(&choice->cost, &points->hull, choice->weight_px, choice->position);
-	choice->cost.fp *= points->hull.fp_weight;
+	} while (lod_summary_hull_refine(summary, lambda));
+	choice->position = lod_hull_position(&summary->hull, lambda, 0);
+	add_at(&choice->cost, &summary->hull, choice->weight_px, choice->position);
+	choice->cost.fp *= summary->hull.fp_weight;
 	return true;
 }
 
@@ -200,22 +200,22 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 }
 
 /* Children follow their parents. */
-static void lambda_tile_choices(struct lod_allocation *m)
+static void relax_tiles(struct lod_allocation *m)
 {
 	for (uint32_t n = m->p->visible.node_count; n-- > 0;) {
 		struct lod_tile_choice *choice = &m->tile_choices[n];
 		struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .fn = choice->weight_px };
-		double plants = choice->weight_px - paid(&fine, 1, m->lambda);
+		double plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
 		choice->cost = (struct lod_cost){ 0 };
 		choice->position = 0;
-		if (!choice->summary)
+		if (!choice->has_summary)
 			choice->cost.fn = choice->weight_px;
 		choice->share = choice->open;
-		if (choice->summary && lambda_summary(m, choice, plants) && choice->open)
-			choice->share = open_share(m, choice, plants, choice->weight_px - paid(&choice->cost, 1, m->lambda));
+		if (choice->has_summary && relax_summary(m, choice, plants) && choice->open)
+			choice->share = open_share(m, choice, plants, choice->weight_px - lagrangian(&choice->cost, 1, m->lambda));
 		choice->opened = choice->share >= 0.5;
 		if (choice->open)
-			mix(choice, &fine);
+			blend(choice, &fine);
 	}
 }
 
@@ -223,11 +223,11 @@ void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *
 {
 	const struct lod_tile_choice *choice = &m->tile_choices[n];
 	struct lod_cost fine = fine_cost(m, n);
-	*plants = choice->weight_px - paid(&fine, 1, m->lambda);
-	*summary = choice->weight_px * lod_summary_hull_gain_most(&choice->points, m->lambda / choice->weight_px);
+	*plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
+	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary, m->lambda / choice->weight_px);
 }
 
-static void widen(const struct lod_hull *hull, double weight_px, double *high, double *low)
+static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
 {
 	for (uint32_t i = 1; i < hull->count && lod_hull_slope(hull, i) > 0; i++) {
 		double lambda = lod_hull_slope(hull, i) * weight_px;
@@ -236,33 +236,33 @@ static void widen(const struct lod_hull *hull, double weight_px, double *high, d
 	}
 }
 
-static void widen_points(const struct lod_tile_choice *choice, double *high, double *low)
+static void widen_by_summary(const struct lod_tile_choice *choice, double *high, double *low)
 {
 	double first, last;
-	lod_summary_hull_lambdas(&choice->points, &first, &last);
+	lod_summary_hull_lambda_range(&choice->summary, &first, &last);
 	*high = fmax(*high, first * choice->weight_px * LOD_HULL_BLUR);
 	if (last > 0)
 		*low = fmin(*low, last * choice->weight_px / LOD_HULL_BLUR);
 }
 
-void lod_allocation_lambdas(const struct lod_allocation *m, double *high, double *low)
+void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, double *low)
 {
 	*high = 0;
 	*low = INFINITY;
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
-		widen(&m->ladder_choices[i].hull, m->ladder_choices[i].weight_px, high, low);
+		widen_range(&m->ladder_choices[i].hull, m->ladder_choices[i].weight_px, high, low);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->tile_choices[n].summary)
-			widen_points(&m->tile_choices[n], high, low);
+		if (m->tile_choices[n].has_summary)
+			widen_by_summary(&m->tile_choices[n], high, low);
 }
 
 void lod_allocation_relax(struct lod_allocation *m, double lambda)
 {
 	m->lambda = lambda;
 	m->p->looks += m->ladder_choice_count;
-	lambda_slot_choices(m);
-	lambda_gates(m);
-	lambda_tile_choices(m);
+	relax_slots(m);
+	relax_gates(m);
+	relax_tiles(m);
 	m->cost = m->tile_choices[0].cost;
 }
 
@@ -288,10 +288,10 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 		}
 		cost.fp += visibility->above * (cost.above_fp - cost.fp);
 		cost.fn += visibility->above * (cost.above_fn - cost.fn);
-	} else if (tile_choice->summary) {
+	} else if (tile_choice->has_summary) {
 		cost = (struct lod_cost){ 0 };
-		buy(&cost, &tile_choice->points.hull, 1, tile_choice->position);
-		cost.fn = lod_summary_hull_missed(&tile_choice->points, cost.fn);
+		add_at(&cost, &tile_choice->summary.hull, 1, tile_choice->position);
+		cost.fn = lod_summary_hull_missed(&tile_choice->summary, cost.fn);
 	}
 	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) } : (struct lod_wrong){ 0 };
 }
@@ -314,20 +314,20 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 }
 
 /* Of a summary that is drawn beside plants: the points of the last lambda, fewer of them, each as large. */
-static void settle_points(struct lod_tile_choice *choice, double points)
+static void fix_summary(struct lod_tile_choice *choice, double points)
 {
 	uint32_t whole = (uint32_t)choice->position;
-	const struct lod_hull_point *a = &choice->points.hull.points[whole];
+	const struct lod_hull_point *a = &choice->summary.hull.points[whole];
 	double part = choice->position - whole, all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
-	choice->part[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
+	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
 	if (part > 0) {
-		choice->part[0].fp += part * (a[1].fp - a->fp);
-		choice->part[0].fn += part * (a[1].fn - a->fn);
+		choice->partial[0].fp += part * (a[1].fp - a->fp);
+		choice->partial[0].fn += part * (a[1].fn - a->fn);
 	}
-	choice->part[1] = choice->part[0];
-	choice->part[1].vertices = (uint64_t)all;
-	choice->part[1].fn_slope = LAST_LAMBDA;
-	choice->parts = (struct lod_hull){ choice->part, choice->part[1].vertices > choice->part[0].vertices ? 2 : 1, choice->points.hull.fp_weight };
+	choice->partial[1] = choice->partial[0];
+	choice->partial[1].vertices = (uint64_t)all;
+	choice->partial[1].fn_slope = LAST_SLOPE;
+	choice->partial_hull = (struct lod_hull){ choice->partial, choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1, choice->summary.hull.fp_weight };
 }
 
 void lod_allocation_fix(struct lod_allocation *m)
@@ -340,15 +340,15 @@ void lod_allocation_fix(struct lod_allocation *m)
 		struct lod_node *node = &visible->nodes[n];
 		struct lod_tile_choice *choice = &m->tile_choices[n];
 		double plants = choice->open ? choice->weight * choice->share : 0;
-		node->points = choice->summary ? choice->weight * points_share(choice->share) : 0;
+		node->points = choice->has_summary ? choice->weight * points_share(choice->share) : 0;
 		node->left = (uint32_t)((1 - plants) * ECO_SHARE_ONE);
 		node->state = choice->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0 ? LOD_SUMMARY : LOD_CLOSED;
 		if (node->state != LOD_OPEN)
 			node->left = 0;
 		if (node->points >= 1 && node->state == LOD_SUMMARY)         /* its hull points are for what is left of the budget to decide */
-			lod_summary_hull_complete(&choice->points);
+			lod_summary_hull_complete(&choice->summary);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
-			settle_points(choice, node->points);
+			fix_summary(choice, node->points);
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			m->tile_choices[node->child_first + c].weight = plants;
 	}

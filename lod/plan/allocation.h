@@ -47,23 +47,23 @@ struct lod_slot_choice {                     /* a slot, per plant; [0]: as far p
 	double cells_weight_px;          /* of these */
 };
 
-enum lod_held { LOD_HELD_NOT, LOD_HELD_OPEN, LOD_HELD_SHUT };
+enum lod_fixed { LOD_FREE, LOD_FIXED_OPEN, LOD_FIXED_CLOSED };
 
 struct lod_tile_choice {                   /* a tile */
-	enum lod_held held;          /* the caller's: not for its lambda to decide */
-	bool open, summary;          /* its plants are known; it has a summary */
-	double shut_most;            /* so many of its plants may be left to its summary, as a share */
+	enum lod_fixed fixed;          /* the caller's: not for its lambda to decide */
+	bool open, has_summary;          /* its plants are known; it has a summary */
+	double closed_most;            /* so many of its plants may be left to its summary, as a share */
 	bool opened;                 /* at the last lambda: more than half */
 	double share;                /* at the last lambda: how far its summary has given way to its plants and children, 0 to 1 */
 	double weight;               /* and how far those above it have given way to it */
-	struct lod_hull_point part[2];   /* of a summary that is drawn beside plants: its points once the allocation is settled, and all that the lambda has */
-	struct lod_hull parts;      /* these as steps */
+	struct lod_hull_point partial[2];   /* of a summary that is drawn beside plants: its points once the allocation is settled, and all that the lambda has */
+	struct lod_hull partial_hull;      /* these as steps */
 	double weight_px;                /* wrong when nothing of it is drawn, its children's too */
 	double pixels, unoccluded;         /* pixels of that; of these, bare ones */
-	double even, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
+	double mean_seen, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
 	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
-	struct lod_summary_view look;
-	struct lod_summary_hull points;    /* its summary's hull points */
+	struct lod_summary_view view;
+	struct lod_summary_hull summary;    /* its summary's hull points */
 	double position;             /* at the last lambda */
 	struct lod_cost cost;        /* of the better choice */
 };
@@ -78,9 +78,9 @@ struct lod_allocation {
 	double *scratch;                     /* per slot */
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
-	uint8_t *gates_most;                 /* per plant: bands whose cells have been counted */
-	uint16_t *gates_held;                /* the caller's, per plant: a gate + 1 that is not for lambdas to decide, or 0 */
-	bool sharp;                          /* tiles open all at once: where single plants decide */
+	uint8_t *gates_counted;                 /* per plant: bands whose cells have been counted */
+	uint16_t *gates_fixed;                /* the caller's, per plant: a gate + 1 that is not for lambdas to decide, or 0 */
+	bool few_plants;                          /* tiles open all at once: where single plants decide */
 	double lambda;
 	struct lod_cost cost;                /* at the last lambda */
 };
@@ -99,7 +99,7 @@ typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const 
 void lod_allocation_cells(struct lod_allocation *allocation, lod_allocation_cell_fn fn);
 
 /* Above the first lambda nothing is bought, below the second nearly all that gains. */
-void lod_allocation_lambdas(const struct lod_allocation *allocation, double *high, double *low);
+void lod_allocation_lambda_range(const struct lod_allocation *allocation, double *high, double *low);
 
 /* Sets p->gates too. Price 0 takes every step. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);

@@ -10,7 +10,7 @@
 
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* hull points taken from memory at once */
-#define SHARP_BELOW 40           /* plants in view: fewer change one by one in any case */
+#define FEW_PLANTS 40           /* plants in view: fewer change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side count, too, ... */
 #define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: of many most are hidden */
 #define HIDDEN_WOOD 0.2          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
@@ -140,7 +140,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 		slot_choice->absent += ladder_choice->when == LOD_NEAR ? 0 : ladder_choice->weight_px * lod_hull_absent(ladder);
 		slot_choice->own += ladder_choice->when == LOD_NEAR ? ladder_choice->weight_px / importance_of(ladder) : 0;
 	}
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->ladder_choice_count);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices", m->ladder_choice_count);
 }
 
 /* ---- What is seen ---- */
@@ -181,7 +181,7 @@ static void smooth_plants(struct lod_allocation *m)
 		m->slot_choices[s].own = m->slot_choices[s].parts = 0;
 }
 
-static void see_plants(struct lod_allocation *m)
+static void measure_plants(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
 	double *counts = m->scratch;
@@ -222,7 +222,7 @@ static void sum_parts(struct lod_allocation *m, const struct lod_tally *t, struc
 	whole->parts += t->count * cell->parts;
 }
 
-static void see_cell(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell, struct lod_slot_choice *whole)
+static void add_cell(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell, struct lod_slot_choice *whole)
 {
 	double rest = fmax(0, whole->seen - whole->own) * (double)m->counts[whole - m->slot_choices];
 	double part = whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
@@ -232,7 +232,7 @@ static void see_cell(struct lod_allocation *m, const struct lod_tally *t, struct
 }
 
 /* What is seen of plants and not their own lists' is seen of their cells, in proportion to what these would cover. */
-static void see_cells(struct lod_allocation *m)
+static void measure_cells(struct lod_allocation *m)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
 	memset(m->scratch, 0, visible->slot_count * sizeof *m->scratch);
@@ -240,7 +240,7 @@ static void see_cells(struct lod_allocation *m)
 		if (visible->slots[s].cell)
 			m->slot_choices[s].parts = anchor_pixels(m, &visible->slots[s]);
 	lod_allocation_cells(m, sum_parts);
-	lod_allocation_cells(m, see_cell);
+	lod_allocation_cells(m, add_cell);
 	for (uint32_t s = 0; s < visible->slot_count; s++)
 		if (visible->slots[s].cell && m->scratch[s] > 0) {
 			m->slot_choices[s].seen /= m->scratch[s];
@@ -260,8 +260,8 @@ static void measure_closed(struct lod_allocation *m, const struct lod_visibility
 	choice->weight_px = (1 + LOD_ABSENT_WEIGHT) * choice->pixels;
 	choice->unoccluded = unoccluded_pixels(visibility);
 	choice->plants += (double)p->scene->tiles[node->tile].instance_count;
-	choice->look.box += ratio * node->area * px * px;
-	choice->look.covered += ratio * node->area * px * px * visibility->opacity;
+	choice->view.box += ratio * node->area * px * px;
+	choice->view.covered += ratio * node->area * px * px * visibility->opacity;
 }
 
 /* What a summary is to cover of a plant. Between leaves at random and along twigs: taken for as thin as a picture shows them, summaries seem too wide
@@ -283,12 +283,12 @@ static void measure_tile_choices(struct lod_allocation *m)
 		}
 		if (!choice->open)
 			continue;
-		choice->look.covered += summed_pixels(visibility);
-		choice->look.box += visibility->ellipse;
+		choice->view.covered += summed_pixels(visibility);
+		choice->view.box += visibility->ellipse;
 		choice->plants += 1;
 		choice->factor += seen_pixels(visibility);
 		choice->unoccluded += unoccluded_pixels(visibility);
-		choice->even += m->slot_choices[visibility->slot].seen;
+		choice->mean_seen += m->slot_choices[visibility->slot].seen;
 	}
 }
 
@@ -303,9 +303,9 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, but where the farthest are less than
 	 * three times as far away as the nearest, and of full use only from twice as far on: so it goes little by little as a camera comes */
 	double apart = node->distance / fmax(across, up) - 1;
-	choice->summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && choice->pixels > 0 && choice->plants > 0 && apart > 0;
-	choice->shut_most = fmin(1, apart);
-	if (!choice->summary)
+	choice->has_summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && choice->pixels > 0 && choice->plants > 0 && apart > 0;
+	choice->closed_most = fmin(1, apart);
+	if (!choice->has_summary)
 		return true;
 	for (int i = 0; i < 3; i++) {
 		from_eye[i] = center[i] - p->visible.eye.at[i];
@@ -314,18 +314,18 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
 	/* its points are those of all its plants, in view or not */
 	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > choice->plants ? choice->plants / all : 1;
-	struct lod_summary_view look = { .area = 0.5 * node->area * px * px * part, .covered = choice->look.covered, .box = choice->look.box,
+	struct lod_summary_view view = { .area = 0.5 * node->area * px * px * part, .covered = choice->view.covered, .box = choice->view.box,
 		.plants = choice->plants, .points = p->scene->lists[list].primitive_count, .weight_px = choice->weight_px };
 	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
-	look.wide = 2 * across * px;
-	look.high = 2 * lod_tilt_height(&tilt, across, up) * px;
-	uint32_t count = lod_summary_hull_count(look.points);
+	view.wide = 2 * across * px;
+	view.high = 2 * lod_tilt_height(&tilt, across, up) * px;
+	uint32_t count = lod_summary_hull_count(view.points);
 	struct lod_hull_point *room = take_points(m, 2 * count + 1);
 	if (!room)
 		return false;
 	m->block_used += 2 * count + 1;
 	p->candidates += count;
-	lod_summary_hull_begin(&choice->points, &look, part, choice->pixels / choice->weight_px, fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
+	lod_summary_hull_begin(&choice->summary, &view, part, choice->pixels / choice->weight_px, fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
 	return true;
 }
 
@@ -339,7 +339,7 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 		struct lod_tile_choice *tile_choice = &m->tile_choices[n];
 		if (node->state == LOD_CLOSED)
 			continue;
-		tile_choice->factor = tile_choice->even > 0 ? tile_choice->factor / tile_choice->even : 1;
+		tile_choice->factor = tile_choice->mean_seen > 0 ? tile_choice->factor / tile_choice->mean_seen : 1;
 		for (uint32_t i = 0; tile_choice->open && i < node->tally_count; i++) {
 			const struct lod_slot_choice *slot_choice = &m->slot_choices[node->tallies[i].slot];
 			double seen = visible->slots[node->tallies[i].slot].cell ? 0 : tile_choice->factor * node->tallies[i].count;
@@ -351,8 +351,8 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 			tile_choice->pixels += child->pixels;
 			tile_choice->weight_px += child->weight_px;
 			tile_choice->unoccluded += child->unoccluded;
-			tile_choice->look.covered += child->look.covered;
-			tile_choice->look.box += child->look.box;
+			tile_choice->view.covered += child->view.covered;
+			tile_choice->view.box += child->view.box;
 			tile_choice->plants += child->plants;
 		}
 		if (!measure_summary(m, n))
@@ -396,12 +396,12 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->tile_choices = calloc(nodes + 1, sizeof *m->tile_choices);
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
-	m->gates_most = malloc(scene->plant_count + 1u);
-	m->gates_held = calloc(scene->plant_count + 1u, sizeof *m->gates_held);
-	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of || !m->gates_most || !m->gates_held)
+	m->gates_counted = malloc(scene->plant_count + 1u);
+	m->gates_fixed = calloc(scene->plant_count + 1u, sizeof *m->gates_fixed);
+	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of || !m->gates_counted || !m->gates_fixed)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
-		m->gates_most[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
+		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
 	for (uint32_t s = 0; s < slots; s++)
 		m->counts[s] = p->visible.slots[s].count;
 	for (uint32_t n = 0; n < nodes; n++)
@@ -411,17 +411,17 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 		code = lod_screen_shares(&p->screen, !p->input->ignore_occlusion, error);
 	if (code)
 		return code;
-	see_plants(m);
+	measure_plants(m);
 	for (uint32_t s = 0; !code && s < slots; s++)
 		if (!p->visible.slots[s].cell)
 			code = make_slot_choice(m, s, error);
-	see_cells(m);
+	measure_cells(m);
 	for (uint32_t s = 0; !code && s < slots; s++)
 		if (p->visible.slots[s].cell)
 			code = make_slot_choice(m, s, error);
 	if (!code)
 		code = make_tile_choices(m, error);
-	m->sharp = m->tile_choices[0].plants < SHARP_BELOW;
+	m->few_plants = m->tile_choices[0].plants < FEW_PLANTS;
 	return code;
 }
 
@@ -437,7 +437,7 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->drawn_by);
 	free(m->ladder_choices);
 	free(m->slot_of);
-	free(m->gates_most);
-	free(m->gates_held);
+	free(m->gates_counted);
+	free(m->gates_fixed);
 	*m = (struct lod_allocation){ 0 };
 }

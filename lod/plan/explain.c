@@ -95,7 +95,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 		const struct lod_node *node = &m->p->visible.nodes[n];
 		struct lod_explained row = { .cut = { .list = ECO_NONE, .anchor = ECO_NONE }, .tile = node->tile, .plant = ECO_NONE };
 		double plants, summary;
-		if (node->state != LOD_OPEN || node->points > 0 || !m->tile_choices[n].summary)
+		if (node->state != LOD_OPEN || node->points > 0 || !m->tile_choices[n].has_summary)
 			continue;
 		lod_allocation_compare(m, n, &plants, &summary);
 		row.plants = node->plants;

@@ -11,11 +11,11 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define HALVINGS 14              /* of the interval of lambdas: what is left is spent step by step */
-#define FALL 1.4                 /* of the lambda, while a lambda is looked for that does not fit */
-#define FALLS_FEW 24
-#define NO_LAMBDA 1e-30           /* of a lambda: below all at which something gains */
-#define FALLS_MAX 400            /* 1e58: more than any two lambdas can be apart */
+#define BISECTIONS 14              /* of the interval of lambdas: what is left is spent step by step */
+#define BRACKET_FACTOR 1.4                 /* of the lambda, while a lambda is looked for that does not fit */
+#define BRACKETS_FEW 24
+#define NEGLIGIBLE 1e-30           /* of a lambda: below all at which something gains */
+#define BRACKETS_MAX 400            /* 1e58: more than any two lambdas can be apart */
 
 /* ---- Bids ---- */
 
@@ -29,7 +29,7 @@ static double shown(const struct lod_planner *p, const struct lod_tally *t)
 }
 
 /* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
-static void see_slots(const struct lod_allocation *m, double *seen)
+static void sum_seen(const struct lod_allocation *m, double *seen)
 {
 	const struct lod_planner *p = m->p;
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
@@ -40,7 +40,7 @@ static void see_slots(const struct lod_allocation *m, double *seen)
 }
 
 /* A summary that nothing is drawn beside: it may have as many points as are worth it. */
-static bool alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
+static bool summary_alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
 
 /* Its plants are the first of the slot by hash, the last, or all. */
 static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
@@ -54,9 +54,9 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 	const struct lod_planner *p = m->p;
 	*fill = (struct lod_fill){ .allocation = m, .candidates = malloc(((size_t)m->ladder_choice_count + p->visible.node_count + 1) * sizeof *fill->candidates) };
 	if (!fill->candidates)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", m->ladder_choice_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices", m->ladder_choice_count);
 	memset(m->scratch, 0, p->visible.slot_count * sizeof *m->scratch);
-	see_slots(m, m->scratch);
+	sum_seen(m, m->scratch);
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		const struct lod_ladder_choice *o = &m->ladder_choices[i];
 		uint64_t count = plants_of(p, o);
@@ -69,7 +69,7 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 		const struct lod_tile_choice *choice = &m->tile_choices[n];
 		if (node->points > 0)
 			fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = ECO_NONE, .node = n,
-				.hull = alone(node) ? &choice->points.hull : &choice->parts, .count = 1, .weight_px = choice->weight_px,
+				.hull = summary_alone(node) ? &choice->summary.hull : &choice->partial_hull, .count = 1, .weight_px = choice->weight_px,
 				.seen = choice->weight * (1 - choice->share) * choice->weight_px };
 	}
 	return ECO_OK;
@@ -137,20 +137,20 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	fill->converged = true;
 	fill->lambda = 0;
 	if (fill->vertices > budget) {
-		int falls = 0;
-		for (; fill_at(fill, high), fill->vertices > budget && falls < FALLS_MAX; falls++)
-			high *= FALL;
-		low = high / FALL;
-		for (; fill_at(fill, low), fill->vertices <= budget && falls < FALLS_MAX; falls++) {
+		int brackets = 0;
+		for (; fill_at(fill, high), fill->vertices > budget && brackets < BRACKETS_MAX; brackets++)
+			high *= BRACKET_FACTOR;
+		low = high / BRACKET_FACTOR;
+		for (; fill_at(fill, low), fill->vertices <= budget && brackets < BRACKETS_MAX; brackets++) {
 			high = low;
-			low /= FALL;
-			if (falls == FALLS_FEW && (fill_at(fill, high * NO_LAMBDA), fill->vertices <= budget)) {
-				low = high *= NO_LAMBDA;              /* what is left gains nothing at all */
+			low /= BRACKET_FACTOR;
+			if (brackets == BRACKETS_FEW && (fill_at(fill, high * NEGLIGIBLE), fill->vertices <= budget)) {
+				low = high *= NEGLIGIBLE;              /* what is left gains nothing at all */
 				break;
 			}
 		}
-		fill->converged = falls < FALLS_MAX;
-		for (int i = 0; i < HALVINGS; i++) {
+		fill->converged = brackets < BRACKETS_MAX;
+		for (int i = 0; i < BISECTIONS; i++) {
 			double middle = 0.5 * (low + high);
 			fill_at(fill, middle);
 			*(fill->vertices <= budget ? &high : &low) = middle;
@@ -163,7 +163,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 
 /* ---- Hashes: which plants are ahead ---- */
 
-static void file_cells(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+static void collect_cell_hashes(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
 {
 	struct lod_fill *fill = ctx;
 	(void)plant;
@@ -180,7 +180,7 @@ static bool is_drawn(const struct lod_node *node, uint32_t hash)
 }
 
 /* Hashes of all plants and cells that are drawn, slot by slot. */
-static bool file_hashes(struct lod_fill *fill)
+static bool collect_hashes(struct lod_fill *fill)
 {
 	struct lod_planner *p = fill->allocation->p;
 	uint32_t slots = p->visible.slot_count, sum = 0;
@@ -203,7 +203,7 @@ static bool file_hashes(struct lod_fill *fill)
 	}
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
 		if (p->gates[plant])
-			lod_visible_tree_each(&p->visible, plant, p->gates, file_cells, fill);
+			lod_visible_tree_each(&p->visible, plant, p->gates, collect_cell_hashes, fill);
 	for (uint32_t s = 0, end = 0; s < slots; s++)        /* what is drawn is what was counted */
 		assert(fill->hash_first[s] == (end += (uint32_t)p->visible.slots[s].count));
 	memmove(fill->hash_first + 1, fill->hash_first, (size_t)slots * sizeof *fill->hash_first);
@@ -264,7 +264,7 @@ static void reach(struct lod_candidate *candidate, uint64_t vertices)
 }
 
 /* As many plants as `left` takes all the way. */
-static uint64_t buy_plants(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t each = candidate->high - candidate->low, most = left / each, behind = candidate->count - candidate->ahead;
 	uint64_t plants = share_floor(fill, candidate, candidate->ahead + (most < behind ? most : behind));
@@ -277,7 +277,7 @@ static uint64_t buy_plants(struct lod_fill *fill, struct lod_candidate *candidat
 }
 
 /* Less than a step for one plant is left: all plants go part of the way, and some of them one primitive further. */
-static uint64_t buy_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	const struct lod_way *way = way_of(fill, candidate);
 	uint64_t each = left / candidate->count, spent = 0, to = lod_way_floor(way, each < candidate->high - candidate->low ? candidate->low + each : candidate->high);
@@ -299,7 +299,7 @@ static uint64_t buy_evenly(struct lod_fill *fill, struct lod_candidate *candidat
 
 /* The same where there are many plants: one goes part of the way, and all others stay as they are. What is left differs from one
  * picture to the next, and may not be seen. */
-static uint64_t buy_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
 	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
@@ -311,7 +311,7 @@ static uint64_t buy_part(struct lod_fill *fill, struct lod_candidate *candidate,
 }
 
 /* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
-static uint64_t buy_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t had = candidate->ahead * (candidate->high - candidate->low), plants = lod_fill_share_next(fill, candidate, candidate->ahead);
 	uint64_t to = lod_way_floor(way_of(fill, candidate), candidate->low + (had + left) / plants);
@@ -325,7 +325,7 @@ static uint64_t buy_thinly(struct lod_fill *fill, struct lod_candidate *candidat
 	return spent;
 }
 
-static uint64_t buy_points(struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_summary(struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t points = left < candidate->high - candidate->low ? left : candidate->high - candidate->low;
 	reach(candidate, candidate->low + points);
@@ -333,15 +333,15 @@ static uint64_t buy_points(struct lod_candidate *candidate, uint64_t left)
 }
 
 /* As much as `left` allows of the way to the candidate's next hull point. */
-static uint64_t buy(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	if (candidate->ladder_choice == ECO_NONE)
-		return buy_points(candidate, left);
-	uint64_t spent = buy_plants(fill, candidate, left);
-	if (spent == 0 && !fill->allocation->sharp)
-		spent = buy_part(fill, candidate, left);
+		return fill_summary(candidate, left);
+	uint64_t spent = fill_plants(fill, candidate, left);
+	if (spent == 0 && !fill->allocation->few_plants)
+		spent = fill_one_part(fill, candidate, left);
 	else if (spent == 0)
-		spent = candidate->ahead ? buy_thinly(fill, candidate, left) : buy_evenly(fill, candidate, left);
+		spent = candidate->ahead ? fill_thinly(fill, candidate, left) : fill_evenly(fill, candidate, left);
 	return spent;
 }
 
@@ -366,7 +366,7 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 	while (count && left) {
 		struct lod_candidate *candidate = &fill->candidates[heap[0].id];
 		uint32_t step = candidate->step;
-		uint64_t spent = buy(fill, candidate, left);
+		uint64_t spent = fill_candidate(fill, candidate, left);
 		left -= spent;
 		fill->allocation->p->gains += candidate->step != step;
 		if (candidate->step != step && lod_candidate_next(candidate) > 0)
@@ -397,7 +397,7 @@ static uint64_t cheapest_step(struct lod_fill *fill)
 		if (!(lod_candidate_next(candidate) > 0))
 			continue;
 		uint64_t cost = 1;
-		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->sharp)
+		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->few_plants)
 			cost = part_cost(fill, candidate);
 		else if (candidate->ladder_choice != ECO_NONE && candidate->ahead)
 			cost = (lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead) * (candidate->high - candidate->low);
@@ -421,7 +421,7 @@ static double between_densities(const struct lod_way *way, uint64_t low, uint64_
 static double mean_density(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_way *way = way_of(fill, candidate);
-	if (fill->allocation->sharp)
+	if (fill->allocation->few_plants)
 		return between_densities(way, candidate->low, candidate->high, (double)candidate->ahead / (double)candidate->count);
 	double position = fill->allocation->ladder_choices[candidate->ladder_choice].position;
 	const struct lod_hull_point *a = &candidate->hull->points[(uint32_t)position];
@@ -485,7 +485,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 		if (candidate->ladder_choice == ECO_NONE) {
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
-			entry.wanted = alone(node) ? 0 : (double)m->tile_choices[candidate->node].part[1].vertices;
+			entry.wanted = summary_alone(node) ? 0 : (double)m->tile_choices[candidate->node].partial[1].vertices;
 		} else {
 			const struct lod_ladder_choice *o = &m->ladder_choices[candidate->ladder_choice];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
@@ -517,7 +517,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 /* Between two hull points a curve is not a straight line. */
 static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	struct lod_hull_point point = lod_hull_measure(way_of(fill, candidate), vertices);
+	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices);
 	return lod_hull_error(candidate->hull, &point);
 }
 
@@ -544,11 +544,11 @@ void lod_fill_sum(struct lod_fill *fill)
 
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
 {
-	bool good = file_hashes(fill) && lod_fill_rest(fill, budget, ECO_NONE);
+	bool good = collect_hashes(fill) && lod_fill_rest(fill, budget, ECO_NONE);
 	if (good)
 		lod_fill_sum(fill);
 	if (!good || (swaps && !lod_swap_steps(fill, budget)))
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u amounts", fill->candidate_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates", fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);
 	return add_entries(fill, error);
 }

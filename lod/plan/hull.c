@@ -6,14 +6,14 @@
 #define GROWTH 4u                /* hull points that are looked at grow by a quarter: curves are smooth */
 
 /* The step from one hull point to the next. */
-static void set_lambdas(const struct lod_hull_point *from, struct lod_hull_point *to)
+static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point *to)
 {
 	double vertices = (double)(to->vertices - from->vertices);
 	to->fn_slope = (from->fn - to->fn) / vertices;
 	to->fp_slope = (from->fp - to->fp) / vertices;
 }
 
-void lod_hull_reduce(struct lod_hull *hull, double spread)
+void lod_hull_reduce(struct lod_hull *hull, double ratio)
 {
 	struct lod_hull_point *a = hull->points;
 	uint32_t kept = 1;
@@ -24,8 +24,8 @@ void lod_hull_reduce(struct lod_hull *hull, double spread)
 		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);       /* noise */
 		a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
 		for (;; kept--, a[kept] = a[kept + 1]) {
-			set_lambdas(&a[kept - 1], &a[kept]);
-			if (kept == 1 || spread * lod_hull_slope(hull, kept) < lod_hull_slope(hull, kept - 1))
+			set_slopes(&a[kept - 1], &a[kept]);
+			if (kept == 1 || ratio * lod_hull_slope(hull, kept) < lod_hull_slope(hull, kept - 1))
 				break;
 		}
 		kept += lod_hull_slope(hull, kept) > 0;
@@ -59,7 +59,7 @@ double lod_hull_absent(const struct eco_ladder *ladder)
 	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WEIGHT : 0;
 }
 
-struct lod_hull_point lod_hull_measure(const struct lod_way *way, uint64_t vertices)
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
@@ -79,17 +79,17 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 {
 	uint64_t stage = lod_way_stage_end(way), at = from;
 	uint32_t count = 1;
-	points[0] = lod_hull_measure(way, from);
+	points[0] = lod_hull_point_at(way, from);
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
 		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
 			next = stage;
 		at = next < to ? next : to;
-		points[count++] = lod_hull_measure(way, at);
+		points[count++] = lod_hull_point_at(way, at);
 	}
 	if (at < to)
-		points[count++] = lod_hull_measure(way, to);
+		points[count++] = lod_hull_point_at(way, to);
 	return count;
 }
 

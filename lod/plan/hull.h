@@ -44,12 +44,12 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 /* What is wrong, besides its pixels, where nothing of it is drawn. */
 double lod_hull_absent(const struct eco_ladder *ladder);
 /* Errors at an hull point that lod_way_floor returns. */
-struct lod_hull_point lod_hull_measure(const struct lod_way *way, uint64_t vertices);
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices);
 
 /* The hull of any hull points in ascending vertices, in place, with steps->extra as it is; of two steps whose lambdas are not `spread` times
  * apart one is made. A hull of a hull at another weight is one at both, and between. */
-void lod_hull_reduce(struct lod_hull *hull, double spread);
-#define LOD_HULL_SPREAD 1.25    /* of ladders: where a curve is nearly straight, a step between does not save more, but more plants
+void lod_hull_reduce(struct lod_hull *hull, double ratio);
+#define LOD_HULL_SLOPE_RATIO 1.25    /* of ladders: where a curve is nearly straight, a step between does not save more, but more plants
                                   * change as a camera moves */
 /* All there is, for who can have everything: `to` as the last hull point. Needs room for one more. */
 void lod_hull_complete(struct lod_hull *hull, uint64_t to);

@@ -38,7 +38,7 @@ static double grown(const struct lod_planner *p, const struct lod_entry *entry, 
 /* How far from above the slot's plants are seen, in the mean. */
 static double above_of(const struct lod_slot *slot)
 {
-	return slot->looked > 0 ? floor(ABOVE_STEPS * slot->above / slot->looked + 0.5) / ABOVE_STEPS : 0;
+	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5) / ABOVE_STEPS : 0;
 }
 
 /* Plants of an entry whose hash lies in [first, end), `count` of them, draw `vertices` each. */

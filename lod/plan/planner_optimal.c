@@ -22,7 +22,7 @@
 #define LAMBDAS_PER_OCTAVE 2
 #define LAMBDA_HIGHEST 34         /* octaves: more pixels than a picture can have */
 #define LAMBDA_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then lambda 0 */
-#define LAMBDAS_PER_MARK 4        /* between two whose pictures are looked at, at most */
+#define LAMBDAS_PER_PREDICTION 4        /* between two whose pictures are looked at, at most */
 #define LAMBDA_TRIES 8            /* between two lambdas, for the one that uses the budget, ... */
 #define LAMBDA_SLACK 0.001        /* ... but for so much of it */
 #define SMALL_LADDER_CHOICES 64u         /* scenes of fewer ladder choices and tiles are small: */
@@ -52,112 +52,114 @@ static void begin_screen(struct lod_planner *p)
 
 /* ---- Down the lambdas ---- */
 
-struct level { double vertices, wrong; };                /* what a lambda comes to */
+struct outcome { double vertices, wrong; };                /* what a lambda comes to */
 
-struct mark { int at; struct level level; struct eco_prediction picture; };
+struct evaluation { int at; struct outcome outcome; struct eco_prediction prediction; };
 
-struct descent {
+struct lambda_search {
 	struct lod_allocation *allocation;
 	int first, last;             /* indices of lambdas at which anything is bought, and beyond which nothing more gains */
-	struct mark from, to;        /* the lambdas around the budget whose pictures are looked at */
+	struct evaluation from, to;        /* the lambdas around the budget whose pictures are looked at */
 	int index;                   /* the last that fits the budget */
-	struct level here, next;     /* there, and at the lambda after it */
+	struct outcome here, next;     /* there, and at the lambda after it */
 };
 
 /* The lambda after the last that something gains at is 0. */
-static int index_of(const struct descent *d, int at) { return at <= d->last ? at : LAMBDA_COUNT; }
-static int index_after(const struct descent *d, int index) { return index < d->last ? index + 1 : LAMBDA_COUNT; }
+static int index_of(const struct lambda_search *s, int at) { return at <= s->last ? at : LAMBDA_COUNT; }
+static int index_after(const struct lambda_search *s, int index) { return index < s->last ? index + 1 : LAMBDA_COUNT; }
 
-static void find_ends(struct descent *d)
+static void find_ends(struct lambda_search *s)
 {
 	double high, low;
-	lod_allocation_lambdas(d->allocation, &high, &low);
-	d->first = 1;
-	while (d->first < LAMBDA_COUNT - 1 && lambda_at(d->first) > high)
-		d->first++;
-	d->last = d->first;
-	while (d->last < LAMBDA_COUNT - 1 && lambda_at(d->last) > low)
-		d->last++;
+	lod_allocation_lambda_range(s->allocation, &high, &low);
+	s->first = 1;
+	while (s->first < LAMBDA_COUNT - 1 && lambda_at(s->first) > high)
+		s->first++;
+	s->last = s->first;
+	while (s->last < LAMBDA_COUNT - 1 && lambda_at(s->last) > low)
+		s->last++;
 }
 
 static double within(double value, double least, double most) { return value < least ? least : value > most ? most : value; }
 
-static double wrong_of(const struct eco_prediction *picture) { return picture->fp + picture->fn; }
+static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
 
 /* What a lambda comes to, and its picture: neither worse than what is before it nor better than what is after. */
-static enum eco_code look_at(struct descent *d, int at, const struct mark *before, const struct mark *after, bool picture, struct mark *mark,
-	struct eco_error *error)
+static enum eco_code evaluate(struct lambda_search *s, int at, const struct evaluation *before,
+	const struct evaluation *after, bool predicts, struct evaluation *result, struct eco_error *error)
 {
-	struct lod_allocation *m = d->allocation;
+	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
-	*mark = (struct mark){ .at = at, .picture = before->picture };
-	lod_allocation_relax(m, lambda_at(index_of(d, at)));
-	mark->level.vertices = within(m->cost.vertices, before->level.vertices, after->level.vertices);
-	mark->level.wrong = within(m->cost.fp + m->cost.fn, after->level.wrong, before->level.wrong);
-	if (picture)
-		code = lod_allocation_predict(m, &mark->picture, error);
-	if (wrong_of(&mark->picture) > wrong_of(&before->picture))
-		mark->picture = before->picture;
-	if (wrong_of(&mark->picture) < wrong_of(&after->picture))
-		mark->picture = after->picture;
+	*result = (struct evaluation){ .at = at, .prediction = before->prediction };
+	lod_allocation_relax(m, lambda_at(index_of(s, at)));
+	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices, after->outcome.vertices);
+	result->outcome.wrong = within(m->cost.fp + m->cost.fn, after->outcome.wrong, before->outcome.wrong);
+	if (predicts)
+		code = lod_allocation_predict(m, &result->prediction, error);
+	if (wrong_of(&result->prediction) > wrong_of(&before->prediction))
+		result->prediction = before->prediction;
+	if (wrong_of(&result->prediction) < wrong_of(&after->prediction))
+		result->prediction = after->prediction;
 	return code;
 }
 
 /* The lambda to look at next: in the middle. But the dearest is only a bound: as long as nothing is bought there, much cheaper ones. */
-static int between_marks(const struct descent *d, const struct mark *here, const struct mark *next)
+static int next_to_evaluate(const struct lambda_search *s, const struct evaluation *here, const struct evaluation *next)
 {
 	int width = next->at - here->at;
-	bool bound = !(here->level.vertices > 0) && next->at <= d->last;
+	bool bound = !(here->outcome.vertices > 0) && next->at <= s->last;
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
 /* By dividing what is between nothing and everything. What a lambda comes to depends on the marks around it and on the view, not on the
  * budget. Most lambdas are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
-static enum eco_code descend(struct descent *d, uint64_t budget, struct eco_error *error)
+static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	const struct mark nothing = { .level = { 0, d->allocation->tile_choices[0].weight_px }, .picture = { .fp = INFINITY } };
-	const struct mark everything = { .level = { INFINITY, 0 } };
-	struct mark here = nothing, next = everything, middle;
-	find_ends(d);
-	enum eco_code code = look_at(d, d->first - 1, &nothing, &everything, true, &here, error);
-	here.level = nothing.level;
+	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px }, .prediction = { .fp = INFINITY } };
+	const struct evaluation everything = { .outcome = { INFINITY, 0 } };
+	struct evaluation here = nothing, next = everything, middle;
+	find_ends(s);
+	enum eco_code code = evaluate(s, s->first - 1, &nothing, &everything, true, &here, error);
+	here.outcome = nothing.outcome;
 	if (!code)
-		code = look_at(d, d->last + 1, &here, &everything, true, &next, error);
-	d->from = here;
-	d->to = next;
-	if (next.level.vertices <= (double)budget)
-		d->from = here = next;
+		code = evaluate(s, s->last + 1, &here, &everything, true, &next, error);
+	s->from = here;
+	s->to = next;
+	if (next.outcome.vertices <= (double)budget)
+		s->from = here = next;
 	while (!code && next.at - here.at > 1) {
-		bool wide = next.at - here.at > LAMBDAS_PER_MARK;
-		code = look_at(d, between_marks(d, &here, &next), &here, &next, wide, &middle, error);
-		*(middle.level.vertices <= (double)budget ? &here : &next) = middle;
+		bool wide = next.at - here.at > LAMBDAS_PER_PREDICTION;
+		code = evaluate(s, next_to_evaluate(s, &here, &next), &here, &next, wide, &middle, error);
+		*(middle.outcome.vertices <= (double)budget ? &here : &next) = middle;
 		if (wide) {
-			d->from = here;
-			d->to = next;
+			s->from = here;
+			s->to = next;
 		}
 	}
-	d->index = index_of(d, here.at);
-	d->here = here.level;
-	d->next = next.level;
+	s->index = index_of(s, here.at);
+	s->here = here.outcome;
+	s->next = next.outcome;
 	return code;
 }
 
 /* ---- The picture ---- */
 
-static struct eco_prediction between(const struct eco_prediction *a, const struct eco_prediction *b, double part)
+static struct eco_prediction interpolate(const struct eco_prediction *a, const struct eco_prediction *b, double part)
 {
 	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
 }
 
 /* What is expected to be wrong with the budget, and the picture for that; unless a level before expected less. */
-static void predict(const struct descent *d, uint64_t budget)
+static void predict(const struct lambda_search *s, uint64_t budget)
 {
-	double room = d->next.vertices - d->here.vertices, part = room > 0 ? ((double)budget - d->here.vertices) / room : 0;
-	double wrong = d->here.wrong + (part > 1 ? 1 : part) * (d->next.wrong - d->here.wrong);
-	room = d->from.level.wrong - d->to.level.wrong;
-	part = room > 0 ? (d->from.level.wrong - wrong) / room : 1;
-	struct eco_prediction picture = between(&d->from.picture, &d->to.picture, part < 0 ? 0 : part > 1 ? 1 : part), *least = &d->allocation->p->prediction;
-	*least = wrong_of(&picture) < wrong_of(least) ? picture : *least;
+	double room = s->next.vertices - s->here.vertices, part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
+	double wrong = s->here.wrong + (part > 1 ? 1 : part) * (s->next.wrong - s->here.wrong);
+	room = s->from.outcome.wrong - s->to.outcome.wrong;
+	part = room > 0 ? (s->from.outcome.wrong - wrong) / room : 1;
+	part = part < 0 ? 0 : part > 1 ? 1 : part;
+	struct eco_prediction prediction = interpolate(&s->from.prediction, &s->to.prediction, part);
+	struct eco_prediction *least = &s->allocation->p->prediction;
+	*least = wrong_of(&prediction) < wrong_of(least) ? prediction : *least;
 }
 
 /* ---- Amounts for the structure of a lambda ---- */
@@ -173,126 +175,126 @@ static double closed_wrong(const struct lod_allocation *m)
 }
 
 /* What the structure of a lambda leaves wrong with all of the budget: infinitely much where it does not fit. */
-static enum eco_code try_structure(const struct descent *d, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
+static enum eco_code try_structure(const struct lambda_search *s, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
 	struct eco_error *error)
 {
-	lod_allocation_relax(d->allocation, lambda);
-	lod_allocation_fix(d->allocation);
-	enum eco_code code = lod_fill_make(fill, d->allocation, error);
+	lod_allocation_relax(s->allocation, lambda);
+	lod_allocation_fix(s->allocation);
+	enum eco_code code = lod_fill_make(fill, s->allocation, error);
 	if (code)
 		return code;
-	lod_fill_search(fill, fmax(lambda, lambda_at(d->last)), budget);
-	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(d->allocation) : INFINITY;
+	lod_fill_search(fill, fmax(lambda, lambda_at(s->last)), budget);
+	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(s->allocation) : INFINITY;
 	return ECO_OK;
 }
 
-struct found { int index; double wrong; };
+struct best { int index; double wrong; };
 
 /* Structures of lambdas around the one that fits: the next, and in small scenes, where steps are large and what is left over may matter as
  * much, some more. */
-static enum eco_code try_lambdas(const struct descent *d, uint64_t budget, int reach, struct found *found, struct eco_error *error)
+static enum eco_code try_structures(const struct lambda_search *s, uint64_t budget, int reach, struct best *best, struct eco_error *error)
 {
-	int from = d->index - reach + 1 > d->first - 1 ? d->index - reach + 1 : d->first - 1, tried = -1;
+	int from = s->index - reach + 1 > s->first - 1 ? s->index - reach + 1 : s->first - 1, tried = -1;
 	enum eco_code code = ECO_OK;
-	from = d->index == LAMBDA_COUNT ? d->index : from < d->last ? from : d->last;
-	for (int i = from, count = 0; !code && count < 2 * reach && tried != LAMBDA_COUNT; i = index_after(d, i), count++) {
+	from = s->index == LAMBDA_COUNT ? s->index : from < s->last ? from : s->last;
+	for (int i = from, count = 0; !code && count < 2 * reach && tried != LAMBDA_COUNT; i = index_after(s, i), count++) {
 		struct lod_fill fill = { 0 };
 		double wrong = INFINITY;
-		code = try_structure(d, lambda_at(tried = i), budget, &fill, &wrong, error);
+		code = try_structure(s, lambda_at(tried = i), budget, &fill, &wrong, error);
 		if (!code && reach > 1 && wrong < INFINITY) {
 			code = lod_fill_finish(&fill, budget, true, error);
-			wrong = fill.wrong + closed_wrong(d->allocation);
+			wrong = fill.wrong + closed_wrong(s->allocation);
 		}
-		if (!code && wrong < found->wrong)
-			*found = (struct found){ i, wrong };
+		if (!code && wrong < best->wrong)
+			*best = (struct best){ i, wrong };
 		lod_fill_free(&fill);
 	}
 	return code;
 }
 
 /* With a tile or a gate held as it is now; better says whether what is found is. */
-static enum eco_code try_held(const struct descent *d, uint64_t budget, struct found *found, bool *better, struct eco_error *error)
+static enum eco_code try_fixed(const struct lambda_search *s, uint64_t budget, struct best *best, bool *better, struct eco_error *error)
 {
-	struct found other = *found;
-	enum eco_code code = try_lambdas(d, budget, SMALL_REACH, &other, error);
-	*better = other.wrong < found->wrong;
-	*found = other;
+	struct best other = *best;
+	enum eco_code code = try_structures(s, budget, SMALL_REACH, &other, error);
+	*better = other.wrong < best->wrong;
+	*best = other;
 	return code;
 }
 
 /* Each tile the other way round. */
-static enum eco_code try_tiles(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
+static enum eco_code try_tiles(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
 {
-	struct lod_allocation *m = d->allocation;
+	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
 	for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
 		struct lod_tile_choice *choice = &m->tile_choices[n];
-		enum lod_held held = choice->held;
+		enum lod_fixed fixed = choice->fixed;
 		bool better;
-		if (!choice->open || !choice->summary)
+		if (!choice->open || !choice->has_summary)
 			continue;
-		lod_allocation_relax(m, lambda_at(found->index));
-		choice->held = choice->opened ? LOD_HELD_SHUT : LOD_HELD_OPEN;
-		code = try_held(d, budget, found, &better, error);
+		lod_allocation_relax(m, lambda_at(best->index));
+		choice->fixed = choice->opened ? LOD_FIXED_CLOSED : LOD_FIXED_OPEN;
+		code = try_fixed(s, budget, best, &better, error);
 		*any = *any || better;
 		if (!better)
-			choice->held = held;
+			choice->fixed = fixed;
 	}
 	return code;
 }
 
 /* Each plant's gate at each of its bands. */
-static enum eco_code try_gates(const struct descent *d, uint64_t budget, struct found *found, bool *any, struct eco_error *error)
+static enum eco_code try_gates(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
 {
-	struct lod_allocation *m = d->allocation;
+	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
 	for (uint32_t plant = 0; plant < m->p->scene->plant_count; plant++)
-		for (uint32_t gate = 0; !code && gate <= m->gates_most[plant]; gate++) {
-			uint16_t held = m->gates_held[plant];
+		for (uint32_t gate = 0; !code && gate <= m->gates_counted[plant]; gate++) {
+			uint16_t fixed = m->gates_fixed[plant];
 			bool better;
-			if (m->gates_most[plant] == 0 || (gate > 0 && lod_allocation_slot(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
+			if (m->gates_counted[plant] == 0 || (gate > 0 && lod_allocation_slot(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
 				continue;
-			m->gates_held[plant] = (uint16_t)(gate + 1);
-			code = try_held(d, budget, found, &better, error);
+			m->gates_fixed[plant] = (uint16_t)(gate + 1);
+			code = try_fixed(s, budget, best, &better, error);
 			*any = *any || better;
 			if (!better)
-				m->gates_held[plant] = held;
+				m->gates_fixed[plant] = fixed;
 		}
 	return code;
 }
 
 /* In small scenes one tile more or less matters: each the other way round, as long as that is better. Amounts of summaries are all computed
  * before: so a lambda comes to the same whenever it is asked. */
-static enum eco_code try_small(const struct descent *d, uint64_t budget, struct found *found, struct eco_error *error)
+static enum eco_code search_small(const struct lambda_search *s, uint64_t budget, struct best *best, struct eco_error *error)
 {
-	struct lod_allocation *m = d->allocation;
+	struct lod_allocation *m = s->allocation;
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->tile_choices[n].summary)
-			lod_summary_hull_complete(&m->tile_choices[n].points);
-	enum eco_code code = try_lambdas(d, budget, SMALL_REACH, found, error);
+		if (m->tile_choices[n].has_summary)
+			lod_summary_hull_complete(&m->tile_choices[n].summary);
+	enum eco_code code = try_structures(s, budget, SMALL_REACH, best, error);
 	bool better = true;
 	for (int pass = 0; !code && better && pass < SMALL_PASSES; pass++) {
 		better = false;
-		code = try_tiles(d, budget, found, &better, error);
+		code = try_tiles(s, budget, best, &better, error);
 		if (!code)
-			code = try_gates(d, budget, found, &better, error);
+			code = try_gates(s, budget, best, &better, error);
 	}
 	return code;
 }
 
 /* The lambda that uses the budget. Prices of the grid lie so far apart that from one to the next many tiles open and many gates rise at once;
  * along this one they do so one after the other, as a camera moves. */
-static double exact_lambda(const struct descent *d, uint64_t budget)
+static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 {
-	double high = lambda_at(d->index), low = lambda_at(index_after(d, d->index)), enough = (double)budget;
-	double unused = enough - d->here.vertices, under = unused, over = d->next.vertices - enough;
+	double high = lambda_at(s->index), low = lambda_at(index_after(s, s->index)), enough = (double)budget;
+	double unused = enough - s->here.vertices, under = unused, over = s->next.vertices - enough;
 	int side = 0;
 	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK; i++) {
 		double part = under / (under + over);
 		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
 		double middle = high * lod_exp_minus(part * lod_log(high / low));
-		lod_allocation_relax(d->allocation, middle);
-		double left = enough - d->allocation->cost.vertices;
+		lod_allocation_relax(s->allocation, middle);
+		double left = enough - s->allocation->cost.vertices;
 		if (left >= 0) {
 			high = middle;
 			under = unused = left;
@@ -308,19 +310,19 @@ static double exact_lambda(const struct descent *d, uint64_t budget)
 	return high;
 }
 
-static enum eco_code fill_budget(const struct descent *d, uint64_t budget, struct eco_error *error)
+static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	struct lod_allocation *m = d->allocation;
+	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
-	struct found found = { d->index, INFINITY };
-	bool small = m->sharp && m->ladder_choice_count < SMALL_LADDER_CHOICES && m->p->visible.node_count < SMALL_LADDER_CHOICES;
+	struct best best = { s->index, INFINITY };
+	bool small = m->few_plants && m->ladder_choice_count < SMALL_LADDER_CHOICES && m->p->visible.node_count < SMALL_LADDER_CHOICES;
 	double wrong;
-	enum eco_code code = small ? try_small(d, budget, &found, error) : ECO_OK;
+	enum eco_code code = small ? search_small(s, budget, &best, error) : ECO_OK;
 	if (!code)
-		code = try_structure(d, small || d->index == LAMBDA_COUNT ? lambda_at(found.index) : exact_lambda(d, budget), budget, &fill, &wrong, error);
+		code = try_structure(s, small || s->index == LAMBDA_COUNT ? lambda_at(best.index) : exact_lambda(s, budget), budget, &fill, &wrong, error);
 	if (!code && !(wrong < INFINITY)) {  /* hull points are whole: what a lambda comes to in the mean may not fit; nothing does */
 		lod_fill_free(&fill);
-		code = try_structure(d, lambda_at(d->first - 1), budget, &fill, &wrong, error);
+		code = try_structure(s, lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
 	m->p->converged = fill.converged;
 	if (!code)
@@ -340,16 +342,16 @@ static enum eco_code fill_budget(const struct descent *d, uint64_t budget, struc
 static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct eco_error *error)
 {
 	struct lod_allocation allocation;
-	struct descent d = { .allocation = &allocation };
+	struct lambda_search s = { .allocation = &allocation };
 	uint64_t budget = p->input->request->vertices;
 	enum eco_code code = lod_allocation_make(&allocation, p, error);
 	if (!code)
-		code = descend(&d, budget, error);
+		code = search_grid(&s, budget, error);
 	if (!code && *predicts)
-		predict(&d, budget);
-	*predicts = *predicts && d.index == LAMBDA_COUNT;
+		predict(&s, budget);
+	*predicts = *predicts && s.index == LAMBDA_COUNT;
 	if (!code)
-		code = fill_budget(&d, budget, error);
+		code = fill_budget(&s, budget, error);
 	lod_allocation_free(&allocation);
 	return code;
 }
@@ -405,7 +407,7 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 	}
 }
 
-enum eco_code lod_planner_look(struct lod_planner *p, uint32_t level, struct eco_error *error)
+enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error)
 {
 	begin_screen(p);
 	return open_level(p, (int)level + COARSEST, error);

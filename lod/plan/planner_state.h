@@ -59,7 +59,7 @@ enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *ent
 enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error);
 enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error);
 /* Only looks, at a level as lod_planner_stats names it: then a allocation can be made of it (for tests). */
-enum eco_code lod_planner_look(struct lod_planner *p, uint32_t level, struct eco_error *error);
+enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
 /* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
 enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);

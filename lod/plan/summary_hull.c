@@ -7,13 +7,13 @@
 
 #define LAST_STEP 64             /* the last step of a summary gains this much less a vertex than all of them do: seldom less */
 
-static bool knows(const struct lod_summary_hull *points, uint32_t i) { return points->known >> i & 1; }
+static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i) { return summary->evaluated >> i & 1; }
 
-static double error_of(const struct lod_summary_hull *points, uint32_t i) { return lod_hull_error(&points->hull, &points->samples[i]); }
+static double error_of(const struct lod_summary_hull *summary, uint32_t i) { return lod_hull_error(&summary->hull, &summary->samples[i]); }
 
-double lod_summary_hull_missed(const struct lod_summary_hull *points, double fn)
+double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn)
 {
-	double missed = (fn / points->pixels - LOD_OWNER_WEIGHT) / (1 - LOD_OWNER_WEIGHT);
+	double missed = (fn / summary->pixels - LOD_OWNER_WEIGHT) / (1 - LOD_OWNER_WEIGHT);
 	return missed < 0 ? 0 : missed < 1 ? missed : 1;
 }
 
@@ -25,47 +25,47 @@ uint32_t lod_summary_hull_count(double points)
 	return count;
 }
 
-static void compute(struct lod_summary_hull *points, uint32_t i)
+static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 {
-	struct lod_hull_point *sample = &points->samples[i];
-	double n = points->part * (double)sample->vertices;
-	struct eco_curve curve = lod_summary_curve(&points->view, n);
-	sample->fp = points->pixels * curve.fp + lod_summary_outside(&points->view, n);
-	sample->fn = points->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
-	points->known |= 1u << i;
-	++*points->gains;
+	struct lod_hull_point *sample = &summary->samples[i];
+	double n = summary->part * (double)sample->vertices;
+	struct eco_curve curve = lod_summary_curve(&summary->view, n);
+	sample->fp = summary->pixels * curve.fp + lod_summary_outside(&summary->view, n);
+	sample->fn = summary->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
+	summary->evaluated |= 1u << i;
+	++*summary->gains;
 }
 
-static void make_hull(struct lod_summary_hull *points)
+static void make_hull(struct lod_summary_hull *summary)
 {
-	struct lod_hull *hull = &points->hull;
+	struct lod_hull *hull = &summary->hull;
 	hull->points[0] = (struct lod_hull_point){ .fn = 1 };
 	hull->count = 1;
-	for (uint32_t i = 0; i < points->count; i++)
-		if (knows(points, i))
-			hull->points[hull->count++] = points->samples[i];
+	for (uint32_t i = 0; i < summary->count; i++)
+		if (is_evaluated(summary, i))
+			hull->points[hull->count++] = summary->samples[i];
 	lod_hull_reduce(hull, 1);
 }
 
-void lod_summary_hull_begin(struct lod_summary_hull *points, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
+void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
 	struct lod_hull_point *room, uint64_t *gains)
 {
 	uint32_t count = lod_summary_hull_count(view->points);
-	*points = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
+	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
 		.hull = { room + count, 1, fp_weight }, .gains = gains };
 	for (uint32_t i = 0; i < count; i++)
 		room[i] = (struct lod_hull_point){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
-	compute(points, count - 1);
-	make_hull(points);
+	evaluate(summary, count - 1);
+	make_hull(summary);
 }
 
 /* The least of what is left wrong and what is paid, of all known hull points. */
-static double least_known(const struct lod_summary_hull *points, double lambda)
+static double least_evaluated(const struct lod_summary_hull *summary, double lambda)
 {
 	double least = 1;
-	for (uint32_t i = 1; i < points->hull.count; i++) {
-		const struct lod_hull_point *point = &points->hull.points[i];
-		least = fmin(least, lod_hull_error(&points->hull, point) + lambda * (double)point->vertices);
+	for (uint32_t i = 1; i < summary->hull.count; i++) {
+		const struct lod_hull_point *point = &summary->hull.points[i];
+		least = fmin(least, lod_hull_error(&summary->hull, point) + lambda * (double)point->vertices);
 	}
 	return least;
 }
@@ -74,14 +74,14 @@ static double least_known(const struct lod_summary_hull *points, double lambda)
 struct gap { double least; uint32_t first, end; };
 
 /* The one that may hold the least. */
-static struct gap best_gap(const struct lod_summary_hull *points, double lambda)
+static struct gap best_gap(const struct lod_summary_hull *summary, double lambda)
 {
 	struct gap best = { .least = INFINITY };
-	for (uint32_t end = 0, first = 0; end < points->count; end++) {
-		if (!knows(points, end))
+	for (uint32_t end = 0, first = 0; end < summary->count; end++) {
+		if (!is_evaluated(summary, end))
 			continue;
 		if (first < end) {
-			double least = error_of(points, end) + lambda * (double)points->samples[first].vertices;
+			double least = error_of(summary, end) + lambda * (double)summary->samples[first].vertices;
 			if (least < best.least)
 				best = (struct gap){ least, first, end };
 		}
@@ -90,39 +90,39 @@ static struct gap best_gap(const struct lod_summary_hull *points, double lambda)
 	return best;
 }
 
-double lod_summary_hull_gain_most(const struct lod_summary_hull *points, double lambda)
+double lod_summary_hull_gain_bound(const struct lod_summary_hull *summary, double lambda)
 {
-	return 1 - fmin(best_gap(points, lambda).least, least_known(points, lambda));
+	return 1 - fmin(best_gap(summary, lambda).least, least_evaluated(summary, lambda));
 }
 
-static bool step_at(struct lod_summary_hull *points, double lambda)
+static bool refine_at(struct lod_summary_hull *summary, double lambda)
 {
-	struct gap gap = best_gap(points, lambda);
-	if (!(gap.least < least_known(points, lambda)))
+	struct gap gap = best_gap(summary, lambda);
+	if (!(gap.least < least_evaluated(summary, lambda)))
 		return false;
 	/* few points show worse than nothing: from an eighth of them on it is mostly known that no smaller hull point counts */
-	compute(points, gap.end - gap.first > 3 ? gap.end - 3 : gap.end - (gap.end - gap.first + 1) / 2);
-	make_hull(points);
+	evaluate(summary, gap.end - gap.first > 3 ? gap.end - 3 : gap.end - (gap.end - gap.first + 1) / 2);
+	make_hull(summary);
 	return true;
 }
 
 /* Steps that are taken in part are those around the lambda. */
-bool lod_summary_hull_refine(struct lod_summary_hull *points, double lambda)
+bool lod_summary_hull_refine(struct lod_summary_hull *summary, double lambda)
 {
-	return lambda > 0 && (step_at(points, lambda) || step_at(points, lambda * LOD_HULL_BLUR) || step_at(points, lambda / LOD_HULL_BLUR));
+	return lambda > 0 && (refine_at(summary, lambda) || refine_at(summary, lambda * LOD_HULL_BLUR) || refine_at(summary, lambda / LOD_HULL_BLUR));
 }
 
-void lod_summary_hull_complete(struct lod_summary_hull *points)
+void lod_summary_hull_complete(struct lod_summary_hull *summary)
 {
-	for (uint32_t i = 0; i < points->count; i++)
-		if (!knows(points, i))
-			compute(points, i);
-	make_hull(points);
+	for (uint32_t i = 0; i < summary->count; i++)
+		if (!is_evaluated(summary, i))
+			evaluate(summary, i);
+	make_hull(summary);
 }
 
-void lod_summary_hull_lambdas(const struct lod_summary_hull *points, double *high, double *low)
+void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, double *high, double *low)
 {
-	double saved = fmax(0, 1 - error_of(points, points->count - 1));
-	*high = saved / (double)points->samples[0].vertices;
-	*low = saved / (double)points->samples[points->count - 1].vertices / LAST_STEP;
+	double saved = fmax(0, 1 - error_of(summary, summary->count - 1));
+	*high = saved / (double)summary->samples[0].vertices;
+	*low = saved / (double)summary->samples[summary->count - 1].vertices / LAST_STEP;
 }

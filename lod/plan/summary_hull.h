@@ -26,27 +26,27 @@ struct lod_summary_hull {
 	double part;                         /* of its points, those of plants in view */
 	double pixels;                       /* of what nothing drawn counts, what is due to pixels: above 0, at most 1 */
 	struct lod_hull_point *samples;  uint32_t count;     /* all but the first, of nothing; in ascending vertices */
-	uint32_t known;                      /* bit i: samples[i] was computed; the last always is */
+	uint32_t evaluated;                      /* bit i: samples[i] was computed; the last always is */
 	struct lod_hull hull;              /* the hull of those, and of nothing */
 	uint64_t *gains;                     /* counts those that were computed */
 };
 
 /* What points miss, of pixels; from an hull point's fn. */
-double lod_summary_hull_missed(const struct lod_summary_hull *points, double fn);
+double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn);
 
 /* How many samples there are of a summary of so many points, at least 1. */
 uint32_t lod_summary_hull_count(double points);
 /* `room`: for 2 * lod_summary_hull_count(view->points) + 1 hull points; the caller's, like `gains`. */
-void lod_summary_hull_begin(struct lod_summary_hull *points, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
+void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
 	struct lod_hull_point *room, uint64_t *gains);
 
 /* What is saved at most at a lambda, vertices paid. */
-double lod_summary_hull_gain_most(const struct lod_summary_hull *points, double lambda);
+double lod_summary_hull_gain_bound(const struct lod_summary_hull *summary, double lambda);
 /* Computes one hull point more. False: at that lambda no more are needed. At 0 all points are taken. */
-bool lod_summary_hull_refine(struct lod_summary_hull *points, double lambda);
-void lod_summary_hull_complete(struct lod_summary_hull *points);
+bool lod_summary_hull_refine(struct lod_summary_hull *summary, double lambda);
+void lod_summary_hull_complete(struct lod_summary_hull *summary);
 
 /* Above the first lambda no hull point is bought; below the second there is little left to gain. Both may be 0. */
-void lod_summary_hull_lambdas(const struct lod_summary_hull *points, double *high, double *low);
+void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, double *high, double *low);
 
 #endif

@@ -8,7 +8,7 @@
 #define PASSES 4                 /* times that all candidates are looked at */
 
 /* One step back, or all of them. False where nothing is drawn. */
-static bool give_back(struct lod_candidate *candidate, bool all)
+static bool release_step(struct lod_candidate *candidate, bool all)
 {
 	uint32_t step = all ? 0 : candidate->step;
 	if (candidate->low == candidate->hull->points[0].vertices && candidate->ahead == 0)
@@ -20,7 +20,7 @@ static bool give_back(struct lod_candidate *candidate, bool all)
 }
 
 /* The next hull point for all of a candidate's plants, or for one more of them. False at the end. */
-static bool take_step(struct lod_fill *fill, struct lod_candidate *candidate, bool all)
+static bool add_step(struct lod_fill *fill, struct lod_candidate *candidate, bool all)
 {
 	if (lod_candidate_ended(candidate))
 		return false;
@@ -31,30 +31,30 @@ static bool take_step(struct lod_fill *fill, struct lod_candidate *candidate, bo
 	return true;
 }
 
-struct back { double loss; uint64_t freed; };    /* what a candidate's last step back would come to; freed 0: it has none */
+struct release { double loss; uint64_t freed; };    /* what a candidate's last step back would come to; freed 0: it has none */
 
-static struct back back_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+static struct release release_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	struct lod_candidate after = *candidate;
-	if (!give_back(&after, false))
-		return (struct back){ 0 };
-	return (struct back){ lod_fill_wrong_of(fill, &after) - lod_fill_wrong_of(fill, candidate), lod_candidate_vertices(candidate) - lod_candidate_vertices(&after) };
+	if (!release_step(&after, false))
+		return (struct release){ 0 };
+	return (struct release){ lod_fill_wrong_of(fill, &after) - lod_fill_wrong_of(fill, candidate), lod_candidate_vertices(candidate) - lod_candidate_vertices(&after) };
 }
 
 /* All but candidate `except` give back steps until the budget is kept: first those that lose least for each vertex that is needed. */
-static bool pay(struct lod_fill *fill, uint64_t budget, uint32_t except, struct back *backs)
+static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t except, struct release *releases)
 {
 	fill->vertices = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		fill->vertices += lod_candidate_vertices(&fill->candidates[i]);
-		backs[i] = i == except ? (struct back){ 0 } : back_of(fill, &fill->candidates[i]);
+		releases[i] = i == except ? (struct release){ 0 } : release_of(fill, &fill->candidates[i]);
 	}
 	while (fill->vertices > budget) {
 		uint64_t needed = fill->vertices - budget;
 		uint32_t best = ECO_NONE;
 		double least = INFINITY;
 		for (uint32_t i = 0; i < fill->candidate_count; i++) {
-			double each = backs[i].freed ? backs[i].loss / (double)(backs[i].freed < needed ? backs[i].freed : needed) : INFINITY;
+			double each = releases[i].freed ? releases[i].loss / (double)(releases[i].freed < needed ? releases[i].freed : needed) : INFINITY;
 			if (each < least) {
 				least = each;
 				best = i;
@@ -62,32 +62,32 @@ static bool pay(struct lod_fill *fill, uint64_t budget, uint32_t except, struct 
 		}
 		if (best == ECO_NONE)
 			return false;
-		give_back(&fill->candidates[best], false);
-		fill->vertices -= backs[best].freed;
-		backs[best] = back_of(fill, &fill->candidates[best]);
+		release_step(&fill->candidates[best], false);
+		fill->vertices -= releases[best].freed;
+		releases[best] = release_of(fill, &fill->candidates[best]);
 	}
 	return true;
 }
 
 /* What is changed of one candidate, and then of others to make up for it. */
-enum exchange { GIVE_STEP, GIVE_ALL, TAKE_ONE, TAKE_STEP, EXCHANGE_KINDS };
+enum swap { RELEASE_STEP, RELEASE_ALL, ADD_ONE, ADD_STEP, SWAP_KINDS };
 
-static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum exchange kind, struct back *backs)
+static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct release *releases)
 {
 	struct lod_candidate *candidate = &fill->candidates[i];
-	if (kind == GIVE_STEP || kind == GIVE_ALL)
-		return give_back(candidate, kind == GIVE_ALL);
-	return (kind == TAKE_STEP || candidate->count > 1) && take_step(fill, candidate, kind == TAKE_STEP) && pay(fill, budget, i, backs);
+	if (kind == RELEASE_STEP || kind == RELEASE_ALL)
+		return release_step(candidate, kind == RELEASE_ALL);
+	return (kind == ADD_STEP || candidate->count > 1) && add_step(fill, candidate, kind == ADD_STEP) && release_others(fill, budget, i, releases);
 }
 
 /* Kept if less is wrong then. */
-static bool exchange(struct lod_fill *fill, uint64_t budget, uint32_t i, enum exchange kind, struct lod_candidate *spare, struct back *backs,
+static bool try_swap(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct lod_candidate *spare, struct release *releases,
 	bool *better)
 {
 	double before = fill->wrong;
 	uint64_t vertices = fill->vertices;
 	memcpy(spare, fill->candidates, fill->candidate_count * sizeof *spare);
-	if (change(fill, budget, i, kind, backs)) {
+	if (change(fill, budget, i, kind, releases)) {
 		if (!lod_fill_rest(fill, budget, i) || !lod_fill_rest(fill, budget, ECO_NONE))
 			return false;
 		lod_fill_sum(fill);
@@ -105,14 +105,14 @@ static bool exchange(struct lod_fill *fill, uint64_t budget, uint32_t i, enum ex
 bool lod_swap_steps(struct lod_fill *fill, uint64_t budget)
 {
 	struct lod_candidate *spare = malloc(((size_t)fill->candidate_count + 1) * sizeof *spare);
-	struct back *backs = malloc(((size_t)fill->candidate_count + 1) * sizeof *backs);
-	bool good = spare && backs, better = true;
+	struct release *releases = malloc(((size_t)fill->candidate_count + 1) * sizeof *releases);
+	bool good = spare && releases, better = true;
 	for (int pass = 0; good && better && pass < PASSES; pass++) {
 		better = false;
-		for (uint32_t i = 0; good && i < EXCHANGE_KINDS * fill->candidate_count; i++)
-			good = exchange(fill, budget, i / EXCHANGE_KINDS, i % EXCHANGE_KINDS, spare, backs, &better);
+		for (uint32_t i = 0; good && i < SWAP_KINDS * fill->candidate_count; i++)
+			good = try_swap(fill, budget, i / SWAP_KINDS, i % SWAP_KINDS, spare, releases, &better);
 	}
-	free(backs);
+	free(releases);
 	free(spare);
 	return good;
 }

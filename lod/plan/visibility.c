@@ -198,7 +198,7 @@ static struct span crown_down(const struct lod_screen *screen, const struct lod_
 }
 
 /* Share of a visibility's box that is in the picture and shows, given how much light comes through each cell. */
-static double show(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
+static double visible_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
 	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns), down = span_of(visibility->y, visibility->reach_y, screen->rows);
 	double seen = 0;
@@ -214,7 +214,7 @@ static double show(const struct lod_screen *screen, const struct lod_visibility 
 	return (all > seen ? seen / all : 1) * (double)visibility->within;
 }
 
-static void dim(const struct lod_screen *screen, const struct lod_visibility *visibility, const struct light *light)
+static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility, const struct light *light)
 {
 	float opaque = visibility->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)visibility->opacity))) : 1;
 	float clear_of = visibility->opacity * visibility->before;
@@ -233,7 +233,7 @@ static void dim(const struct lod_screen *screen, const struct lod_visibility *vi
 
 /* Share of what is around a visibility, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
  * comes through all, its own crown put aside. */
-static double alone(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
+static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
 	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
 	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
@@ -256,7 +256,7 @@ static double alone(const struct lod_screen *screen, const struct lod_visibility
 
 /* The row from which on ground hides it. From now on its foot hides, by a cell less so as not to hide its neighbours, and less and less beside it: so
  * nothing changes at once where it crosses from one column to the next. Nor does it as a plant comes by. */
-static void look_down(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
+static void lower_horizon(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
 	int last = (int)screen->columns - 1, column = (int)floorf(visibility->x - 0.5f);
 	float rows = (float)screen->rows, part = visibility->x - 0.5f - (float)column, foot = fminf(visibility->foot + 1, rows);
@@ -273,7 +273,7 @@ static void look_down(const struct lod_screen *screen, struct lod_visibility *vi
 }
 
 /* Which row ground hides each visibility from. */
-static void look_down_at_all(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
+static void hide_by_ground(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
 {
 	for (uint32_t c = 0; c < screen->columns; c++)
 		horizon[c] = (float)screen->rows;
@@ -281,23 +281,23 @@ static void look_down_at_all(const struct lod_screen *screen, float *horizon, ui
 	for (uint32_t i = 0; i < screen->count; i++) {
 		struct lod_visibility *visibility = &screen->visibilities[spare[i]];
 		if (visibility->range > 0 && visibility->before > 0)
-			look_down(screen, visibility, horizon);
+			lower_horizon(screen, visibility, horizon);
 	}
 }
 
 /* From the nearest to the farthest: what shows behind those before it; then it hides. */
-static void look(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light)
+static void occlude(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light)
 {
-	visibility->share = (float)show(screen, visibility, light->through);
+	visibility->share = (float)visible_share(screen, visibility, light->through);
 	if (!visibility->beside)
-		dim(screen, visibility, light);
+		attenuate(screen, visibility, light);
 }
 
 static void finish(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light, bool hide)
 {
 	visibility->shown = shown_of((double)visibility->opacity);
-	double seen = hide ? (double)visibility->share : show(screen, visibility, light->clear);
-	double unoccluded = hide ? alone(screen, visibility, light->clear) : seen;
+	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
+	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
 	/* no more of it than the picture has room for: of a plant that the eye is within, a ten-thousandth may be more than all pixels */
 	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
 	visibility->share = (float)(seen > least ? seen : least);
@@ -316,10 +316,10 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 		for (uint32_t i = 0; i < cells; i++)
 			light.through[i] = light.clear[i] = 1;
 		if (screen->ground && hide)
-			look_down_at_all(screen, light.horizon, order, spare);
+			hide_by_ground(screen, light.horizon, order, spare);
 		sort_visibilities(screen, false, order, spare);
 		for (uint32_t i = 0; hide && i < screen->count; i++)
-			look(screen, &screen->visibilities[spare[i]], &light);
+			occlude(screen, &screen->visibilities[spare[i]], &light);
 		for (uint32_t i = 0; i < screen->count; i++)
 			finish(screen, &screen->visibilities[i], &light, hide);
 	}
@@ -334,18 +334,18 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 /* ---- The expected picture ---- */
 
 /* The chances that a point is not covered in the reference, as drawn, and in either. */
-struct odds { float reference, drawn, either; };
+struct uncovered { float reference, drawn, either; };
 
-static struct odds odds_of(double shown, struct lod_wrong wrong)
+static struct uncovered uncovered_of(double shown, struct lod_wrong wrong)
 {
 	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
 	/* what is not covered in either is not covered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
-	return (struct odds){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
+	return (struct uncovered){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
 }
 
-static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility, struct lod_wrong wrong, struct odds *cells)
+static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility, struct lod_wrong wrong, struct uncovered *cells)
 {
 	struct lod_visibility wide = *visibility;
 	if (visibility->shown > DENSEST) {
@@ -353,11 +353,11 @@ static void cover(const struct lod_screen *screen, const struct lod_visibility *
 		wide.crown_reach_y *= sqrtf((float)(visibility->shown / DENSEST));
 	}
 	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
-	struct odds o = odds_of(fmin(visibility->shown, DENSEST), wrong);
+	struct uncovered o = uncovered_of(fmin(visibility->shown, DENSEST), wrong);
 	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++) {
 			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * visibility->before;
-			struct odds *cell = &cells[r * (int)screen->columns + c];
+			struct uncovered *cell = &cells[r * (int)screen->columns + c];
 			cell->reference *= 1 - part * (1 - o.reference);
 			cell->drawn *= 1 - part * (1 - o.drawn);
 			cell->either *= 1 - part * (1 - o.either);
@@ -368,12 +368,12 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wr
 	struct eco_error *error)
 {
 	uint32_t count = screen->columns * screen->rows;
-	struct odds *cells = malloc(count * sizeof *cells);
+	struct uncovered *cells = malloc(count * sizeof *cells);
 	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
 	if (!cells)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
 	for (uint32_t i = 0; i < count; i++)
-		cells[i] = (struct odds){ 1, 1, 1 };
+		cells[i] = (struct uncovered){ 1, 1, 1 };
 	for (uint32_t i = 0; i < screen->count; i++)
 		if (!screen->visibilities[i].beside)
 			cover(screen, &screen->visibilities[i], wrong(ctx, &screen->visibilities[i]), cells);

@@ -204,7 +204,7 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	struct lod_slot *s = &visible->slots[slot];
 	*in_slot = slot;
 	s->above += above;
-	s->looked += 1;
+	s->above_count += 1;
 	uint32_t index = (uint32_t)(node - visible->nodes);
 	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot == slot
 			&& node->tallies[s->last_tally].whole_band == whole_band) {
@@ -265,8 +265,8 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 	const struct eco_plant *plant = &scene->plants[g->plant];
 	bool first_time = *done == NOTHING_DONE;
 	visible->places += list->primitive_count;
-	visible->looked += first_time ? list->primitive_count : 0;
-	if (visible->places_max && visible->looked > visible->places_max)
+	visible->places_walked += first_time ? list->primitive_count : 0;
+	if (visible->places_max && visible->places_walked > visible->places_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu plants; ask for fewer vertices",
 			(unsigned long long)visible->places_max);
 	uint8_t from = first_time ? 0 : *done;
@@ -508,7 +508,7 @@ enum eco_code lod_visible_tree_restart(struct lod_visible_tree *visible, struct 
 	free_nodes(visible);
 	visible->placement_count = 1;
 	visible->slot_count = 0;
-	visible->plants = visible->looked = 0;
+	visible->plants = visible->places_walked = 0;
 	memset(visible->slot_table, 0, visible->slot_table_size * sizeof *visible->slot_table);
 	return add_node(visible, visible->scene->root, 0, error);
 }

@@ -42,7 +42,7 @@ struct lod_slot {
 	bool cell;                   /* anchor is not the whole plant */
 	uint64_t count;              /* at the last lod_visible_tree_count */
 	uint64_t near;               /* of whole plants: so many of them draw their cells */
-	double above, looked;        /* of so many plants, ever: the sum of how far from above they are seen (lod_seen_above) */
+	double above, above_count;        /* of so many plants, ever: the sum of how far from above they are seen (lod_seen_above) */
 	uint32_t last_node, last_tally;      /* where this slot was counted last */
 };
 
@@ -57,7 +57,7 @@ struct lod_visible_tree {
 	uint64_t nodes_max, placements_max;
 	uint64_t plants;                     /* visible, at the last count */
 	uint64_t places;                     /* plants looked at, ever */
-	uint64_t looked, places_max;         /* plants looked at since the start; 0: no bound */
+	uint64_t places_walked, places_max;         /* plants looked at since the start; 0: no bound */
 	struct lod_screen *screen;           /* may be NULL; every plant that is seen is added to it, once: with its node and slot */
 	const struct lod_proxy_shape *proxy_shapes;       /* with screen: per plant, at scale 1 */
 };

@@ -29,7 +29,7 @@ static double error_at(const struct search *s, const struct lod_candidate *candi
 	const struct lod_hull *hull = candidate->hull;
 	uint32_t i = 0;
 	if (candidate->ladder_choice != ECO_NONE) {
-		struct lod_hull_point point = lod_hull_measure(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
+		struct lod_hull_point point = lod_hull_point_at(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
 		return lod_hull_error(hull, &point);
 	}
 	while (i + 1 < hull->count && hull->points[i + 1].vertices <= vertices)
@@ -108,7 +108,7 @@ static enum eco_code try_gates(struct search *s, uint32_t plant, struct eco_erro
 		return try_tiles(s, error);
 	s->planner.gates[plant] = 0;
 	enum eco_code code = try_gates(s, plant + 1, error);
-	for (uint32_t band = 0; band < s->allocation.gates_most[plant] && !code; band++) {
+	for (uint32_t band = 0; band < s->allocation.gates_counted[plant] && !code; band++) {
 		if (!s->allocation.slot_of[plant * (size_t)ECO_BANDS + band])
 			continue;
 		s->planner.gates[plant] = (band + 1) * ECO_SHARE_ONE;
@@ -121,8 +121,8 @@ static void find_free(struct search *s)
 {
 	for (uint32_t n = 0; n < s->planner.visible.node_count; n++) {
 		struct lod_tile_choice *tile_choice = &s->allocation.tile_choices[n];
-		tile_choice->share = tile_choice->open && !tile_choice->summary;
-		if (tile_choice->open && tile_choice->summary && s->free_count < FREE_MOST)
+		tile_choice->share = tile_choice->open && !tile_choice->has_summary;
+		if (tile_choice->open && tile_choice->has_summary && s->free_count < FREE_MOST)
 			s->free_nodes[s->free_count++] = n;
 	}
 }
@@ -131,7 +131,7 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 {
 	enum eco_code code = lod_planner_begin(&s->planner, input, error);
 	if (!code)
-		code = lod_planner_look(&s->planner, level, error);
+		code = lod_planner_open_level(&s->planner, level, error);
 	if (!code) {
 		code = lod_allocation_make(&s->allocation, &s->planner, error);
 		s->out->empty = s->allocation.tile_choices ? s->allocation.tile_choices[0].weight_px : 0;

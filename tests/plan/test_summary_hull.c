@@ -79,7 +79,7 @@ static void what_is_asked_for_is_what_all_points_give(void **state)
 				assert_true(fabs(a.fn - b.fn) < 1e-9 && fabs(a.fn_slope - b.fn_slope) < 1e-6);
 			else
 				assert_true(saved(&pair.asked, lambda) > saved(&pair.all, lambda) - 0.05);
-			assert_true(lod_summary_hull_gain_most(&pair.asked, lambda) >= saved(&pair.asked, lambda) - 1e-9);
+			assert_true(lod_summary_hull_gain_bound(&pair.asked, lambda) >= saved(&pair.asked, lambda) - 1e-9);
 		}
 	}
 	assert_true(falling > VIEWS / 4);
@@ -94,7 +94,7 @@ static void what_can_be_saved_is_bounded_before_it_is_computed(void **state)
 		begin(&pair, &random);
 		double lambda = random_lambda(&random), least = saved(&pair.all, lambda), before = INFINITY;
 		do {
-			double most = lod_summary_hull_gain_most(&pair.asked, lambda);
+			double most = lod_summary_hull_gain_bound(&pair.asked, lambda);
 			assert_true(!pair.falls || most <= before + 1e-9);
 			assert_true(!pair.falls || most >= least - 1e-9);
 			before = most;
@@ -116,7 +116,7 @@ static void few_points_are_computed_for_a_lambda(void **state)
 		asked += pair.asked_gains;
 		all += pair.all_gains;
 	}
-	print_message("          %.2f amounts of %.2f\n", (double)asked / VIEWS, (double)all / VIEWS);
+	print_message("          %.2f hull points of %.2f\n", (double)asked / VIEWS, (double)all / VIEWS);
 	assert_true(2 * asked < all);
 }
 
@@ -135,7 +135,7 @@ static void points_are_halves_down_to_one_point(void **state)
 		assert_int_equal(points.count, cases[i].count);
 		assert_true(points.samples[0].vertices == 1 && points.samples[points.count - 1].vertices == (uint64_t)cases[i].points);
 		assert_int_equal(gains, 1);
-		lod_summary_hull_lambdas(&points, &high, &low);
+		lod_summary_hull_lambda_range(&points, &high, &low);
 		assert_true(high >= low && low >= 0);
 		lod_summary_hull_complete(&points);
 		assert_int_equal(gains, cases[i].count);

@@ -58,8 +58,8 @@ static void end(int before) { begin(before & TRAPS); }
 TRAPPED(lod_plan, (struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error), plan, input, error)
 TRAPPED(lod_plan_ground, (struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double px, struct eco_error *error),
 	plan, scene, view, px, error)
-TRAPPED(lod_allocation_make, (struct lod_allocation *market, struct lod_planner *p, struct eco_error *error), market, p, error)
-TRAPPED(lod_fill_finish, (struct lod_fill *spend, uint64_t budget, bool exchanges, struct eco_error *error), spend, budget, exchanges, error)
+TRAPPED(lod_allocation_make, (struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error), allocation, p, error)
+TRAPPED(lod_fill_finish, (struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error), fill, budget, swaps, error)
 TRAPPED(lod_plant_build, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error), plant, model, options, error)
 TRAPPED(lod_plant_measure, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
