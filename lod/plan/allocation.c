@@ -1,10 +1,12 @@
-/* What is bought at a lambda: see lod/plan/allocation.h. */
+/* The relaxation at a lambda: see lod/plan/allocation.h. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
 
-#define TIE_SHARE 0.07          /* tiles and gates are open in part where both choices differ by less than this share of what the finer saves */
-#define LAST_SLOPE 1e-200        /* of what is bought where nothing else is left to buy */
+#define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
+                                  * what the finer one saves */
+#define LAST_SLOPE 1e-200        /* of the hull point that a fixed summary takes only when nothing else is
+                                  * left */
 
 /* ---- At a lambda ---- */
 
@@ -58,7 +60,8 @@ static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struc
 	whole->cells_weight_px += t->count * cell->weight_px[1];
 }
 
-/* How far what is coarse, and saves so much, has given way to what is fine: 1 where that saves much more. */
+/* How far the coarse choice has given way to the fine one, given what each saves: 0 to 1, and 1 where the
+ * fine one saves much more. */
 static double fine_share(const struct lod_allocation *m, double fine, double coarse)
 {
 	if (m->few_plants || !(fine > 0))
@@ -67,9 +70,11 @@ static double fine_share(const struct lod_allocation *m, double fine, double coa
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-struct bands { double plants, near, far; };              /* of a plant, side by side: what they save with cells, and without */
+struct bands { double plants, near, far; }; /* bands of one plant that decide together: what they save with
+                                             * cells, and without */
 
-/* Plants before a gate draw cells, and are the nearest. So where cells are worth more in a band than in the one before it, both decide as one. */
+/* Plants before a gate are the nearest, so what cells gain must fall from band to band. Bands where it rises
+ * are pooled and decide as one (pool adjacent violators: Barlow and others 1972). */
 static uint32_t pool_bands(struct bands *bands, uint32_t count)
 {
 	while (count > 1) {
@@ -82,7 +87,7 @@ static uint32_t pool_bands(struct bands *bands, uint32_t count)
 	return count;
 }
 
-/* How many plants' cells are worth it. */
+/* Plants whose cells are worth drawing. */
 static double count_near(const struct lod_allocation *m, uint32_t plant)
 {
 	struct bands bands[ECO_BANDS];
@@ -103,7 +108,7 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 	return sum;
 }
 
-/* The gate that so many plants are before, the nearest bands first. */
+/* The gate with `near` plants before it, the nearest bands first. */
 static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double near)
 {
 	uint32_t gate = 0;
@@ -118,7 +123,7 @@ static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double n
 	return gate;
 }
 
-/* What the cells of each band of a plant come to, and up to where they are worth it. */
+/* Sums the cells of each band, then sets each plant's gate. */
 static void relax_gates(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
@@ -151,7 +156,7 @@ static struct lod_cost plants_cost(const struct lod_allocation *m, uint32_t n)
 	return sum;
 }
 
-/* How far a tile is open whose plants and children save so much, and its summary so much. */
+/* How far a tile is open, given what its plants and children save, and what its summary saves. */
 static double open_share(const struct lod_allocation *m, const struct lod_tile_choice *choice, double plants, double summary)
 {
 	if (!choice->has_summary || m->lambda <= 0)
@@ -162,7 +167,8 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 	return share < least ? least : share;
 }
 
-/* Points stand for the plants that are left, but no one knows which are whose: all stay until half of the plants are there. */
+/* Share of a summary's points that are drawn. Points stand for the plants that are not drawn yet, but nothing
+ * says which point stands for which plant: all points stay until half of the plants are drawn. */
 static double points_share(double share) { return share < 0.5 ? 1 : 2 * (1 - share); }
 
 static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
@@ -173,8 +179,9 @@ static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
 	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
 }
 
-/* What the summary comes to at the lambda; false where that need not be known: the tile draws its plants and children alone, as they save
- * `plants`. */
+/* Adds what the summary comes to at lambda to the choice's cost. False where the tile draws only its plants
+ * and children, which save `plants`, whatever the summary saves: then the summary's hull is not refined
+ * further. */
 static bool relax_summary(struct lod_allocation *m, struct lod_tile_choice *choice, double plants)
 {
 	struct lod_summary_hull *summary = &choice->summary;
@@ -199,7 +206,7 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 	return fine;
 }
 
-/* Children follow their parents. */
+/* From the last node to the first: children follow their parents. */
 static void relax_tiles(struct lod_allocation *m)
 {
 	for (uint32_t n = m->p->visible.node_count; n-- > 0;) {
@@ -296,7 +303,7 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) } : (struct lod_wrong){ 0 };
 }
 
-/* Which tile's choice each tile is drawn by: its own where all above it are open. */
+/* Sets for each tile the tile whose choice draws it: itself where all tiles above it are open. */
 static void find_drawn_by(struct lod_allocation *m)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
@@ -313,7 +320,8 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
 }
 
-/* Of a summary that is drawn beside plants: the points of the last lambda, fewer of them, each as large. */
+/* A summary beside plants keeps the points of the last lambda, less those whose plants are drawn; the size of
+ * each stays. */
 static void fix_summary(struct lod_tile_choice *choice, double points)
 {
 	uint32_t whole = (uint32_t)choice->position;
@@ -345,7 +353,8 @@ void lod_allocation_fix(struct lod_allocation *m)
 		node->state = choice->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0 ? LOD_SUMMARY : LOD_CLOSED;
 		if (node->state != LOD_OPEN)
 			node->left = 0;
-		if (node->points >= 1 && node->state == LOD_SUMMARY)         /* its hull points are for what is left of the budget to decide */
+		/* the rest of the budget decides on its hull points */
+		if (node->points >= 1 && node->state == LOD_SUMMARY)
 			lod_summary_hull_complete(&choice->summary);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
 			fix_summary(choice, node->points);

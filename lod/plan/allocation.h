@@ -1,115 +1,133 @@
-/* What the planner can buy: for each slot the hull points of its ladders, for each tile its summary or its plants, and what all of it comes to
- * at a lambda (wrong pixels that a vertex must save).
+/* The Lagrangian relaxation of a plan: what each slot, gate and tile chooses at a lambda, and what all of it
+ * comes to.
  *
- *   lod_allocation_make(&allocation, p, &error);                 after lod_planner_open: worth and tiles; nothing of it depends on the budget
- *   lod_allocation_relax(&allocation, lambda)                     the best at this lambda: gates, which tiles are open, wrong pixels, vertices
- *   lod_allocation_predict(&allocation, &prediction, &error)      the picture at that lambda
+ * A plan is a multiple-choice knapsack: from each ladder of a slot one hull point, from each tile its summary
+ * or its plants, such that the fewest expected wrong pixels remain within a budget of vertices. lambda, the
+ * Lagrangian multiplier, is the number of wrong pixels that a vertex must save. With it in place of the
+ * budget the problem falls apart into choices that do not depend on each other (Everett 1963, Geoffrion
+ * 1974):
  *
- * At a lambda everything decides for itself: a slot's ladder takes the steps that gain more than they cost; a band of a plant draws its
- * cells where they are worth more than the whole plant's lists; a tile, from the leaves up, draws its plants and its
- * children's best where that beats its summary. This is the Lagrangian of the one objective: the hull points found at a lambda are
- * the best there are for the vertices they come to. Lower lambdas buy more.
+ * - a ladder of a slot takes the steps of its hull whose slope is above lambda
+ * - a band of a plant draws its cells where they save more than the whole plant's lists do
+ * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its summary
  *
- * Where both choices of a tile are worth nearly the same, it is open in part: so many of its plants are drawn, by their hashes, and its
- * summary, whose points go as the last plants come. So a tile does not change at once from one picture to the next. Nor does a gate: where
- * cells are worth nearly the same as the whole plant's lists, so many plants draw them, the nearest bands first, and in one band by their
- * hashes. */
+ * The result is optimal for the number of vertices that it happens to use. A lower lambda uses more.
+ *
+ *   lod_allocation_make(&allocation, p, &error);               after lod_planner_open: weights, hulls, tiles; no budget
+ *   lod_allocation_relax(&allocation, lambda)                  gates, open tiles, wrong pixels and vertices at lambda
+ *   lod_allocation_predict(&allocation, &prediction, &error)   the whole picture at that lambda
+ *   lod_allocation_fix(&allocation)                            makes these gates and tiles the planner's
+ *
+ * Ties are blended. Where a tile's plants and its summary save nearly the same, the tile is open in part: a
+ * share of its plants is drawn, chosen by hash, beside its summary, whose points disappear as the last plants
+ * appear. A gate blends in the same way: a share of the plants draws cells, the nearest bands first, within a
+ * band by hash. So no tile and no gate switches at once between two pictures of a moving camera. */
 #ifndef LOD_ALLOCATION_H
 #define LOD_ALLOCATION_H
 
 #include "lod/plan/planner_state.h"
 #include "lod/plan/summary_hull.h"
 
-enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR };         /* near: the plant's cells are drawn */
+enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR }; /* LOD_NEAR: only where the plant's cells are drawn; LOD_FAR:
+                                                  * only where they are not */
 
-struct lod_cost {                    /* wrong pixels, of those seen, and as they are from above; of a slot choice: fp is not weighed by `extra` yet */
+struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
+                                      * fp is without its fp_weight */
 	double fp, fn, vertices;
 	double above_fp, above_fn;
 };
 
-struct lod_ladder_choice {                   /* a ladder for the plants of one slot */
+struct lod_ladder_choice {           /* one ladder for all plants of a slot: a class of the knapsack */
 	uint32_t slot, ladder;
 	uint8_t when;
-	double weight_px;                /* seen pixels of one plant that the ladder draws, times its importance: wrong by this much at an error of 1 */
+	double weight_px;            /* wrong pixels at an error of 1: pixels of one plant seen, times
+	                              * importance */
 	struct lod_hull hull;
-	double position;             /* at the last lambda */
+	double position;             /* on the hull, at the last lambda */
 };
 
-struct lod_slot_choice {                     /* a slot, per plant; [0]: as far plants are drawn, [1]: as near ones are */
+struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws
+                                      * cells */
 	uint32_t ladder_choice_first, ladder_choice_count;
-	double seen, unoccluded;           /* means over its plants, or cells: pixels that are seen; of these, bare ones (struct lod_visibility) */
-	double fp_weight;                /* bare / seen: what a pixel too many weighs */
-	double own, parts;           /* while it is made: what its own lists show beside cells; what cells would, before it is scaled to what is seen */
-	double weight_px[2];             /* wrong where nothing is drawn: of a far plant; of a near one but for its cells */
-	double absent;               /* what counts besides where nothing of it is drawn (lod/plan/hull.h) */
+	double seen, unoccluded;     /* mean pixels seen of a plant or cell; of these, unoccluded ones */
+	double fp_weight;            /* weight of a false positive: unoccluded / seen */
+	double own, parts;           /* only in lod_allocation_make: seen of its own lists beside cells; of
+	                              * its cells, before scaling */
+	double weight_px[2];         /* wrong pixels where nothing is drawn; [1] without the cells' */
+	double absent;               /* added where nothing of its foliage is drawn (LOD_ABSENT_WEIGHT) */
 	struct lod_cost cost[2];     /* at the last lambda */
-	struct lod_cost cells;       /* at the last lambda: of all its plants' cells */
-	double cells_weight_px;          /* of these */
+	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
+	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
 enum lod_fixed { LOD_FREE, LOD_FIXED_OPEN, LOD_FIXED_CLOSED };
 
-struct lod_tile_choice {                   /* a tile */
-	enum lod_fixed fixed;          /* the caller's: not for its lambda to decide */
-	bool open, has_summary;          /* its plants are known; it has a summary */
-	double closed_most;            /* so many of its plants may be left to its summary, as a share */
-	bool opened;                 /* at the last lambda: more than half */
-	double share;                /* at the last lambda: how far its summary has given way to its plants and children, 0 to 1 */
-	double weight;               /* and how far those above it have given way to it */
-	struct lod_hull_point partial[2];   /* of a summary that is drawn beside plants: its points once the allocation is settled, and all that the lambda has */
-	struct lod_hull partial_hull;      /* these as steps */
-	double weight_px;                /* wrong when nothing of it is drawn, its children's too */
-	double pixels, unoccluded;         /* pixels of that; of these, bare ones */
-	double mean_seen, plants;         /* while it is made: seen pixels if each plant were seen as its slot is; plants */
-	double factor;               /* how much more, or less, of its plants is seen than of others in their slots */
+struct lod_tile_choice {
+	enum lod_fixed fixed;        /* set by the caller: lambda does not decide */
+	bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
+	double closed_most;          /* share of its plants that may be left to the summary */
+	bool opened;                 /* at the last lambda: share is at least a half */
+	double share;                /* at the last lambda: how far the summary has given way to plants and
+	                              * children, 0 to 1 */
+	double weight;               /* product of the shares of all tiles above it */
+	struct lod_hull_point partial[2]; /* of a summary beside plants: its points after fixing, and at the
+	                                   * last lambda */
+	struct lod_hull partial_hull; /* these two as a hull */
+	double weight_px;            /* wrong pixels where nothing of it or its children is drawn */
+	double pixels, unoccluded;   /* pixels seen of it; of these, unoccluded ones */
+	double mean_seen, plants;    /* while it is made: pixels seen if its plants showed as their slots'
+	                              * means; number of plants */
+	double factor;               /* pixels seen of its plants over mean_seen */
 	struct lod_summary_view view;
-	struct lod_summary_hull summary;    /* its summary's hull points */
-	double position;             /* at the last lambda */
-	struct lod_cost cost;        /* of the better choice */
+	struct lod_summary_hull summary;
+	double position;             /* on the summary's hull, at the last lambda */
+	struct lod_cost cost;        /* of the blend that is chosen */
 };
 
 struct lod_allocation {
 	struct lod_planner *p;
-	struct lod_slot_choice *slot_choices;                /* per slot */
+	struct lod_slot_choice *slot_choices; /* per slot */
 	struct lod_ladder_choice *ladder_choices;            uint32_t ladder_choice_count, ladder_choice_capacity;
-	struct lod_tile_choice *tile_choices;            /* per node */
-	uint32_t *drawn_by;                  /* per node: whose choice it is drawn by, when last expected or settled */
-	uint64_t *counts;                    /* per slot: plants, all that is open being drawn */
-	double *scratch;                     /* per slot */
+	struct lod_tile_choice *tile_choices; /* per node */
+	uint32_t *drawn_by;          /* per node: the tile whose choice draws it; set by predict and fix */
+	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
+	double *scratch;             /* per slot */
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
-	uint32_t *slot_of;                   /* per plant and whole band: slot + 1 */
-	uint8_t *gates_counted;                 /* per plant: bands whose cells have been counted */
-	uint16_t *gates_fixed;                /* the caller's, per plant: a gate + 1 that is not for lambdas to decide, or 0 */
-	bool few_plants;                          /* tiles open all at once: where single plants decide */
+	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
+	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
+	uint16_t *gates_fixed;       /* per plant, set by the caller: a gate + 1 that lambda does not decide;
+	                              * 0: none */
+	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	double lambda;
-	struct lod_cost cost;                /* at the last lambda */
+	struct lod_cost cost;        /* at the last lambda */
 };
 
 enum eco_code lod_allocation_make(struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error);
 void lod_allocation_free(struct lod_allocation *allocation);
 
-/* The slot of a plant's whole plants in a band; ECO_NONE where there is none. */
+/* The slot of whole plants in a band; ECO_NONE where there is none. */
 static inline uint32_t lod_allocation_slot(const struct lod_allocation *allocation, uint32_t plant, uint8_t band)
 {
 	return allocation->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
 }
 
-/* Calls fn for each tally of cells in tiles that are open, with the cell's slot choice and that of the whole plants it is part of. */
+/* Calls fn for each tally of cells in open tiles, with the slot choice of the cell and that of the whole
+ * plants. */
 typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const struct lod_tally *tally, struct lod_slot_choice *cell, struct lod_slot_choice *whole);
 void lod_allocation_cells(struct lod_allocation *allocation, lod_allocation_cell_fn fn);
 
-/* Above the first lambda nothing is bought, below the second nearly all that gains. */
+/* Nothing is chosen above `high`; nearly everything that gains is chosen below `low`. */
 void lod_allocation_lambda_range(const struct lod_allocation *allocation, double *high, double *low);
 
-/* Sets p->gates too. Price 0 takes every step. */
+/* Sets p->gates too. At lambda 0 every step is taken. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction, struct eco_error *error);
 
-/* After lod_allocation_relax: what a tile's plants and children save together, vertices paid, and what its summary does at most. The tile is
- * open and has a summary. */
+/* After relax: what a tile's plants and children save at lambda, vertices paid, and an upper bound of what its
+ * summary saves. The tile is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants, double *summary);
 
-/* Makes p's nodes and gates what the last lambda decided, and counts plants. */
+/* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */
 void lod_allocation_fix(struct lod_allocation *allocation);
 
 #endif

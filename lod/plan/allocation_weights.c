@@ -1,4 +1,4 @@
-/* What things in view are worth, whatever the lambda: see lod/plan/allocation.h. */
+/* Weights, hulls and tiles of an allocation, none of which depends on lambda: see lod/plan/allocation.h. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
@@ -9,13 +9,15 @@
 #include "lod/ladder.h"
 
 #define PI 3.14159265358979323846
-#define BLOCK 4096u              /* hull points taken from memory at once */
-#define FEW_PLANTS 40           /* plants in view: fewer change one by one in any case */
-#define SMOOTH_BANDS 3           /* on either side count, too, ... */
-#define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: of many most are hidden */
-#define HIDDEN_WOOD 0.2          /* of wood that leaves cover wholly, this much still counts: leaves are drawn with holes */
+#define BLOCK 4096u              /* hull points allocated at once */
+#define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
+#define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
+#define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: most plants of many
+                                  * are hidden */
+#define HIDDEN_WOOD 0.2          /* share of wood that still counts where leaves cover it wholly: leaves are
+                                  * drawn with holes */
 
-/* ---- Room ---- */
+/* ---- Memory ---- */
 
 static struct lod_hull_point *take_points(struct lod_allocation *m, uint32_t count)
 {
@@ -44,10 +46,11 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 	return true;
 }
 
-/* ---- Worth ---- */
+/* ---- Weights ---- */
 
-/* Pixels that one plant's organ would cover at full detail if nothing were before it: random leaves on an ellipse. Wood shows where leaves
- * let it. Only the ratios of a plant's organs and cells matter: how much of all of it is seen is known from the screen. */
+/* Pixels that one plant's organ would cover at full detail with nothing before it: random leaves on an
+ * ellipse. Wood shows where leaves let it. Only the ratios between a plant's organs and cells matter: the
+ * screen knows how much of the whole plant is seen. */
 static double organ_pixels(const struct lod_allocation *m, const struct eco_ladder *ladder, uint8_t band)
 {
 	const struct lod_planner *p = m->p;
@@ -72,13 +75,13 @@ static double importance_of(const struct eco_ladder *ladder)
 	return ladder->importance > 0 ? ladder->importance : 1;
 }
 
-/* Of a cell, the share of a ladder's elements that the plant's own list does not draw already. */
+/* The share of a cell's elements that the plant's own list does not draw already; 1 of whole plants. */
 static double rest_of(const struct lod_slot *slot, const struct eco_ladder *ladder)
 {
 	return slot->cell && ladder->total ? 1 - (double)ladder->before / ladder->total : 1;
 }
 
-/* Of everything at the slot's anchor; of a cell, the rest of it. */
+/* Pixels of all ladders at the slot's anchor; of a cell, without what the plant's own lists draw. */
 static double anchor_pixels(const struct lod_allocation *m, const struct lod_slot *slot)
 {
 	uint32_t count;
@@ -106,7 +109,7 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 		return false;
 	if (choice.when == LOD_ALWAYS || ladder->flags & ECO_LADDER_FAR)
 		return true;
-	/* the same list beside cells: its own part of the plant, from where it stands for that and no more */
+	/* beside cells the same list stands for its own part of the plant alone, and begins where it does */
 	choice.when = LOD_NEAR;
 	choice.hull = table->hull[1];
 	choice.hull.fp_weight = m->slot_choices[s].fp_weight;
@@ -143,7 +146,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices", m->ladder_choice_count);
 }
 
-/* ---- What is seen ---- */
+/* ---- Pixels seen ---- */
 
 static double seen_pixels(const struct lod_visibility *visibility)
 {
@@ -155,9 +158,10 @@ static double unoccluded_pixels(const struct lod_visibility *visibility)
 	return (double)visibility->unoccluded * visibility->pixels;
 }
 
-/* What is seen of a plant in the mean of its slot. Of a few plants the mean jumps as one more of them crosses a border or is hidden; so those of
- * the bands around it count, too, as if they were at its distance, the less the more it has of its own. Sums are in `own` and `parts`,
- * numbers in m->scratch. */
+/* Sets each slot's mean of pixels seen. The mean of a few plants jumps when one plant more crosses a band's
+ * border or is hidden. So plants of the bands around it count too, as if they were at the slot's distance,
+ * and the less the more plants the slot has itself. Sums are read from `own` and `parts`, numbers of plants
+ * from m->scratch. */
 static void smooth_plants(struct lod_allocation *m)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
@@ -231,7 +235,8 @@ static void add_cell(struct lod_allocation *m, const struct lod_tally *t, struct
 	m->scratch[t->slot] += t->count;
 }
 
-/* What is seen of plants and not their own lists' is seen of their cells, in proportion to what these would cover. */
+/* Pixels of a plant that are seen and are not its own lists' are shared among its cells, in proportion to
+ * their pixels. */
 static void measure_cells(struct lod_allocation *m)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
@@ -250,7 +255,8 @@ static void measure_cells(struct lod_allocation *m)
 
 /* ---- Tiles ---- */
 
-/* A tile that is not opened is seen as one proxy shape; its plants are taken to be as dense as the scene's are in the mean. */
+/* A tile whose plants were not counted is seen as one proxy shape, as dense as the scene's plants are in the
+ * mean. */
 static void measure_closed(struct lod_allocation *m, const struct lod_visibility *visibility, struct lod_tile_choice *choice)
 {
 	const struct lod_planner *p = m->p;
@@ -264,8 +270,9 @@ static void measure_closed(struct lod_allocation *m, const struct lod_visibility
 	choice->view.covered += ratio * node->area * px * px * visibility->opacity;
 }
 
-/* What a summary is to cover of a plant. Between leaves at random and along twigs: taken for as thin as a picture shows them, summaries seem too wide
- * in closed forests, where gaps lead to other plants; taken as random, they seem good near by, where they fill all gaps. */
+/* Pixels that a summary should cover in place of a plant: the mean of random leaves and of leaves along
+ * twigs. With the thinner crown alone summaries seem too wide in closed forests, where gaps lead to other
+ * plants; with the denser one alone they seem good near by, where they fill all gaps. */
 static double summed_pixels(const struct lod_visibility *visibility)
 {
 	return 0.5 * ((double)visibility->opacity + visibility->shown) * (double)visibility->ellipse;
@@ -300,8 +307,9 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	uint32_t list = p->scene->tiles[node->tile].summary;
 	double center[3], from_eye[3], across, up, square = 0;
 	lod_visible_tree_box(&p->visible, node, center, &across, &up);
-	/* from within or close by, splats of the same area are of all sizes: a summary is of no use there, but where the farthest are less than
-	 * three times as far away as the nearest, and of full use only from twice as far on: so it goes little by little as a camera comes */
+	/* From within a tile or close to it, splats of one area are of all sizes in the picture. A summary
+	 * may be used from where the farthest plant is less than three times as far away as the nearest, and
+	 * without limit from twice that distance on: between the two it gives way gradually. */
 	double apart = node->distance / fmax(across, up) - 1;
 	choice->has_summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && choice->pixels > 0 && choice->plants > 0 && apart > 0;
 	choice->closed_most = fmin(1, apart);
@@ -312,7 +320,7 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		square += from_eye[i] * from_eye[i];
 	}
 	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
-	/* its points are those of all its plants, in view or not */
+	/* the summary's points stand for all plants of the tile, in view or not */
 	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > choice->plants ? choice->plants / all : 1;
 	struct lod_summary_view view = { .area = 0.5 * node->area * px * px * part, .covered = choice->view.covered, .box = choice->view.box,
 		.plants = choice->plants, .points = p->scene->lists[list].primitive_count, .weight_px = choice->weight_px };
@@ -329,7 +337,7 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	return true;
 }
 
-/* Children follow their parents: backwards, each is done before it is added up. */
+/* From the last node to the first: children follow their parents. */
 static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_error *error)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
@@ -363,7 +371,7 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 
 /* ---- Making ---- */
 
-/* Tiles that are not opened are seen as wholes. */
+/* Adds to the screen each tile whose plants were not counted, as one proxy shape. */
 static enum eco_code add_tiles(struct lod_planner *p, struct eco_error *error)
 {
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {

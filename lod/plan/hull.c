@@ -1,11 +1,11 @@
-/* Convex hulls of ladders' errors: see lod/plan/hull.h. */
+/* Sampling, reducing and reading of hulls: see lod/plan/hull.h. */
 #include "lod/plan/hull.h"
 
 #include <math.h>
 
-#define GROWTH 4u                /* hull points that are looked at grow by a quarter: curves are smooth */
+#define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
 
-/* The step from one hull point to the next. */
+/* Slopes of the step between two points. */
 static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point *to)
 {
 	double vertices = (double)(to->vertices - from->vertices);
@@ -21,7 +21,7 @@ void lod_hull_reduce(struct lod_hull *hull, double ratio)
 	a[0].fp_slope = 0;
 	for (uint32_t i = 1; i < hull->count; i++) {
 		a[kept] = a[i];
-		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);       /* noise */
+		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn); /* noise of the measurement */
 		a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
 		for (;; kept--, a[kept] = a[kept + 1]) {
 			set_slopes(&a[kept - 1], &a[kept]);
@@ -33,7 +33,8 @@ void lod_hull_reduce(struct lod_hull *hull, double ratio)
 	hull->count = kept;
 }
 
-/* A whole-plant list without cells: all of it drawn is a share of the plant, and no more, though the curve goes on. */
+/* Share of a whole-plant list that is drawn without cells: all of the list is only a share of the plant,
+ * though the curve goes on. */
 static double share_alone(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = way->ladder;
@@ -48,7 +49,8 @@ static double share_alone(const struct lod_way *way, uint64_t vertices)
 	return fmin(share, (double)c[i - 1].share + part * ((double)c[i].share - (double)c[i - 1].share));
 }
 
-/* The same list beside cells: once all of it is in full detail it is that for all that cells may add, but not without error before they do. */
+/* Share of the same list beside cells: at full detail the list stands for all that cells may add, but not
+ * without error before they do. */
 static double share_beside(const struct lod_way *way, uint64_t vertices)
 {
 	return lod_way_share(way, vertices < way->full ? vertices : lod_way_floor(way, way->full - 1));
@@ -67,7 +69,7 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first && !(ladder->flags & ECO_LADDER_FAR);
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
 	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices) : lod_way_share(way, vertices);
-	if (ladder->curve_count == 0)        /* not measured */
+	if (ladder->curve_count == 0) /* not measured */
 		return (struct lod_hull_point){ .vertices = vertices, .fn = 1 - share, .above_fn = (float)(1 - share) };
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share), above = lod_ladder_curve_seen(scene, ladder, share, 1);
 	double absent = vertices == 0 ? lod_hull_absent(ladder) : 0;
@@ -83,7 +85,7 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
-		if (at < stage && next > stage)      /* where a stage ends there is often a bend */
+		if (at < stage && next > stage) /* the curve often bends where a stage ends */
 			next = stage;
 		at = next < to ? next : to;
 		points[count++] = lod_hull_point_at(way, at);
@@ -104,13 +106,13 @@ void lod_hull_complete(struct lod_hull *hull, uint64_t to)
 double lod_hull_position(const struct lod_hull *hull, double lambda, double near)
 {
 	double taken = lambda * LOD_HULL_BLUR;
-	/* the last step that all plants have taken */
+	/* the last step that all plants take */
 	uint32_t low = (uint32_t)near;
 	while (low + 1 < hull->count && lod_hull_slope(hull, low + 1) >= taken)
 		low++;
 	while (low > 0 && lod_hull_slope(hull, low) < taken)
 		low--;
-	/* steps close to each other overlap: their shares add up */
+	/* nearby steps overlap: their shares add up */
 	double position = low;
 	for (uint32_t i = low + 1; i < hull->count && lod_hull_slope(hull, i) * LOD_HULL_BLUR > lambda; i++)
 		position += (lod_hull_slope(hull, i) * LOD_HULL_BLUR / lambda - 1) / (LOD_HULL_BLUR * LOD_HULL_BLUR - 1);

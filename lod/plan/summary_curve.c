@@ -1,33 +1,33 @@
-/* Splats hit what they stand for by chance, independent of each other: see lod/plan/summary_curve.h. */
+/* Splats hit what they stand for by chance, independently of each other: see lod/plan/summary_curve.h. */
 #include "lod/plan/summary_curve.h"
 
 #include <math.h>
 
 #include "lod/plan/visibility.h"
 
-#define FILLING 0.5              /* splats lie where plants do, not anywhere: they fill gaps as half of them would by chance */
+#define FILLING 0.5              /* splats lie where plants do: they fill gaps like half as many at random */
 
-/* Share of an area that n splats hit by chance, each with `each` of it. Of less than one splat there is one now and then. */
+/* Share of an area that n random splats hit, each covering `each` of it; for n < 1 the mean. */
 static double hit_share(double each, double area, double n)
 {
 	double part = each < area ? each / area : 1;
 	return n < 1 ? n * part : part >= 1 ? 1 : 1 - lod_exp_minus(-n * lod_log(1 - part));
 }
 
-/* Share of a length a that lies in a length l, its middle anywhere in it. */
+/* Share of a length a inside a length l that holds its middle. */
 static double inside_length(double a, double l)
 {
 	return a < 2 * l ? 1 - a / (4 * l) : l / a;
 }
 
-/* Share of a square of side a that lies in a box, its centre anywhere in it. */
+/* Share of a square of side a inside a box that holds its centre. */
 static double inside_box(double a, double wide, double high)
 {
 	return inside_length(a, wide) * inside_length(a, high);
 }
 
-/* Share of its tile's part of the picture that splats cover by chance. A tile far away is wide and low there: of a large splat most lies above and
- * below it. */
+/* Share of the tile's part of the picture that splats cover. A distant tile is wide and low there: most of a
+ * large splat lies above and below it. */
 static double filled(const struct lod_summary_view *view, double splat, double n)
 {
 	double region = view->wide * view->high;
@@ -41,8 +41,8 @@ double lod_summary_outside(const struct lod_summary_view *view, double n)
 	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring, n) / view->weight_px : 0;
 }
 
-/* A splat's centre is on a plant, and each plant has its part of the splats. Of a splat's area, what lies in the plant's crown covers it and its
- * gaps alike; the rest lies around the crown, and hides other plants as their splats hide this one. */
+/* A splat's centre is on a plant, and each plant has its share of the splats. The part of a splat inside the
+ * plant's crown covers the plant and its gaps alike; the rest lies around the crown and hides other plants. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
 {
 	double box = view->box / view->plants > 1e-12 ? view->box / view->plants : 1e-12, covered = view->covered / view->plants;
@@ -51,7 +51,7 @@ struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n
 	double inside = inside_box(side, width, width), ring = (width + side) * (width + side) - box;
 	double hit = hit_share(splat * inside, box, each) * inside;
 	double fp = (box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each);
-	/* what its own splats miss, those of others may hit */
+	/* splats of other plants may hit what its own miss */
 	double missed = (1 - hit) * (1 - filled(view, splat, n));
 	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered), .fn = (float)missed };
 }

@@ -1,24 +1,27 @@
-/* What a tile's summary is worth from a place: the expected error of its first points, computed, not measured. */
+/* The expected error of the first points of a tile's summary seen from a place: computed, not measured. */
 #ifndef LOD_SUMMARY_CURVE_H
 #define LOD_SUMMARY_CURVE_H
 
 #include "ecofiles/format/pack.h"
 
-/* What a summary looks like from a place. All in pixels. */
+/* A summary as seen from a place. All lengths and areas are in pixels. */
 struct lod_summary_view {
-	double area;                 /* projected: half of the tile's leaf area. n of N points are splats of area / n each */
-	double covered;              /* by the tile's plants at full detail, each for itself */
-	double box;                  /* of their crowns, gaps and all; at least `covered` */
-	double plants;               /* how many */
+	double area;                 /* projected: half of the tile's leaf area; n of N points are splats of
+	                              * area / n each */
+	double covered;              /* by the tile's plants at full detail, each by itself */
+	double box;                  /* of their crowns, gaps included; at least `covered` */
+	double plants;               /* number of plants */
 	double points;               /* N */
-	double wide, high;           /* of the tile in the picture, where its splats fill each other's gaps; 0: not known */
-	double weight_px;                /* what it counts that nothing of it is drawn; above 0 where wide and high are known */
+	double wide, high;           /* the tile in the picture, where splats fill each other's gaps; 0:
+	                              * unknown */
+	double weight_px;            /* wrong pixels where nothing is drawn; above 0 where wide and high are
+	                              * known */
 };
-/* Expected error of the first n points, over covered pixels: splats fall on what they stand for, independent of each other. n > 0. */
+/* Error of the first n points, over covered pixels. Splats fall on what they stand for, independently. n > 0. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);
 
-/* Pixels around the tile that the first n points cover, over its worth. What hides the tile need not hide them: large splats of a tile behind a hill
- * stand out above the hill. 0 where the tile's part of the picture is not known. */
+/* Pixels around the tile that the first n points cover, over weight_px. What hides the tile need not hide
+ * these splats: large splats of a tile behind a hill stand out above it. 0 where wide and high are unknown. */
 double lod_summary_outside(const struct lod_summary_view *view, double n);
 
 #endif

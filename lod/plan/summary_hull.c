@@ -1,11 +1,11 @@
-/* Steps of summaries, as far as they are asked for: see lod/plan/summary_hull.h. */
+/* Branch and bound over the samples of a summary: see lod/plan/summary_hull.h. */
 #include "lod/plan/summary_hull.h"
 
 #include <math.h>
 
 #include "lod/plan/visibility.h"
 
-#define LAST_STEP 64             /* the last step of a summary gains this much less a vertex than all of them do: seldom less */
+#define LAST_STEP 64             /* the last step's slope is this much below the mean slope, seldom less */
 
 static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i) { return summary->evaluated >> i & 1; }
 
@@ -59,7 +59,7 @@ void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_s
 	make_hull(summary);
 }
 
-/* The least of what is left wrong and what is paid, of all known hull points. */
+/* The least Lagrangian, error + lambda * vertices, of the empty sample and the hull's points. */
 static double least_evaluated(const struct lod_summary_hull *summary, double lambda)
 {
 	double least = 1;
@@ -70,10 +70,10 @@ static double least_evaluated(const struct lod_summary_hull *summary, double lam
 	return least;
 }
 
-/* Samples [first, end) that are not known, and a bound on what the best of them can come to. */
+/* Samples [first, end) that are not evaluated, and a lower bound of their Lagrangians. */
 struct gap { double least; uint32_t first, end; };
 
-/* The one that may hold the least. */
+/* The gap with the least bound. */
 static struct gap best_gap(const struct lod_summary_hull *summary, double lambda)
 {
 	struct gap best = { .least = INFINITY };
@@ -100,13 +100,13 @@ static bool refine_at(struct lod_summary_hull *summary, double lambda)
 	struct gap gap = best_gap(summary, lambda);
 	if (!(gap.least < least_evaluated(summary, lambda)))
 		return false;
-	/* few points show worse than nothing: from an eighth of them on it is mostly known that no smaller hull point counts */
+	/* few points are worse than none: a sample of an eighth mostly rules out all smaller ones */
 	evaluate(summary, gap.end - gap.first > 3 ? gap.end - 3 : gap.end - (gap.end - gap.first + 1) / 2);
 	make_hull(summary);
 	return true;
 }
 
-/* Steps that are taken in part are those around the lambda. */
+/* Steps around lambda are taken in part, so the hull must hold there too. */
 bool lod_summary_hull_refine(struct lod_summary_hull *summary, double lambda)
 {
 	return lambda > 0 && (refine_at(summary, lambda) || refine_at(summary, lambda * LOD_HULL_BLUR) || refine_at(summary, lambda / LOD_HULL_BLUR));
