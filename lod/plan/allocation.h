@@ -9,7 +9,8 @@
  *
  * - a ladder of a slot takes the steps of its hull whose slope is above lambda
  * - a band of a plant draws its cells where they save more than the whole plant's lists do
- * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its summary
+ * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its
+ *   summary
  *
  * The result is optimal for the number of vertices that it happens to use. A lower lambda uses more.
  *

@@ -1,4 +1,4 @@
-/* Spending a budget to the last vertex: see lod/plan/fill_budget.h. */
+/* The search for lambda and the greedy fill of the rest: see lod/plan/fill_budget.h. */
 #include "lod/plan/fill_budget.h"
 
 #include <assert.h>
@@ -11,24 +11,24 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define BISECTIONS 14              /* of the interval of lambdas: what is left is spent step by step */
-#define BRACKET_FACTOR 1.4                 /* of the lambda, while a lambda is looked for that does not fit */
+#define BISECTIONS 14            /* of the bracket of lambda: the rest is filled step by step */
+#define BRACKET_FACTOR 1.4       /* widens the bracket until one end does not fit */
 #define BRACKETS_FEW 24
-#define NEGLIGIBLE 1e-30           /* of a lambda: below all at which something gains */
-#define BRACKETS_MAX 400            /* 1e58: more than any two lambdas can be apart */
+#define NEGLIGIBLE 1e-30         /* times lambda: below every lambda at which something gains */
+#define BRACKETS_MAX 400         /* a factor of 1e58, more than any two lambdas can be apart */
 
-/* ---- Bids ---- */
+/* ---- Candidates ---- */
 
 static double drawn_share(const struct lod_node *node) { return 1 - (double)node->left / ECO_SHARE_ONE; }
 
-/* Cells are drawn of plants before the gate alone. */
+/* Plants of a tally that are drawn: cells only of plants before the gate. */
 static double shown(const struct lod_planner *p, const struct lod_tally *t)
 {
 	const struct lod_slot *slot = &p->visible.slots[t->slot];
 	return t->count * (slot->cell ? lod_planner_near(p, slot->plant, t->whole_band) : 1);
 }
 
-/* What of a slot's plants is seen in the tiles that are open: their count, each tile's times its factor. */
+/* Sums for each slot the plants drawn in open tiles, those of each tile times the tile's factor. */
 static void sum_seen(const struct lod_allocation *m, double *seen)
 {
 	const struct lod_planner *p = m->p;
@@ -39,10 +39,10 @@ static void sum_seen(const struct lod_allocation *m, double *seen)
 	}
 }
 
-/* A summary that nothing is drawn beside: it may have as many points as are worth it. */
+/* A summary with no plants beside it is a candidate along its whole hull. */
 static bool summary_alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
 
-/* Its plants are the first of the slot by hash, the last, or all. */
+/* Far plants are the last of the slot by hash, near plants the first. */
 static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];
@@ -93,7 +93,7 @@ static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
 		fill->vertices = UINT64_MAX;
 }
 
-/* The hull points of a lambda; counts vertices, not what is wrong. */
+/* Sets the hull points of a lambda; sums vertices, not what is wrong. */
 static void fill_at(struct lod_fill *fill, double lambda)
 {
 	fill->vertices = 0;
@@ -103,7 +103,7 @@ static void fill_at(struct lod_fill *fill, double lambda)
 		double position = candidate->weight_px > 0 ? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step) : lambda > 0 ? 0 : candidate->hull->count - 1;
 		lod_candidate_reach(candidate, (uint32_t)position);
 		double part = position - candidate->step;
-		if (candidate->ladder_choice == ECO_NONE)          /* points of a summary can be had one by one */
+		if (candidate->ladder_choice == ECO_NONE) /* a summary can have any number of points */
 			candidate->low += (uint64_t)(part * (double)(candidate->high - candidate->low));
 		else
 			candidate->ahead = (uint64_t)(part * (double)candidate->count);
@@ -122,7 +122,7 @@ static double candidate_wrong(const struct lod_candidate *candidate)
 	return candidate->seen * (part > 0 ? now + part * (lod_hull_error(candidate->hull, a + 1) - now) : now);
 }
 
-/* A tile that draws nothing, or whose plants are, is in no candidate: what it leaves wrong is added by the caller. */
+/* A tile that draws nothing, or only its plants, is no candidate: the caller adds what it leaves wrong. */
 static void sum_wrong(struct lod_fill *fill)
 {
 	fill->wrong = 0;
@@ -145,7 +145,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 			high = low;
 			low /= BRACKET_FACTOR;
 			if (brackets == BRACKETS_FEW && (fill_at(fill, high * NEGLIGIBLE), fill->vertices <= budget)) {
-				low = high *= NEGLIGIBLE;              /* what is left gains nothing at all */
+				low = high *= NEGLIGIBLE; /* the remaining steps gain nothing */
 				break;
 			}
 		}
@@ -179,7 +179,7 @@ static bool is_drawn(const struct lod_node *node, uint32_t hash)
 	return node->state == LOD_OPEN && lod_open_hash(hash) >= node->left;
 }
 
-/* Hashes of all plants and cells that are drawn, slot by slot. */
+/* Collects the hashes of all drawn plants and cells, slot by slot. */
 static bool collect_hashes(struct lod_fill *fill)
 {
 	struct lod_planner *p = fill->allocation->p;
@@ -204,7 +204,7 @@ static bool collect_hashes(struct lod_fill *fill)
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
 		if (p->gates[plant])
 			lod_visible_tree_each(&p->visible, plant, p->gates, collect_cell_hashes, fill);
-	for (uint32_t s = 0, end = 0; s < slots; s++)        /* what is drawn is what was counted */
+	for (uint32_t s = 0, end = 0; s < slots; s++) /* as many as were counted */
 		assert(fill->hash_first[s] == (end += (uint32_t)p->visible.slots[s].count));
 	memmove(fill->hash_first + 1, fill->hash_first, (size_t)slots * sizeof *fill->hash_first);
 	fill->hash_first[0] = 0;
@@ -227,7 +227,8 @@ static const uint16_t *hashes_of(struct lod_fill *fill, const struct lod_candida
 	return choice->when == LOD_FAR ? hashes + slot->near : hashes;
 }
 
-/* Plants of one hash are treated alike. The most plants, not above `wanted`, that a share can hold. */
+/* Plants of one hash are treated alike: the greatest number of plants up to `wanted` that a range of hashes
+ * can hold. */
 static uint64_t share_floor(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t wanted)
 {
 	if (wanted == 0 || wanted >= candidate->count)
@@ -246,14 +247,14 @@ uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *
 	return plants;
 }
 
-/* ---- What is left ---- */
+/* ---- The rest of the budget ---- */
 
 static const struct lod_way *way_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	return lod_planner_way(fill->allocation->p, fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
-/* All have reached `vertices`, on the way to the next hull point or there. */
+/* All plants have `vertices`, at the next hull point or on the way to it. */
 static void reach(struct lod_candidate *candidate, uint64_t vertices)
 {
 	candidate->low = vertices;
@@ -263,7 +264,7 @@ static void reach(struct lod_candidate *candidate, uint64_t vertices)
 		lod_candidate_reach(candidate, candidate->step + 1);
 }
 
-/* As many plants as `left` takes all the way. */
+/* As many plants as `left` allows take the whole step. */
 static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t each = candidate->high - candidate->low, most = left / each, behind = candidate->count - candidate->ahead;
@@ -276,7 +277,8 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 	return spent;
 }
 
-/* Less than a step for one plant is left: all plants go part of the way, and some of them one primitive further. */
+/* `left` is less than a step of one plant: all plants go part of the way, and some of them one primitive
+ * further. */
 static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	const struct lod_way *way = way_of(fill, candidate);
@@ -297,8 +299,8 @@ static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candida
 	return spent;
 }
 
-/* The same where there are many plants: one goes part of the way, and all others stay as they are. What is left differs from one
- * picture to the next, and may not be seen. */
+/* The same where there are many plants: one goes part of the way, the others stay. `left` differs from
+ * picture to picture, and the difference must not be visible. */
 static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
@@ -310,7 +312,7 @@ static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candi
 	return plants * (to - candidate->low);
 }
 
-/* Some plants are ahead, and one more is too many: so many, but all of them not as far. */
+/* Some plants are ahead, and one more does not fit: one more goes ahead, but all of them less far. */
 static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t had = candidate->ahead * (candidate->high - candidate->low), plants = lod_fill_share_next(fill, candidate, candidate->ahead);
@@ -332,7 +334,7 @@ static uint64_t fill_summary(struct lod_candidate *candidate, uint64_t left)
 	return points;
 }
 
-/* As much as `left` allows of the way to the candidate's next hull point. */
+/* As much as `left` allows of the candidate's next step. Returns the vertices used. */
 static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	if (candidate->ladder_choice == ECO_NONE)
@@ -380,7 +382,7 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 	return true;
 }
 
-/* Of one primitive more for the plants that are on the way, or would be. */
+/* Vertices of one more primitive for the plants between, or of the first for plants that would be. */
 static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	uint64_t plants = candidate->between ? candidate->between : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
@@ -388,7 +390,7 @@ static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *can
 	return plants * (lod_way_next(way_of(fill, candidate), at) - at);
 }
 
-/* Vertices that one step more would take, of any kind. */
+/* Vertices of the cheapest addition that gains. */
 static uint64_t cheapest_step(struct lod_fill *fill)
 {
 	uint64_t cheapest = UINT64_MAX;
@@ -416,8 +418,9 @@ static double between_densities(const struct lod_way *way, uint64_t low, uint64_
 	return part > 0 ? density + part * (lod_way_density(way, high) - density) : density;
 }
 
-/* Of the plants of a candidate together. Where there are many, as the lambda has it: cells are few, and where one takes a step all plants that it is a part
- * of would change. Of few, what is drawn may be far from that. */
+/* Share of its elements that a candidate shows, the mean over its plants. Where there are many plants it is
+ * that of lambda: cells are few, and a step of one cell would change all plants that it belongs to. Where
+ * there are few, what is drawn may be far from lambda. */
 static double mean_density(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_way *way = way_of(fill, candidate);
@@ -429,7 +432,8 @@ static double mean_density(const struct lod_fill *fill, const struct lod_candida
 	return between_densities(way, a->vertices, last ? a->vertices : a[1].vertices, position - floor(position));
 }
 
-/* How much of each organ's points the plants of a slot show together with their cells: the coarse list is scaled to that. */
+/* Sums how much of each organ the plants of a slot show together with their cells: the coarse list is scaled
+ * to that. */
 static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGAN_COUNT], double (*all)[ECO_ORGAN_COUNT])
 {
 	const struct lod_allocation *m = fill->allocation;
@@ -458,7 +462,7 @@ static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGA
 		}
 }
 
-/* In the band where the gate ends, the first of the slot's plants draw cells, and the others do not. */
+/* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. */
 static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice, struct lod_entry *entry)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];
@@ -496,7 +500,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
 			find_hashes(p, o, &entry);
 			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
-			if (candidate->ahead) {        /* and less than all */
+			if (candidate->ahead) { /* fewer than all */
 				entry.more = candidate->high;
 				entry.share = hashes_of(fill, candidate)[candidate->ahead];
 			}
@@ -514,7 +518,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	return code;
 }
 
-/* Between two hull points a curve is not a straight line. */
+/* From the curve, which is no straight line between hull points. */
 static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices);

@@ -1,53 +1,60 @@
-/* Down to the last vertex: hull points for tiles and gates that are decided. The lambda falls until the budget is used; what no lambda fits
- * exactly is spent step by step, on single plants if need be: of many, the last one goes part of the way and all others take whole
- * steps, so that what is left of a budget, which differs from picture to picture, changes no more than one.
+/* Uses a budget to the last vertex, with tiles and gates fixed. First the lowest lambda whose hull points fit
+ * is searched: the dual solution. The rest of the budget goes to further steps in falling order of slope
+ * (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. Where many
+ * plants are in view all take whole steps but the last, which goes part of the way: the rest differs from
+ * picture to picture and must not change more than one plant.
  *
- *   lod_allocation_fix(&allocation);                       tiles, gates and counts
- *   lod_fill_make(&spend, &allocation, &error);          what can be bought there
- *   lod_fill_search(&spend, lambda, budget)           hull points that fit; spend.wrong is what they leave wrong
- *   lod_fill_finish(&spend, budget, exchanges, &error)       the rest of the budget; then entries of the plan
- *   lod_fill_free(&spend) */
+ *   lod_allocation_fix(&allocation);                      tiles, gates, counts
+ *   lod_fill_make(&fill, &allocation, &error);            the candidates
+ *   lod_fill_search(&fill, lambda, budget)                hull points that fit; fill.wrong is what they leave wrong
+ *   lod_fill_finish(&fill, budget, swaps, &error)         the rest of the budget; then entries of the plan
+ *   lod_fill_free(&fill) */
 #ifndef LOD_FILL_BUDGET_H
 #define LOD_FILL_BUDGET_H
 
 #include "lod/plan/allocation.h"
 
-struct lod_candidate {                     /* an ladder choice for the plants of its slot that are drawn, or a tile's summary */
-	uint32_t ladder_choice, node;        /* one is ECO_NONE */
+struct lod_candidate {               /* a ladder choice for the plants of its slot that are drawn, or a tile's
+                                      * summary */
+	uint32_t ladder_choice, node; /* one of them is ECO_NONE */
 	const struct lod_hull *hull;
-	uint64_t count;              /* plants; summary: 1 */
-	double weight_px;                /* of one plant, as its lambda is found */
-	double seen;                 /* of all of them: what an error of 1 comes to */
-	uint32_t step;               /* the last hull point that all have reached */
-	uint64_t low;                /* vertices of all ... */
-	uint64_t high, ahead;        /* ... but so many, those with the smallest hashes, which have more */
-	uint64_t middle, between;    /* and the next, so many of them, which are on the way there. 0: none */
+	uint64_t count;              /* plants; 1 of a summary */
+	double weight_px;            /* of one plant: its lambda is that of the hull times this */
+	double seen;                 /* wrong pixels of all plants at an error of 1 */
+	uint32_t step;               /* the last hull point that all plants have reached */
+	uint64_t low;                /* vertices of each plant, ... */
+	uint64_t high, ahead;        /* ... but `ahead` plants of the smallest hashes have `high` */
+	uint64_t middle, between;    /* and the next `between` plants, on the way there, have `middle`; 0:
+	                              * none */
 };
 
 struct lod_fill {
 	struct lod_allocation *allocation;
 	struct lod_candidate *candidates;        uint32_t candidate_count;
-	double lambda;               /* after lod_fill_search: the multiplier that was found; 0: everything fits */
+	double lambda;               /* after search: the lambda found; 0: everything fits */
 	uint64_t vertices;
-	uint64_t cheapest;           /* after lod_fill_finish: vertices of the cheapest step that would still gain; UINT64_MAX: none would */
+	uint64_t cheapest;           /* after finish: vertices of the cheapest step left that gains;
+	                              * UINT64_MAX: none */
 	double wrong;
-	bool converged;              /* after lod_fill_search: two lambdas are known, 1/16384 of an interval apart, of which one fits and
-	                              * one does not; or all is bought. false: the bound on tries came first; what was found fits all the
-	                              * same, if it says so */
+	bool converged;              /* after search: lambda is known to 1/16384 of its bracket, or everything
+	                              * is drawn; false: the bound on tries came first, and what was found
+	                              * fits if `vertices` says so */
 	uint32_t *hash_first;        /* per slot, into hashes; slot_count + 1 */
-	uint16_t *hashes;            /* of plants that are drawn, slot by slot, ascending where `sorted` */
+	uint16_t *hashes;            /* of drawn plants, slot by slot, ascending where `sorted` */
 	uint8_t *sorted;             /* per slot */
 };
 
-/* What can be bought for the structure that lod_allocation_fix has decided. */
+/* Makes the candidates of the tiles and gates that lod_allocation_fix has set. */
 enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *allocation, struct eco_error *error);
 void lod_fill_free(struct lod_fill *fill);
-/* The lowest lambda whose hull points fit, looked for from `lambda` > 0 on. Where not even the least fits, vertices stays above the budget. */
+/* Sets the hull points of the lowest lambda that fits, searched from `lambda` > 0. Where not even the first
+ * hull points fit, `vertices` stays above the budget. */
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget);
-/* After a search that fits. `exchanges`: then what each candidate gives back is tried on the others (for few candidates: it takes their square). */
+/* After a search that fits. `swaps`: runs lod_swap_steps too, which takes the square of the number of
+ * candidates. */
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error);
 
-/* ---- For exchanges (lod/plan/swap_steps.h), in between ---- */
+/* ---- For lod/plan/swap_steps.h ---- */
 
 static inline const struct lod_hull_point *lod_candidate_point(const struct lod_candidate *candidate) { return &candidate->hull->points[candidate->step]; }
 static inline bool lod_candidate_ended(const struct lod_candidate *candidate) { return candidate->step + 1 == candidate->hull->count; }
@@ -56,13 +63,13 @@ static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candid
 	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low) + candidate->between * (candidate->middle - candidate->low);
 }
 
-/* What the next step of its hull saves per vertex; 0 at the end. */
+/* Wrong pixels that the next step of one plant saves per vertex; 0 at the end. */
 static inline double lod_candidate_next(const struct lod_candidate *candidate)
 {
 	return lod_candidate_ended(candidate) ? 0 : lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
 }
 
-/* All of its plants at an hull point, and none ahead. */
+/* Sets all plants of a candidate to a hull point, none of them ahead. */
 static inline void lod_candidate_reach(struct lod_candidate *candidate, uint32_t step)
 {
 	candidate->step = step;
@@ -71,13 +78,15 @@ static inline void lod_candidate_reach(struct lod_candidate *candidate, uint32_t
 	candidate->high = lod_candidate_ended(candidate) ? candidate->low : lod_candidate_point(candidate)[1].vertices;
 }
 
-/* The fewest plants that a share can hold and that are more than `plants` < count. */
+/* Plants of one hash are treated alike. The least number of plants above `plants` that a range of hashes can
+ * hold; `plants` < count. */
 uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants);
-/* All but candidate `except` (ECO_NONE: all) go on with what the budget leaves, step by step; sets vertices. False without memory. */
+/* Greedy fill: gives the rest of the budget to candidates in falling order of slope, except one (ECO_NONE: to
+ * all). Sets vertices. False without memory. */
 bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except);
-/* What a candidate leaves wrong; between two hull points a curve is not a straight line. */
+/* Wrong pixels that a candidate leaves, by its curve: between two hull points a curve is no straight line. */
 double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate);
-/* Sets spend->wrong to the sum. */
+/* Sets fill->wrong to the sum over candidates. */
 void lod_fill_sum(struct lod_fill *fill);
 
 #endif

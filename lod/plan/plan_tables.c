@@ -1,4 +1,4 @@
-/* What planning needs of a scene: see lod/plan/plan_tables.h. */
+/* Tables of a scene for planning: see lod/plan/plan_tables.h. */
 #include "lod/plan/plan_tables.h"
 
 #include <math.h>
@@ -7,11 +7,12 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
-#define THINNEST 0.01            /* area of a plant over its radius squared: whatever has no area is still to be seen */
+#define THINNEST 0.01            /* area of a plant over its radius squared: a plant without area is visible
+                                  * all the same */
 
 struct lod_plan_tables {
 	const struct eco_scene *scene;
-	uint32_t *ladder_first, *ladder_order;               /* per anchor, into the order; anchor_count + 1 */
+	uint32_t *ladder_first, *ladder_order; /* per anchor, into the order; anchor_count + 1 */
 	struct lod_proxy_shape *proxy_shapes;
 	double ellipse;
 	_Atomic(struct lod_plan_tables_ladder *) *ladders;
@@ -40,7 +41,7 @@ const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uin
 
 /* ---- Plants as proxy shapes ---- */
 
-/* Area of what is drawn at an anchor in full detail. */
+/* Area of everything drawn at an anchor in full detail. */
 static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor)
 {
 	double area = 0;
@@ -75,7 +76,8 @@ static void find_crown(const struct lod_plan_tables *tables, const struct eco_pl
 	proxy_shape->crown_across = fmin(2 * sqrt(across / sum), proxy_shape->across);
 }
 
-/* A plant's anchor is a sphere around it; its cells, if it has any, tell how wide it is and where its crown is, else its height does. */
+/* A plant's anchor is a sphere around it. Its cells say how wide it is and where its crown is; without cells
+ * its height does. */
 static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *tables, const struct eco_plant *plant)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
@@ -136,7 +138,7 @@ static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, s
 		make_hull(hulls, 1, way, end, way->full);
 }
 
-/* One piece of memory: the ladder, its legs, its hull points. */
+/* In one allocation: the ladder, its legs, its hull points. */
 static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene, uint32_t id, size_t *bytes)
 {
 	struct lod_way way;

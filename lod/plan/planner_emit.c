@@ -1,4 +1,4 @@
-/* From decided hull points to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
+/* From entries to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
 #include "lod/plan/explain_state.h"
 
 #include <math.h>
@@ -9,25 +9,24 @@
 #include "lod/ground_choice.h"
 #include "lod/ladder.h"
 
-#define GROWTH 0.6               /* leaves' areas at most, over those of a plant alone, less 1 */
-#define MISSED 0.15              /* of a plant's pixels: from so many on */
-#define ABOVE_STEPS 8            /* bands of one scale stay one cut */
+#define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
+#define MISSED 0.15              /* share of a plant's pixels missed from which all of GROWTH is added */
+#define ABOVE_STEPS 8            /* rounds scales, so that bands of nearly one scale are one cut */
 
 static double entry_density(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	double density = lod_way_density(lod_planner_way(p, entry->ladder), vertices);
-	/* where cells add to the coarse list, the plant as a whole is as dense as d' asked for */
+	/* where cells add to the coarse list, the plant as a whole is as dense as `wanted` says */
 	if (!slot->cell && eco_gate_place(slot->band, 0) < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;
 	return density < 1 ? density : 1;
 }
 
-/* Scales serve a plant that stands alone, where a pixel too many is as wrong as one that is missing. Among others it is seldom wrong, and leaves
- * are the larger the more of the plant they miss. Wrong pixels of three scenes at 30,000 to 1,000,000 vertices: 1 to 5 % fewer. Twice the
- * growth leaves fewer yet in a dense forest, but covers more of other plants and more sky; with the square of `among` 0.6 % fewer are wrong,
- * but more of them are too much: 1 - Q of 30,000 to 300,000 vertices is 1 to 2 % larger. */
+/* The factor of leaves' areas. Measured scales serve a plant that stands alone, where a false positive is as
+ * wrong as a false negative. Among other plants it seldom is: there leaves grow, and the more of the plant
+ * they miss the more they do (lod/EXPERIMENTS.md, Larger leaves among other plants). */
 static double grown(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
@@ -35,7 +34,7 @@ static double grown(const struct lod_planner *p, const struct lod_entry *entry, 
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }
 
-/* How far from above the slot's plants are seen, in the mean. */
+/* How far from above the slot's plants are seen, the rounded mean. */
 static double above_of(const struct lod_slot *slot)
 {
 	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5) / ABOVE_STEPS : 0;
@@ -90,7 +89,7 @@ static int by_anchor(const void *a, const void *b)
 	return 0;
 }
 
-/* Cuts that differ only in their band, one after the other, become one. */
+/* Consecutive cuts that differ only in their band become one. */
 static void merge_bands(struct eco_plan *plan)
 {
 	uint32_t kept = 0;
@@ -139,7 +138,7 @@ static void add_runs(const struct lod_planner *p, const uint32_t *placement_in_p
 	plan->run_count = kept;
 }
 
-/* Only placements that something is drawn in; the scene itself is always [0]. */
+/* Adds only placements in which something is drawn; the scene itself is always [0]. */
 static void add_placements(const struct lod_planner *p, uint32_t *placement_in_plan, struct eco_plan *plan)
 {
 	for (uint32_t i = 0; i < p->visible.placement_count; i++)
@@ -156,8 +155,8 @@ static void add_placements(const struct lod_planner *p, uint32_t *placement_in_p
 	}
 }
 
-/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to what a picture can hold: covered share c of a picture that
- * asks for t times its pixels is t / (1 + t). */
+/* For the rule without an allocation: wrong pixels summed over organs as if nothing overlapped, then shrunk
+ * to the picture. Of a picture that is asked to hold t times its pixels the share t / (1 + t) is covered. */
 static void predict(const struct lod_planner *p, struct eco_plan *plan)
 {
 	const struct eco_view *view = &p->input->request->view;
@@ -221,7 +220,7 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distan
 
 /* ---- Ground ---- */
 
-/* Before all else among the cuts: with the summaries, sorted by list. */
+/* Ground precedes the other cuts, with the summaries, sorted by list. */
 static void insert_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct lod_ground_choice *choice)
 {
 	memmove(plan->cuts + choice->count, plan->cuts, plan->cut_count * sizeof *plan->cuts);
@@ -303,7 +302,7 @@ enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_pla
 			items[count++] = (struct eco_holding){ image, scene->lists[image].chunk_count };
 	}
 	qsort(items, count, sizeof *items, by_holding);
-	for (uint32_t i = 0; i < count; i++)         /* of equal lists the last asks for most */
+	for (uint32_t i = 0; i < count; i++) /* of equal lists the last needs most */
 		if (i + 1 == count || items[i + 1].list != items[i].list)
 			items[kept++] = items[i];
 	needs->count = kept;

@@ -1,14 +1,19 @@
-/* One objective, expected wrong pixels, under one budget.
+/* The default rule: the fewest expected wrong pixels within a budget of vertices.
  *
- * Everything has an expected error, from its ladder's measured curve or its summary's, over the pixels of it that are seen. Seen shares
- * are found first, once and without looking at the budget (lod/plan/visibility.h), and then held fixed: so the objective is a sum, and at a lambda
- * of a vertex each of its terms is minimised by itself (lod/plan/allocation.h). Of a fixed grid of lambdas the one is found that uses the budget: that
- * decides gates and open tiles. Then, for these, the lambda is found that uses the budget (lod/plan/fill_budget.h); where the next lambda's gates
- * and tiles leave less wrong with this budget, those are taken.
+ * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
+ * the pixels seen. Pixels seen are found once, before any budget (lod/plan/visibility.h). So the objective is
+ * a sum, and at a lambda each of its terms is minimised by itself (lod/plan/allocation.h). The steps:
  *
- * What is wrong at a budget is read off the grid, where plans are the same whatever the budget: the grid's hull points never fall and its
- * errors never rise, and between two lambdas it is linear, as the lower convex hull of what can be had is. The picture that is
- * predicted is a function of that alone: pictures of a few lambdas, and what is between them. So more budget never predicts more. */
+ * - on a fixed grid of lambdas, bisect for the one that uses the budget; between it and its neighbour, search
+ *   the lambda that does (the dual solution)
+ * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
+ *   (lod/plan/fill_budget.h)
+ * - in small scenes, also try the gates and tiles of nearby lambdas, and each tile and gate the other way
+ *   round
+ *
+ * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
+ * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
+ * predicted picture is interpolated likewise. So a larger budget never predicts more wrong pixels. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -20,21 +25,21 @@
 #include "lod/plan/fill_budget.h"
 
 #define LAMBDAS_PER_OCTAVE 2
-#define LAMBDA_HIGHEST 34         /* octaves: more pixels than a picture can have */
-#define LAMBDA_COUNT 240          /* down to where a vertex saves nothing that anyone could see; then lambda 0 */
-#define LAMBDAS_PER_PREDICTION 4        /* between two whose pictures are looked at, at most */
-#define LAMBDA_TRIES 8            /* between two lambdas, for the one that uses the budget, ... */
-#define LAMBDA_SLACK 0.001        /* ... but for so much of it */
-#define SMALL_LADDER_CHOICES 64u         /* scenes of fewer ladder choices and tiles are small: */
-#define SMALL_REACH 6            /* so many lambdas on either side are tried, ... */
-#define SMALL_PASSES 3           /* ... and each tile and gate the other way round so often at most */
-#define TILES_PX 0.5             /* tiles are opened as far as samples this far apart need it, ... */
-#define CELLS_PX 1.0             /* ... and cells; further where the budget is larger than what there is */
+#define LAMBDA_HIGHEST 34        /* octaves: more pixels than a picture can have */
+#define LAMBDA_COUNT 240         /* down to where a vertex saves nothing visible; then lambda 0 */
+#define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
+#define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
+#define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
+#define SMALL_LADDER_CHOICES 64u /* scenes of fewer ladder choices and tiles are small */
+#define SMALL_REACH 6            /* lambdas tried on either side in small scenes */
+#define SMALL_PASSES 3           /* passes over tiles and gates in small scenes, at most */
+#define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
+#define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
 #define FINER_TIMES 3            /* levels above 0; the last opens all */
 #define SMALL_STEPS 4            /* levels below 0 that are one octave apart */
 #define COARSEST -12
-#define PLACES_MOST 100000u      /* plants that one level looks at */
+#define PLACES_MOST 100000u      /* plants that one level walks over */
 
 static double lambda_at(int index)
 {
@@ -50,21 +55,21 @@ static void begin_screen(struct lod_planner *p)
 	p->visible.proxy_shapes = lod_plan_tables_proxy_shapes(p->tables);
 }
 
-/* ---- Down the lambdas ---- */
+/* ---- The search for lambda ---- */
 
-struct outcome { double vertices, wrong; };                /* what a lambda comes to */
+struct outcome { double vertices, wrong; }; /* of a relaxation */
 
 struct evaluation { int at; struct outcome outcome; struct eco_prediction prediction; };
 
 struct lambda_search {
 	struct lod_allocation *allocation;
-	int first, last;             /* indices of lambdas at which anything is bought, and beyond which nothing more gains */
-	struct evaluation from, to;        /* the lambdas around the budget whose pictures are looked at */
-	int index;                   /* the last that fits the budget */
-	struct outcome here, next;     /* there, and at the lambda after it */
+	int first, last;             /* first index at which anything is chosen, last at which more is */
+	struct evaluation from, to;  /* the predicted lambdas around the budget */
+	int index;                   /* the last lambda whose vertices fit the budget */
+	struct outcome here, next;   /* there, and at the next lambda */
 };
 
-/* The lambda after the last that something gains at is 0. */
+/* After the last lambda of the grid that chooses more comes lambda 0. */
 static int index_of(const struct lambda_search *s, int at) { return at <= s->last ? at : LAMBDA_COUNT; }
 static int index_after(const struct lambda_search *s, int index) { return index < s->last ? index + 1 : LAMBDA_COUNT; }
 
@@ -84,7 +89,8 @@ static double within(double value, double least, double most) { return value < l
 
 static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
 
-/* What a lambda comes to, and its picture: neither worse than what is before it nor better than what is after. */
+/* Relaxes at a lambda, and predicts its picture if asked. Results are clamped between those of the lambdas
+ * before and after it. */
 static enum eco_code evaluate(struct lambda_search *s, int at, const struct evaluation *before,
 	const struct evaluation *after, bool predicts, struct evaluation *result, struct eco_error *error)
 {
@@ -103,7 +109,8 @@ static enum eco_code evaluate(struct lambda_search *s, int at, const struct eval
 	return code;
 }
 
-/* The lambda to look at next: in the middle. But the dearest is only a bound: as long as nothing is bought there, much cheaper ones. */
+/* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
+ * chosen there the next one is much lower. */
 static int next_to_evaluate(const struct lambda_search *s, const struct evaluation *here, const struct evaluation *next)
 {
 	int width = next->at - here->at;
@@ -111,8 +118,9 @@ static int next_to_evaluate(const struct lambda_search *s, const struct evaluati
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
-/* By dividing what is between nothing and everything. What a lambda comes to depends on the marks around it and on the view, not on the
- * budget. Most lambdas are never looked at: not those of much smaller budgets, where it takes most to see that hardly anything is bought. */
+/* Bisects the grid from nothing to everything. A result depends on the view and on the lambdas evaluated
+ * around it, not on the budget. Most lambdas are never evaluated, nor are those of much smaller budgets, at
+ * which summaries take longest. */
 static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px }, .prediction = { .fp = INFINITY } };
@@ -142,14 +150,14 @@ static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struc
 	return code;
 }
 
-/* ---- The picture ---- */
+/* ---- The prediction ---- */
 
 static struct eco_prediction interpolate(const struct eco_prediction *a, const struct eco_prediction *b, double part)
 {
 	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
 }
 
-/* What is expected to be wrong with the budget, and the picture for that; unless a level before expected less. */
+/* Sets the prediction for the budget, unless that of a level before expects less to be wrong. */
 static void predict(const struct lambda_search *s, uint64_t budget)
 {
 	double room = s->next.vertices - s->here.vertices, part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
@@ -162,7 +170,7 @@ static void predict(const struct lambda_search *s, uint64_t budget)
 	*least = wrong_of(&prediction) < wrong_of(least) ? prediction : *least;
 }
 
-/* ---- Amounts for the structure of a lambda ---- */
+/* ---- Gates and tiles of a lambda ---- */
 
 static double closed_wrong(const struct lod_allocation *m)
 {
@@ -174,7 +182,8 @@ static double closed_wrong(const struct lod_allocation *m)
 	return sum;
 }
 
-/* What the structure of a lambda leaves wrong with all of the budget: infinitely much where it does not fit. */
+/* What the gates and tiles of a lambda leave wrong when filled to the budget: INFINITY where they do not
+ * fit. */
 static enum eco_code try_structure(const struct lambda_search *s, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
 	struct eco_error *error)
 {
@@ -190,8 +199,8 @@ static enum eco_code try_structure(const struct lambda_search *s, double lambda,
 
 struct best { int index; double wrong; };
 
-/* Structures of lambdas around the one that fits: the next, and in small scenes, where steps are large and what is left over may matter as
- * much, some more. */
+/* Tries the gates and tiles of the lambdas around the one that fits. In small scenes, where steps are large
+ * and the rest of the budget matters, these are several. */
 static enum eco_code try_structures(const struct lambda_search *s, uint64_t budget, int reach, struct best *best, struct eco_error *error)
 {
 	int from = s->index - reach + 1 > s->first - 1 ? s->index - reach + 1 : s->first - 1, tried = -1;
@@ -212,7 +221,8 @@ static enum eco_code try_structures(const struct lambda_search *s, uint64_t budg
 	return code;
 }
 
-/* With a tile or a gate held as it is now; better says whether what is found is. */
+/* With a tile or gate fixed by the caller: `better` if it leaves less wrong than `best`, which is then
+ * replaced. */
 static enum eco_code try_fixed(const struct lambda_search *s, uint64_t budget, struct best *best, bool *better, struct eco_error *error)
 {
 	struct best other = *best;
@@ -222,7 +232,7 @@ static enum eco_code try_fixed(const struct lambda_search *s, uint64_t budget, s
 	return code;
 }
 
-/* Each tile the other way round. */
+/* Tries each tile the other way round. */
 static enum eco_code try_tiles(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -243,7 +253,7 @@ static enum eco_code try_tiles(const struct lambda_search *s, uint64_t budget, s
 	return code;
 }
 
-/* Each plant's gate at each of its bands. */
+/* Tries each plant's gate after each of its bands. */
 static enum eco_code try_gates(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -263,8 +273,8 @@ static enum eco_code try_gates(const struct lambda_search *s, uint64_t budget, s
 	return code;
 }
 
-/* In small scenes one tile more or less matters: each the other way round, as long as that is better. Amounts of summaries are all computed
- * before: so a lambda comes to the same whenever it is asked. */
+/* A local search over tiles and gates, for small scenes where one of them matters. All summaries' hulls are
+ * completed first: so a lambda gives the same result whenever it is tried. */
 static enum eco_code search_small(const struct lambda_search *s, uint64_t budget, struct best *best, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -282,8 +292,8 @@ static enum eco_code search_small(const struct lambda_search *s, uint64_t budget
 	return code;
 }
 
-/* The lambda that uses the budget. Prices of the grid lie so far apart that from one to the next many tiles open and many gates rise at once;
- * along this one they do so one after the other, as a camera moves. */
+/* The lambda that uses the budget, between two of the grid (regula falsi). From one grid lambda to the next
+ * many tiles open and gates rise at once; along this lambda they do so one by one as a camera moves. */
 static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 {
 	double high = lambda_at(s->index), low = lambda_at(index_after(s, s->index)), enough = (double)budget;
@@ -298,7 +308,8 @@ static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 		if (left >= 0) {
 			high = middle;
 			under = unused = left;
-			over = side == 1 ? over / 2 : over;          /* the end that stays twice counts for less (Illinois) */
+			/* an end that stays twice counts half (Illinois) */
+			over = side == 1 ? over / 2 : over;
 			side = 1;
 		} else {
 			low = middle;
@@ -320,7 +331,8 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 	enum eco_code code = small ? search_small(s, budget, &best, error) : ECO_OK;
 	if (!code)
 		code = try_structure(s, small || s->index == LAMBDA_COUNT ? lambda_at(best.index) : exact_lambda(s, budget), budget, &fill, &wrong, error);
-	if (!code && !(wrong < INFINITY)) {  /* hull points are whole: what a lambda comes to in the mean may not fit; nothing does */
+	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
+	                                     * not fit; choosing nothing does */
 		lod_fill_free(&fill);
 		code = try_structure(s, lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
@@ -335,10 +347,10 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 	return code;
 }
 
-/* ---- All ---- */
+/* ---- Levels of detail ---- */
 
-/* A level predicts only where the budget holds everything of those before it: so the least that any of them expects to be wrong does not rise with a
- * budget. */
+/* Plans at one level. A level predicts only if the budget holds everything at the levels before it: so the
+ * least wrong pixels predicted by any level do not rise with the budget. */
 static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct eco_error *error)
 {
 	struct lod_allocation allocation;
@@ -356,7 +368,7 @@ static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct ec
 	return code;
 }
 
-/* Coarser ones go in small steps at first, as it is known only afterwards what a level costs. */
+/* Coarser levels begin with small steps: the work of a level is known only afterwards. */
 static int octaves(int level)
 {
 	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level : SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
@@ -365,7 +377,7 @@ static int octaves(int level)
 static enum eco_code open_level(struct lod_planner *p, int level, struct eco_error *error)
 {
 	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, octaves(level));
-	/* visibilities of tiles are made anew at each level; those of plants stay, and are the first */
+	/* visibilities of tiles are made anew at each level; those of plants come first, and stay */
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < p->screen.count; i++)
 		if (p->screen.visibilities[i].slot != ECO_NONE)
@@ -374,7 +386,7 @@ static enum eco_code open_level(struct lod_planner *p, int level, struct eco_err
 	return lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
 }
 
-/* Is there anything that the level did not look at? */
+/* Is everything open? */
 static bool complete(const struct lod_planner *p)
 {
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
@@ -389,8 +401,9 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
-/* The finest level from `level` on towards coarser ones that is not too large to look at. From a walker's eyes to the horizon there may be
- * millions of plants, nearly all hidden or smaller than a pixel: their tiles are told apart only as far as time allows. */
+/* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
+ * millions of plants up to the horizon, nearly all hidden or smaller than a pixel: their tiles are opened
+ * only as far as the bound allows. */
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	for (;; --*level) {

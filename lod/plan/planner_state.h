@@ -1,6 +1,5 @@
-/* Inside the planner: what its files share. By the rule that was asked for, planner_deussen.c with planner_fill.c, or planner_optimal.c with
- * allocation.c (what things gain and cost) and budget.c (down to the last vertex) find the hull points; planner_emit.c writes
- * the cuts. An entry is what is decided as one: a ladder for all plants of a slot, or a tile's summary. */
+/* State shared by the files of the planner. A rule makes entries: planner_optimal.c with allocation.c and
+ * fill_budget.c, or planner_deussen.c with planner_fill.c. planner_emit.c turns entries into cuts. */
 #ifndef LOD_PLANNER_STATE_H
 #define LOD_PLANNER_STATE_H
 
@@ -11,19 +10,21 @@
 #include "lod/plan/plan_tables.h"
 #include "lod/plan/visible_tree.h"
 
-struct lod_entry {                   /* one ladder for all plants of one slot, or a tile's summary */
+struct lod_entry {                   /* what is drawn of one ladder for all plants of a slot, or of a tile's
+                                      * summary */
 	uint32_t slot;               /* ECO_NONE: a summary */
-	uint32_t ladder;             /* summary: the node */
+	uint32_t ladder;             /* of a summary: the node */
 	uint64_t count;              /* plants */
-	uint64_t vertices, full;     /* per plant */
-	uint32_t first, end;         /* of plants whose hash is from `first` on and below `end` */
-	uint64_t more;               /* per plant whose hash is below `share`: this many instead */
+	uint64_t vertices, full;     /* per plant: drawn, and at most */
+	uint32_t first, end;         /* plants with a hash from `first` on and below `end` */
+	uint64_t more;               /* per plant with a hash below `share`, instead of `vertices` */
 	uint32_t share;
-	uint64_t middle;             /* per plant whose hash is from `share` on and below `between`: so many */
-	uint32_t between;            /* 0: there are none */
-	double wanted;               /* points or lines of the whole region that d' asked for; summary: as large as if so many were drawn */
-	double pixels;               /* expected covered pixels of one plant's organ */
-	double among;                /* how much less a pixel too many of it weighs than one that is missing: 0 alone, towards 1 among others */
+	uint64_t middle;             /* per plant with a hash from `share` on and below `between` */
+	uint32_t between;            /* 0: none */
+	double wanted;               /* points or lines to show of the whole region, cells included; of a
+	                              * summary: points are sized as if so many were drawn */
+	double pixels;               /* that one plant's organ is expected to cover */
+	double among;                /* 1 - the weight of a false positive: 0 alone, towards 1 among others */
 	struct lod_reason reason;    /* where an explanation is asked for */
 };
 
@@ -32,25 +33,26 @@ struct lod_planner {
 	const struct eco_scene *scene;
 	struct lod_visible_tree visible;
 	uint32_t *gates;             /* per plant: where it ends, see struct eco_gate */
-	struct lod_plan_tables *tables, *own;     /* the input's; or its own */
+	struct lod_plan_tables *tables, *own; /* the input's; own: made for this plan */
 	struct lod_entry *entries;
 	uint32_t entry_count, entry_capacity;
 	uint64_t vertices;
-	bool ended;                  /* every curve has ended: nothing could be added */
-	uint64_t cheapest;           /* vertices of the cheapest step that would still gain; UINT64_MAX: none would */
+	bool ended;                  /* every curve has ended: nothing can be added */
+	uint64_t cheapest;           /* vertices of the cheapest step left that gains; UINT64_MAX: none */
 	uint32_t level;
-	bool converged;              /* as lod_planner_stats */
-	double wrong;                /* what the optimiser's entries leave of its objective */
-	uint64_t candidates, gains, looks;   /* as struct lod_planner_stats says */
-	struct eco_prediction prediction;        /* of the optimiser; the other rule's is made from its entries */
-	struct lod_screen screen;    /* the optimiser's */
+	bool converged;              /* as in lod_planner_stats */
+	double wrong;                /* LOD_RULE_OPTIMAL: the objective that the entries reach */
+	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
+	struct eco_prediction prediction; /* LOD_RULE_OPTIMAL; of the other rule it is made from its
+	                                   * entries */
+	struct lod_screen screen;    /* LOD_RULE_OPTIMAL */
 };
 
-/* `input` must outlive p, which is to be ended whatever comes of it. */
+/* `input` must outlive p. End p whatever begin returns. */
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error);
 void lod_planner_end(struct lod_planner *p);
 
-/* Opens tiles, and plants' cells, as sample distances d' need them, and counts plants: sets gates and slots. */
+/* Opens the tiles and cells that the sample distances d' need, and counts plants: sets gates and slots. */
 enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, double cells_distance, struct eco_error *error);
 
 enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error);
@@ -58,26 +60,27 @@ enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *ent
 /* The two rules: entries and vertices within the budget. */
 enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error);
 enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error);
-/* Only looks, at a level as lod_planner_stats names it: then a allocation can be made of it (for tests). */
+/* Opens the scene at a level of lod_planner_stats and plans nothing, so that tests can make an allocation. */
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
-/* Vertices to add, of plans p->vertices <= budget: sets entries' vertices, more and share, and p->vertices. */
+/* Fills what is left of the budget; p->vertices must be within it. Sets vertices, more and share of entries,
+ * and p->vertices. */
 enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);
 
-/* The plan of the entries as they are; `sample_distance` is only reported. */
+/* Makes the plan of the entries. `sample_distance` is only reported. */
 enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distance, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices);
 
-/* How many of a plant's instances in a band are before its gate, as a share. */
+/* Share of a plant's instances in a band that are before its gate. */
 static inline double lod_planner_near(const struct lod_planner *p, uint32_t plant, uint8_t band)
 {
 	double share = ((double)p->gates[plant] - eco_gate_place(band, 0)) / ECO_SHARE_ONE;
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-/* Of a ladder that is in an entry or an ladder choice. */
+/* The way of a ladder that is in an entry or a ladder choice: its table exists. */
 static inline const struct lod_way *lod_planner_way(const struct lod_planner *p, uint32_t ladder)
 {
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, ladder);

@@ -1,13 +1,13 @@
-/* What one candidate has is exchanged for what others may have: see lod/plan/swap_steps.h. */
+/* Exchanges of steps between candidates: see lod/plan/swap_steps.h. */
 #include "lod/plan/swap_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define PASSES 4                 /* times that all candidates are looked at */
+#define PASSES 4                 /* over all candidates */
 
-/* One step back, or all of them. False where nothing is drawn. */
+/* Releases the last step, or all of them. False where nothing is drawn. */
 static bool release_step(struct lod_candidate *candidate, bool all)
 {
 	uint32_t step = all ? 0 : candidate->step;
@@ -19,7 +19,7 @@ static bool release_step(struct lod_candidate *candidate, bool all)
 	return true;
 }
 
-/* The next hull point for all of a candidate's plants, or for one more of them. False at the end. */
+/* Adds the next step for all of a candidate's plants, or for one more of them. False at the hull's end. */
 static bool add_step(struct lod_fill *fill, struct lod_candidate *candidate, bool all)
 {
 	if (lod_candidate_ended(candidate))
@@ -31,7 +31,8 @@ static bool add_step(struct lod_fill *fill, struct lod_candidate *candidate, boo
 	return true;
 }
 
-struct release { double loss; uint64_t freed; };    /* what a candidate's last step back would come to; freed 0: it has none */
+struct release { double loss; uint64_t freed; }; /* what releasing a candidate's last step loses and frees;
+                                                  * freed 0: it has none */
 
 static struct release release_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
@@ -41,7 +42,8 @@ static struct release release_of(const struct lod_fill *fill, const struct lod_c
 	return (struct release){ lod_fill_wrong_of(fill, &after) - lod_fill_wrong_of(fill, candidate), lod_candidate_vertices(candidate) - lod_candidate_vertices(&after) };
 }
 
-/* All but candidate `except` give back steps until the budget is kept: first those that lose least for each vertex that is needed. */
+/* All candidates but `except` release steps until the budget holds, those first that lose least per vertex
+ * needed. False if it cannot hold. */
 static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t except, struct release *releases)
 {
 	fill->vertices = 0;
@@ -69,7 +71,7 @@ static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t exce
 	return true;
 }
 
-/* What is changed of one candidate, and then of others to make up for it. */
+/* The change of one candidate that the others make up for. */
 enum swap { RELEASE_STEP, RELEASE_ALL, ADD_ONE, ADD_STEP, SWAP_KINDS };
 
 static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct release *releases)
@@ -80,7 +82,7 @@ static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap
 	return (kind == ADD_STEP || candidate->count > 1) && add_step(fill, candidate, kind == ADD_STEP) && release_others(fill, budget, i, releases);
 }
 
-/* Kept if less is wrong then. */
+/* Makes the change and keeps it if less is wrong. False without memory. */
 static bool try_swap(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct lod_candidate *spare, struct release *releases,
 	bool *better)
 {

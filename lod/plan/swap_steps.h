@@ -1,17 +1,20 @@
-/* Where a few plants are in view, what is left of a budget is no small part of it, and steps are large: a lambda finds hull points that are good and not
- * the best. So each candidate is changed by itself, and the others make up for it; that is kept where less is wrong then.
+/* Local search for scenes of a few plants, where the rest of a budget is no small part of it and steps are
+ * large: there the dual solution and the greedy fill may be far from optimal. One candidate is changed, the
+ * others make up for it, and the change is kept if fewer pixels are wrong:
  *
- *   It gives back a step, or all it has: others go on with that, those that gain most first.
- *   It takes a step that the budget does not allow, for one plant more or for all: others give back steps until it does, first those that lose
- *   least for each vertex that is needed. One dear step for some cheap ones is found no other way.
+ * - it releases a step, or all its steps, and the others are filled greedily with the vertices
+ * - it adds a step that does not fit, for one plant more or for all, and the others release steps until it
+ *   fits, those first that lose least per vertex needed; only this trades one large step for several small
+ *   ones
  *
- * Some rounds, until nothing is better. Takes the square of the candidates. */
+ * Ends when no change helps, or after some passes. Takes the square of the number of candidates. */
 #ifndef LOD_SWAP_STEPS_H
 #define LOD_SWAP_STEPS_H
 
 #include "lod/plan/fill_budget.h"
 
-/* Of candidates whose rest is spent; spend->wrong is what they leave wrong, before and after. False without memory. */
+/* `fill` is filled to its budget; fill->wrong is what it leaves wrong, before and after. False without
+ * memory. */
 bool lod_swap_steps(struct lod_fill *fill, uint64_t budget);
 
 #endif

@@ -1,4 +1,4 @@
-/* Shares of the picture, cell by cell: see lod/plan/visibility.h. */
+/* Visibilities on the coarse screen: see lod/plan/visibility.h. */
 #include "lod/plan/visibility.h"
 
 #include <math.h>
@@ -8,11 +8,14 @@
 #include "ecofiles/base/room.h"
 
 #define PI 3.14159265358979323846
-#define AROUND 2.5               /* what is drawn too much of a plant lies in a box so much wider than its own */
-#define SEEN_LEAST 1e-4          /* of what is hidden altogether or beside the picture: it may be seen through a gap nobody knows of */
-#define HILL 1.0f                /* columns on either side of a foot, up to where ground may hide */
-#define CLEAR_LEAST 1e-6f        /* of a cell: what is darker is not known to be its own doing */
-#define DENSEST 0.66666666666666667      /* denser crowns cover as much of a larger ellipse: what is drawn too much of them lies around them */
+#define AROUND 2.5               /* false positives of a plant lie in a box so much wider and higher than its
+                                  * own */
+#define SEEN_LEAST 1e-4          /* share seen of what is hidden or outside the picture: it may be seen
+                                  * through an unknown gap */
+#define HILL 1.0f                /* columns on either side of a foot in which ground hides */
+#define CLEAR_LEAST 1e-6f        /* of a cell's light: in darker cells the own part is not separated */
+#define DENSEST 0.66666666666666667 /* of a denser crown: it covers as much of a larger ellipse, so that false
+                                     * positives lie around it */
 #define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
 
 /* ---- Numbers ---- */
@@ -45,13 +48,13 @@ double lod_log(double x)
 	return 2 * sum + exponent * 0.69314718055994531;
 }
 
-/* ---- Sights ---- */
+/* ---- Visibilities ---- */
 
 void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground)
 {
 	uint32_t side = view->width > view->height ? view->width : view->height;
 	double cell = (double)side / LOD_SCREEN_COLUMNS;
-	cell = cell > 4 ? cell : 4;          /* of a picture of few pixels, few cells */
+	cell = cell > 4 ? cell : 4;  /* small pictures have few cells */
 	*screen = (struct lod_screen){ .eye = eye, .ground = ground, .columns = (uint32_t)ceil(view->width / cell),
 		.rows = (uint32_t)ceil(view->height / cell) };
 	screen->cell_x = (double)view->width / screen->columns;
@@ -83,7 +86,7 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
 	return sqrt(upright * upright + level * level);
 }
 
-/* The square of how far away a proxy shape is, in its own radii: below 1 the eye is within its ellipsoid. */
+/* Squared distance of a proxy shape in its own radii: below 1 the eye is inside its ellipsoid. */
 static double apart(const double d[3], const struct lod_proxy_shape *proxy_shape)
 {
 	double across = proxy_shape->across > 0 ? proxy_shape->across : proxy_shape->up, up = proxy_shape->up > 0 ? proxy_shape->up : proxy_shape->across;
@@ -119,7 +122,8 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	return visibility;
 }
 
-/* Leaves of one crown stand along its twigs: a picture shows so much less of them than if they stood at random (forests: 0.5 to 0.7). */
+/* Leaves of a crown stand along its twigs: a picture shows less of them than of random leaves (forests: 0.5
+ * to 0.7). */
 #define TWIGS 0.6
 
 static double shown_of(double opacity)
@@ -140,7 +144,7 @@ static struct span span_of(double middle, double reach, uint32_t count)
 	return (struct span){ (int)low, (int)ceil(high), (float)low, (float)high };
 }
 
-/* How much of cell i lies in the span. */
+/* Length of cell i inside the span. */
 static float inside(const struct span *s, int i)
 {
 	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high : (float)(i + 1);
@@ -149,7 +153,7 @@ static float inside(const struct span *s, int i)
 
 /* ---- Front to back ---- */
 
-/* The bits of depths, or ranges. */
+/* A positive float's bits sort like its value. */
 static uint32_t key_of(const struct lod_visibility *visibility, bool by_range)
 {
 	uint32_t bits;
@@ -157,7 +161,7 @@ static uint32_t key_of(const struct lod_visibility *visibility, bool by_range)
 	return bits;
 }
 
-/* Indices sorted, nearest first, of equal ones in order: radix sort of the bits of positive floats. An odd number of passes: the result
+/* Indices, nearest first, stable: radix sort of floats' bits in an odd number of passes, so that the result
  * is in `to`. */
 static void sort_visibilities(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
 {
@@ -178,10 +182,12 @@ static void sort_visibilities(const struct lod_screen *screen, bool by_range, ui
 	}
 }
 
-/* Leaves are clumped: what lies behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in forests). */
+/* Leaves are clumped: what is behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in
+ * forests). */
 #define CLUMPING 0.8
 
-/* Per cell: share of light let through so far, by leaves as they are and if they stood at random; per column: first row hidden by ground. */
+/* Per cell: share of light let through so far, by clumped leaves and by random ones. Per column: first row
+ * hidden by ground. */
 struct light { float *through, *clear, *horizon; };
 
 static struct span crown_across(const struct lod_screen *screen, const struct lod_visibility *s)
@@ -189,7 +195,7 @@ static struct span crown_across(const struct lod_screen *screen, const struct lo
 	return span_of(s->x, s->crown_reach_x, screen->columns);
 }
 
-/* What ground hides of a crown does not cover. */
+/* Without the rows that ground hides. */
 static struct span crown_down(const struct lod_screen *screen, const struct lod_visibility *s)
 {
 	struct span down = span_of(s->crown_y, s->crown_reach_y, screen->rows);
@@ -197,7 +203,7 @@ static struct span crown_down(const struct lod_screen *screen, const struct lod_
 	return down;
 }
 
-/* Share of a visibility's box that is in the picture and shows, given how much light comes through each cell. */
+/* Share of a visibility's box that is in the picture and lit. */
 static double visible_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
 	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns), down = span_of(visibility->y, visibility->reach_y, screen->rows);
@@ -231,8 +237,8 @@ static void attenuate(const struct lod_screen *screen, const struct lod_visibili
 	}
 }
 
-/* Share of what is around a visibility, its box AROUND times as wide and high, that is in the picture and that nothing else covers: light that
- * comes through all, its own crown put aside. */
+/* Share of a visibility's surroundings, a box AROUND times as wide and high, that is in the picture and that
+ * no other plant covers: light that comes through all crowns but its own. */
 static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
 {
 	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
@@ -254,8 +260,9 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
 	return (all > seen ? seen / all : 1) * (double)visibility->within;
 }
 
-/* The row from which on ground hides it. From now on its foot hides, by a cell less so as not to hide its neighbours, and less and less beside it: so
- * nothing changes at once where it crosses from one column to the next. Nor does it as a plant comes by. */
+/* Sets the row from which on ground hides the visibility, then lowers the horizon to its foot: one cell below
+ * it, so that neighbours are not hidden, and less beside it and for a plant near the eye, so that nothing
+ * changes at once. */
 static void lower_horizon(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
 	int last = (int)screen->columns - 1, column = (int)floorf(visibility->x - 0.5f);
@@ -272,7 +279,7 @@ static void lower_horizon(const struct lod_screen *screen, struct lod_visibility
 	}
 }
 
-/* Which row ground hides each visibility from. */
+/* Sets the row from which on ground hides each visibility. */
 static void hide_by_ground(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
 {
 	for (uint32_t c = 0; c < screen->columns; c++)
@@ -285,7 +292,7 @@ static void hide_by_ground(const struct lod_screen *screen, float *horizon, uint
 	}
 }
 
-/* From the nearest to the farthest: what shows behind those before it; then it hides. */
+/* From the nearest to the farthest: takes the light that is left, then hides what is behind. */
 static void occlude(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light)
 {
 	visibility->share = (float)visible_share(screen, visibility, light->through);
@@ -298,7 +305,8 @@ static void finish(const struct lod_screen *screen, struct lod_visibility *visib
 	visibility->shown = shown_of((double)visibility->opacity);
 	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
 	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
-	/* no more of it than the picture has room for: of a plant that the eye is within, a ten-thousandth may be more than all pixels */
+	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
+	 * all pixels */
 	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
 	visibility->share = (float)(seen > least ? seen : least);
 	unoccluded = LOD_OWNER_WEIGHT * (double)visibility->share + (1 - LOD_OWNER_WEIGHT) * unoccluded;
@@ -331,15 +339,15 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view", screen->count);
 }
 
-/* ---- The expected picture ---- */
+/* ---- Prediction ---- */
 
-/* The chances that a point is not covered in the reference, as drawn, and in either. */
+/* Probabilities that a point is covered neither in the reference, nor as drawn, nor in one of them. */
 struct uncovered { float reference, drawn, either; };
 
 static struct uncovered uncovered_of(double shown, struct lod_wrong wrong)
 {
 	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
-	/* what is not covered in either is not covered in each */
+	/* a point covered in neither is uncovered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
 	return (struct uncovered){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };

@@ -19,7 +19,7 @@ static enum eco_code no_memory(struct eco_error *error)
 
 /* ---- Boxes ---- */
 
-struct box { double center[3], half[3], axis[3][3]; };      /* world; half extents along the axes */
+struct box { double center[3], half[3], axis[3][3]; }; /* world; half extents along the axes */
 
 static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint32_t placement, struct box *box)
 {
@@ -200,7 +200,8 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	enum eco_code code = find_slot(visible, plant, at, &slot, error);
 	if (code)
 		return code;
-	/* neighbours mostly fall in the same slot; a tally more now and then costs less than searching for its twin */
+	/* neighbours mostly share a slot; an extra tally now and then costs less than a search for its
+	 * twin */
 	struct lod_slot *s = &visible->slots[slot];
 	*in_slot = slot;
 	s->above += above;
@@ -219,7 +220,7 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	return ECO_OK;
 }
 
-/* How far from above a plant is seen, by its middle. */
+/* How far from above a plant's middle is seen. */
 static double seen_above(const struct lod_visible_tree *visible, const struct lod_place *place, uint32_t plant)
 {
 	double center[3], square = 0, d[3];
@@ -254,7 +255,7 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 	return true;
 }
 
-#define NOTHING_DONE 0xFF        /* gate_done before the plants themselves have been counted */
+#define NOTHING_DONE 0xFF        /* gate_done before the plants themselves are counted */
 
 static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_node *node, uint32_t group, uint8_t gate,
 	uint8_t *done, struct eco_error *error)
@@ -309,7 +310,7 @@ static void add_counts(struct lod_visible_tree *visible, const struct lod_node *
 	visible->plants += node->plants;
 }
 
-/* Must its plants be told apart: are some left to its summary, or does a gate end among them? */
+/* Must its plants be counted one by one: are some left to its summary, or does a gate end among them? */
 static bool is_split(const struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	bool split = node->left > 0;
@@ -321,7 +322,7 @@ static bool is_split(const struct lod_visible_tree *visible, const struct lod_no
 	return split;
 }
 
-/* The same, plant by plant. */
+/* As add_counts, plant by plant. */
 static void add_part(struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
 	const struct eco_scene *scene = visible->scene;
@@ -412,7 +413,8 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 		visible->nodes[i].left = 0;
 		visible->nodes[i].points = 0;
 	}
-	/* children always follow their parents in `nodes`, so one pass in order is the walk: no stack, no recursion */
+	/* children follow their parents in `nodes`, so one pass in order is the walk: no stack, no
+	 * recursion */
 	visible->nodes[0].state = LOD_OPEN;
 	for (uint32_t i = 0; i < visible->node_count; i++) {
 		struct lod_node *node = &visible->nodes[i];
@@ -430,7 +432,7 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 		enum eco_code code = node->expanded ? ECO_OK : expand(visible, i, error);
 		if (code)
 			return code;
-		node = &visible->nodes[i];               /* expanding may have moved it */
+		node = &visible->nodes[i]; /* expand may have moved it */
 		for (uint32_t c = 0; c < node->child_count; c++)
 			visible->nodes[node->child_first + c].state = LOD_OPEN;
 		code = count_plants(visible, node, gates, error);
