@@ -14,10 +14,10 @@
  *
  * The result is optimal for the number of vertices that it happens to use. A lower lambda uses more.
  *
- *   lod_allocation_make(&allocation, p, &error);               after lod_planner_open: weights, hulls, tiles; no budget
- *   lod_allocation_relax(&allocation, lambda)                  gates, open tiles, wrong pixels and vertices at lambda
- *   lod_allocation_predict(&allocation, &prediction, &error)   the whole picture at that lambda
- *   lod_allocation_fix(&allocation)                            makes these gates and tiles the planner's
+ *   lod_allocation_make(&allocation, p, &error);             after lod_planner_open: weights, hulls, tiles
+ *   lod_allocation_relax(&allocation, lambda)                gates, open tiles, wrong pixels, vertices
+ *   lod_allocation_predict(&allocation, &prediction, &error) the whole picture at that lambda
+ *   lod_allocation_fix(&allocation)                          makes these gates and tiles the planner's
  *
  * Ties are blended. Where a tile's plants and its summary save nearly the same, the tile is open in part: a
  * share of its plants is drawn, chosen by hash, beside its summary, whose points disappear as the last plants
@@ -124,8 +124,8 @@ void lod_allocation_lambda_range(const struct lod_allocation *allocation, double
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction, struct eco_error *error);
 
-/* After relax: what a tile's plants and children save at lambda, vertices paid, and an upper bound of what its
- * summary saves. The tile is open and has a summary. */
+/* After relax: what a tile's plants and children save at lambda, vertices paid, and an upper bound of what
+ * its summary saves. The tile is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants, double *summary);
 
 /* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */

@@ -6,7 +6,7 @@
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts
  *   lod_fill_make(&fill, &allocation, &error);            the candidates
- *   lod_fill_search(&fill, lambda, budget)                hull points that fit; fill.wrong is what they leave wrong
+ *   lod_fill_search(&fill, lambda, budget)                hull points that fit, and the pixels left wrong
  *   lod_fill_finish(&fill, budget, swaps, &error)         the rest of the budget; then entries of the plan
  *   lod_fill_free(&fill) */
 #ifndef LOD_FILL_BUDGET_H

@@ -8,11 +8,11 @@
  * one hull gives way to the next. So a hull keeps the points that are on the hull of the least weight and on
  * that of the greatest. A slope is linear in the weight, so these points are convex at every weight between.
  *
- *   hull.count = lod_hull_sample(hull.points, &way, from, to)     points[0] is `from`
- *   lod_hull_reduce(&hull, ratio)                                 keeps the hull at hull.fp_weight, in place
+ *   hull.count = lod_hull_sample(hull.points, &way, from, to)   points[0] is `from`
+ *   lod_hull_reduce(&hull, ratio)                               keeps the hull at hull.fp_weight, in place
  *   lod_hull_complete(&hull, to)
- *   x = lod_hull_position(&hull, lambda, near)                    points[floor(x)], and the next point for a share
- *                                                                 x - floor(x) of the plants */
+ *   x = lod_hull_position(&hull, lambda, near)                  points[floor(x)], and the next point for a
+ *                                                               share x - floor(x) of the plants */
 #ifndef LOD_HULL_H
 #define LOD_HULL_H
 
@@ -55,7 +55,7 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 void lod_hull_reduce(struct lod_hull *hull, double ratio);
 #define LOD_HULL_SLOPE_RATIO 1.25 /* for ladders: where a curve is nearly straight more points save nothing,
                                    * but more plants change as a camera moves */
-/* Appends `to` as the last point, so that a budget for everything draws everything. Needs room for one more. */
+/* Appends `to` as the last point, so that a budget for everything draws everything. Needs room for one. */
 void lod_hull_complete(struct lod_hull *hull, uint64_t to);
 
 /* Error saved per vertex by the step that ends at points[i]; falls with i. Infinite for [0]; 0 only for the

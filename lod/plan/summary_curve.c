@@ -42,7 +42,7 @@ double lod_summary_outside(const struct lod_summary_view *view, double n)
 }
 
 /* A splat's centre is on a plant, and each plant has its share of the splats. The part of a splat inside the
- * plant's crown covers the plant and its gaps alike; the rest lies around the crown and hides other plants. */
+ * plant's crown covers the plant and its gaps alike; the rest lies around the crown and hides others. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
 {
 	double box = view->box / view->plants > 1e-12 ? view->box / view->plants : 1e-12, covered = view->covered / view->plants;

@@ -7,7 +7,8 @@
  * lambda, or that the plants beat it whatever it saves.
  *
  *   lod_summary_hull_begin(&summary, &view, part, pixels, fp_weight, room, &gains)
- *   while (!enough(lod_summary_hull_gain_bound(&summary, lambda)) && lod_summary_hull_refine(&summary, lambda))
+ *   while (lod_summary_hull_gain_bound(&summary, lambda) > enough
+ *                   && lod_summary_hull_refine(&summary, lambda))
  *           ;                                     summary.hull at lambda is that of all samples
  *   lod_summary_hull_complete(&summary)           at every lambda
  *

@@ -3,9 +3,9 @@
  * plants stand and how dense they are. Nothing is drawn.
  *
  *   lod_screen_init(&screen, &eye, &view, ground);
- *   visibility = lod_screen_add(&screen, center, &proxy_shape)   for each plant, and each tile whose plants are not counted
- *   lod_screen_shares(&screen, hide, &error)                     front to back: sets every visibility's share
- *   lod_screen_expect(&screen, wrong, ctx, &prediction, &error)  pixels right and wrong, given each visibility's error
+ *   lod_screen_add(&screen, center, &proxy_shape)         for each plant, and each tile that is not opened
+ *   lod_screen_shares(&screen, hide, &error)              front to back: sets every visibility's share
+ *   lod_screen_expect(&screen, wrong, ctx, &p, &error)    pixels right and wrong, by each visibility's error
  *   lod_screen_free(&screen)
  *
  * A crown is an upright ellipse of even density: a share exp(-area / 2 / ellipse) of light passes through it

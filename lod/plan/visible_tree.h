@@ -2,8 +2,8 @@
  * what was opened is kept for the next level.
  *
  *   lod_visible_tree_init(&v, scene, view, ...);
- *   lod_visible_tree_count(&v, sample_distance, gates, &error)   opens what this level needs, counts plants by (anchor, band)
- *   ... v.slots, v.nodes ...                                     what rules turn into cuts
+ *   lod_visible_tree_count(&v, d, gates, &error)    opens what a level needs, counts plants by anchor and band
+ *   ... v.slots, v.nodes ...                        rules turn these into cuts
  *   lod_visible_tree_free(&v);
  *
  * Plants are counted in slots: all visible instances of an anchor in one distance band are alike to the
