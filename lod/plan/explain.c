@@ -1,4 +1,4 @@
-/* Reasons are read off what the planner has decided; nothing is decided here. See lod/plan/explain.h. */
+/* Explanations are read off the planner's decisions; nothing is decided here. See lod/plan/explain.h. */
 #include "lod/plan/explain_state.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 #include "ecofiles/base/room.h"
 
-#define ROUNDING 1e-9            /* two slopes as near as this are the same */
+#define ROUNDING 1e-9            /* slopes within this share are equal */
 
 const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step", [LOD_WHY_LEFT_OVER] = "left over",
@@ -25,7 +25,7 @@ void lod_explanation_free(struct lod_explanation *explanation)
 
 static double more_by(double saved, double other) { return other > 0 ? saved / other - 1 : INFINITY; }
 
-/* A summary that is drawn, against the tile's plants and children. */
+/* Compares a summary that is drawn with the tile's plants and children. */
 static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_reason *reason)
 {
 	const struct lod_tile_choice *choice = &fill->allocation->tile_choices[n];
@@ -42,7 +42,7 @@ static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_
 	}
 }
 
-/* Do its plants draw what no step of the hull ends at, or a step that saves less than lambda? */
+/* Do plants draw a number of vertices between hull points, or a step that saves less than lambda? */
 static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *at = lod_candidate_point(candidate);
@@ -72,7 +72,7 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 
 /* ---- Rows ---- */
 
-/* A row for which there is no memory is left out, as one too many is: a plan does not fail for its explanation. */
+/* Without memory, or beyond the bound, a row is omitted: a plan does not fail for its explanation. */
 static void add_row(struct lod_explanation *explanation, const struct lod_explained *row)
 {
 	if (explanation->count == LOD_EXPLAINED_MAX

@@ -1,41 +1,46 @@
-/* Why a plan is what it is: for each cut its tile or plant, what it draws and saves, and the reason in words.
+/* Why a plan is as it is: for each cut its tile or plant, the vertices that it draws, the pixels that these
+ * save, and the reason in words.
  *
  *   struct lod_explanation why = { 0 };
  *   lod_plan(&plan, &(struct lod_planner_input){ ..., .explanation = &why }, &error);
  *   lod_explain_text(text, sizeof text, &why, &why.rows[i]);
  *   lod_explanation_free(&why);
  *
- * A plan without an explanation takes no more time or memory for it. */
+ * A plan without an explanation takes no time or memory for it. */
 #ifndef LOD_EXPLAIN_H
 #define LOD_EXPLAIN_H
 
 #include "ecofiles/format/plan.h"
 
-#define LOD_EXPLAINED_MAX 10000u         /* rows; further ones are counted in `omitted` */
+#define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted` */
 
 enum lod_why {
 	LOD_WHY_DISTANCE,            /* Deussen's rule: the sample distance asks for it */
 	LOD_WHY_STEP,                /* the next step of its hull saves less per vertex than lambda */
-	LOD_WHY_ROOM,                /* the next step would pay, but is larger than what is left of the budget */
-	LOD_WHY_PART,                /* lambda lies within a step: so many plants have taken it */
-	LOD_WHY_LEFT_OVER,           /* bought with the rest of the budget, which no lambda or sample distance uses up */
+	LOD_WHY_ROOM,                /* the next step would pay, but is larger than the rest of the budget */
+	LOD_WHY_PART,                /* lambda lies within a step, which a share of the plants has taken */
+	LOD_WHY_LEFT_OVER,           /* added from the rest of the budget, which no lambda or sample distance
+	                              * uses */
 	LOD_WHY_ALL,                 /* the hull has ended: everything is drawn */
 	LOD_WHY_SUMMARY,             /* a tile's summary saves more than its plants and children */
-	LOD_WHY_FAR,                 /* a tile's summary is fine enough, so that its plants are not looked at */
+	LOD_WHY_FAR,                 /* a tile's summary is fine enough: its plants are not counted */
 	LOD_WHY_GIVES_WAY,           /* summary and plants save nearly the same: both are drawn in part */
-	LOD_WHY_PLANTS,              /* a tile's plants and children save more than its summary: no cut, the tile's plants are in a run */
+	LOD_WHY_PLANTS,              /* a tile's plants and children save more than its summary: there is no
+	                              * cut, a run draws them */
 	LOD_WHY_GROUND,
 	LOD_WHY_COUNT
 };
-extern const char *const lod_why_names[LOD_WHY_COUNT];   /* "next step", "left over", ...; for tables */
+extern const char *const lod_why_names[LOD_WHY_COUNT]; /* "next step", "left over", ...; for tables */
 
-/* Savings are in wrong pixels: weighed as the objective weighs them (lod/plan/README.md). */
+/* Pixels saved are wrong pixels as the objective weighs them (lod/plan/README.md). */
 struct lod_reason {
 	enum lod_why why;
-	double gain;                 /* saved by its ladder or summary for all its plants, against drawing nothing; 0 with Deussen's rule */
+	double gain;                 /* saved by its ladder or summary for all its plants, compared with
+	                              * nothing drawn; 0 with Deussen's rule */
 	double next;                 /* saved per vertex by the next step of the hull; 0: there is none */
-	double margin;               /* PART, GIVES_WAY: share of the plants. SUMMARY, PLANTS: how much more is saved, as a share; INFINITY: the
-	                              * other choice saves nothing. GROUND: error in pixels */
+	double margin;               /* PART, GIVES_WAY: share of the plants. SUMMARY, PLANTS: how much more
+	                              * is saved, as a share; INFINITY: the other choice saves nothing.
+	                              * GROUND: error in pixels */
 	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
 };
 
@@ -44,22 +49,26 @@ struct lod_explained {
 	uint32_t tile;               /* of a summary, ground or PLANTS; else ECO_NONE */
 	uint32_t plant;              /* of a rule; else ECO_NONE */
 	uint64_t plants;             /* instances that the cut matches in this band */
-	uint64_t vertices;           /* drawn by the cut for these. Over all rows: what the plan draws, unless rows are omitted */
+	uint64_t vertices;           /* drawn by the cut for these; all rows sum to the plan's unless some are
+	                              * omitted */
 	struct lod_reason reason;
 };
 
 struct lod_explanation {
-	double lambda;               /* the multiplier: wrong pixels that a vertex must save; 0: everything fits, or Deussen's rule */
+	double lambda;               /* wrong pixels that a vertex must save; 0: everything fits, or Deussen's
+	                              * rule */
 	double sample_distance;      /* d' of Deussen's rule, radians; else 0 */
 	struct lod_explained *rows;  uint32_t count, capacity;
 	uint64_t omitted;
 };
 void lod_explanation_free(struct lod_explanation *explanation);
 
-/* One sentence without a full stop, such as "the next hull step costs 2.1 times lambda"; at most 120 bytes. */
+/* One sentence without a full stop, such as "the next hull step costs 2.1 times lambda"; at most 120
+ * bytes. */
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation, const struct lod_explained *row);
 
-/* The row as a line of a table for people: tile or plant with its band, vertices, gain and the sentence. At most 300 bytes. */
+/* The row as a line of a table for people: tile or plant with its band, vertices, pixels saved and the
+ * sentence. At most 300 bytes. */
 void lod_explain_line(char *text, size_t size, const struct eco_scene *scene, const struct lod_explanation *explanation,
 	const struct lod_explained *row);
 

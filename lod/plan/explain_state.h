@@ -1,17 +1,17 @@
-/* Inside the planner: how its parts explain what they decide. All do nothing unless an explanation is asked for. */
+/* Explaining inside the planner. Nothing is recorded unless an explanation is asked for. */
 #ifndef LOD_EXPLAIN_STATE_H
 #define LOD_EXPLAIN_STATE_H
 
 #include "lod/plan/explain.h"
 #include "lod/plan/fill_budget.h"
 
-/* Why a candidate has what it has. */
+/* The reason for a candidate's vertices. */
 struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate);
 
-/* Rows of tiles whose plants are drawn though they have a summary; forgets those of a coarser level. */
+/* Adds rows of tiles whose plants are drawn though they have a summary. Drops rows of a coarser level. */
 void lod_explain_tiles(const struct lod_fill *fill);
 
-/* The row of a cut that `plants` of an entry draw; rows of a plan's cuts of ground. */
+/* Adds the row of a cut that `plants` of an entry draw; adds rows of a plan's cuts of ground. */
 void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut, uint64_t plants);
 void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan, const struct eco_scene *scene, double error_px);
 

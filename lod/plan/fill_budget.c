@@ -13,7 +13,7 @@
 
 #define BISECTIONS 14            /* of the bracket of lambda: the rest is filled step by step */
 #define BRACKET_FACTOR 1.4       /* widens the bracket until one end does not fit */
-#define BRACKETS_FEW 24
+#define BRACKETS_FEW 24          /* then NEGLIGIBLE is tried */
 #define NEGLIGIBLE 1e-30         /* times lambda: below every lambda at which something gains */
 #define BRACKETS_MAX 400         /* a factor of 1e58, more than any two lambdas can be apart */
 
@@ -42,7 +42,7 @@ static void sum_seen(const struct lod_allocation *m, double *seen)
 /* A summary with no plants beside it is a candidate along its whole hull. */
 static bool summary_alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
 
-/* Far plants are the last of the slot by hash, near plants the first. */
+/* Near plants are the first of the slot by hash, far plants the others. */
 static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];

@@ -63,7 +63,7 @@ struct evaluation { int at; struct outcome outcome; struct eco_prediction predic
 
 struct lambda_search {
 	struct lod_allocation *allocation;
-	int first, last;             /* first index at which anything is chosen, last at which more is */
+	int first, last;             /* indices: where anything may be chosen, after which nothing more gains */
 	struct evaluation from, to;  /* the predicted lambdas around the budget */
 	int index;                   /* the last lambda whose vertices fit the budget */
 	struct outcome here, next;   /* there, and at the next lambda */
@@ -119,8 +119,8 @@ static int next_to_evaluate(const struct lambda_search *s, const struct evaluati
 }
 
 /* Bisects the grid from nothing to everything. A result depends on the view and on the lambdas evaluated
- * around it, not on the budget. Most lambdas are never evaluated, nor are those of much smaller budgets, at
- * which summaries take longest. */
+ * around it, not on the budget. Most lambdas are never evaluated, among them those of much smaller budgets,
+ * which take the longest. */
 static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px }, .prediction = { .fp = INFINITY } };

@@ -5,7 +5,7 @@
 
 #include "lod/plan/visibility.h"
 
-#define LAST_STEP 64             /* the last step's slope is this much below the mean slope, seldom less */
+#define LAST_STEP 64             /* the last step's slope is seldom less than the mean slope over this */
 
 static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i) { return summary->evaluated >> i & 1; }
 

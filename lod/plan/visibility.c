@@ -13,10 +13,10 @@
 #define SEEN_LEAST 1e-4          /* share seen of what is hidden or outside the picture: it may be seen
                                   * through an unknown gap */
 #define HILL 1.0f                /* columns on either side of a foot in which ground hides */
-#define CLEAR_LEAST 1e-6f        /* of a cell's light: in darker cells the own part is not separated */
+#define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
 #define DENSEST 0.66666666666666667 /* of a denser crown: it covers as much of a larger ellipse, so that false
                                      * positives lie around it */
-#define BOX 0.88622692545275801  /* half a square of the area of a circle of radius 1 */
+#define BOX 0.88622692545275801  /* half the side of a square as large as a circle of radius 1 */
 
 /* ---- Numbers ---- */
 
@@ -341,13 +341,13 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 
 /* ---- Prediction ---- */
 
-/* Probabilities that a point is covered neither in the reference, nor as drawn, nor in one of them. */
+/* Probabilities that a point is uncovered: in the reference, as drawn, and in both. */
 struct uncovered { float reference, drawn, either; };
 
 static struct uncovered uncovered_of(double shown, struct lod_wrong wrong)
 {
 	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
-	/* a point covered in neither is uncovered in each */
+	/* a point uncovered in both is uncovered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
 	return (struct uncovered){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };

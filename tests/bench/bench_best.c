@@ -21,9 +21,9 @@ struct search {
 	struct bench_best *out;
 };
 
-/* ---- Amounts ---- */
+/* ---- Hull points ---- */
 
-/* Error of an hull point: a ladder's by its curve, a summary's between those of its hull. */
+/* Error of a hull point: a ladder's by its curve, a summary's between those of its hull. */
 static double error_at(const struct search *s, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	const struct lod_hull *hull = candidate->hull;
