@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/utf8.h"
+
 static void put(struct srv_json *json, const char *text)
 {
 	eco_write_bytes(&json->out, text, strlen(text));
@@ -30,31 +32,16 @@ void srv_json_close(struct srv_json *json, char bracket)
 	json->comma = true;
 }
 
-/* Length of the well-formed UTF-8 sequence at `text`, 0 if there is none (RFC 3629: no overlong forms, surrogates, > U+10FFFF). */
-static size_t utf8_length(const uint8_t *text)
-{
-	uint8_t a = text[0], b = a ? text[1] : 0;
-	if (a < 0x80)
-		return 1;
-	size_t length = a >= 0xc2 && a < 0xe0 ? 2 : a >= 0xe0 && a < 0xf0 ? 3 : a >= 0xf0 && a < 0xf5 ? 4 : 0;
-	if (!length || (a == 0xe0 && b < 0xa0) || (a == 0xed && b >= 0xa0) || (a == 0xf0 && b < 0x90) || (a == 0xf4 && b >= 0x90))
-		return 0;
-	for (size_t i = 1; i < length; i++)              /* stops at the terminating 0 too */
-		if ((text[i] & 0xc0) != 0x80)
-			return 0;
-	return length;
-}
-
 static void quote(struct srv_json *json, const char *text)
 {
 	eco_write_u8(&json->out, '"');
-	for (const uint8_t *at = (const uint8_t *)text; *at;) {
-		size_t length = utf8_length(at);
+	for (const char *at = text, *end = text + strlen(text); at < end;) {
+		size_t length = eco_utf8_bytes(at, (size_t)(end - at));
 		char escape[8];
 		if (length == 0) {
 			put(json, "\\ufffd");
 			length = 1;
-		} else if (*at == '"' || *at == '\\' || *at < 0x20 || *at == 0x7f) {
+		} else if (*at == '"' || *at == '\\' || (length == 1 && *at < 0x20) || *at == 0x7f) {
 			snprintf(escape, sizeof escape, *at == '"' || *at == '\\' ? "\\%c" : "\\u%04x", *at);
 			put(json, escape);
 		} else {

@@ -11,6 +11,7 @@
 
 #include "ecofiles/ecopack/chart.h"
 #include "ecofiles/base/module.h"
+#include "ecofiles/base/utf8.h"
 
 #define FONT "DejaVu Sans"
 #define FONT_FOLDER "/usr/share/fonts/truetype/dejavu/"
@@ -151,33 +152,19 @@ static void draw_clip_off(struct eco_canvas *canvas)
 
 /* ---- Texts ---- */
 
-/* Bytes of the UTF-8 sequence at `s`; 0 for a bad one (overlong, a surrogate, cut off) or a control
- * character. */
-static size_t sequence(const uint8_t *s)
+/* C0, DEL and C1, in UTF-8. */
+static bool is_control(const char *s)
 {
-	static const struct { uint8_t mask, lead; uint32_t least; } kinds[] = { { 0x80, 0, 0x20 }, { 0xe0, 0xc0, 0x80 }, { 0xf0, 0xe0, 0x800 },
-		{ 0xf8, 0xf0, 0x10000 } };
-	for (size_t n = 0; n < 4; n++) {
-		if ((s[0] & kinds[n].mask) != kinds[n].lead)
-			continue;
-		uint32_t point = s[0] & (uint8_t)~kinds[n].mask;
-		for (size_t i = 1; i <= n; i++) {
-			if ((s[i] & 0xc0) != 0x80)
-				return 0;
-			point = point << 6 | (s[i] & 0x3f);
-		}
-		bool control = point == 0x7f || (point >= 0x80 && point < 0xa0) || (point >= 0xd800 && point < 0xe000) || point > 0x10ffff;
-		return point < kinds[n].least || control ? 0 : n + 1;
-	}
-	return 0;
+	const uint8_t *c = (const uint8_t *)s;
+	return c[0] < 0x20 || c[0] == 0x7f || (c[0] == 0xc2 && c[1] < 0xa0);
 }
 
 /* The whole characters of `text` that fit into TEXT_BYTES - 4. */
 static void clean(const char *text, char out[TEXT_BYTES])
 {
 	size_t used = 0;
-	for (const uint8_t *s = (const uint8_t *)text; *s && used + 8 < TEXT_BYTES;) {
-		size_t bytes = sequence(s);
+	for (const char *s = text, *end = text + strlen(text); s < end && used + 8 < TEXT_BYTES;) {
+		size_t bytes = is_control(s) ? 0 : eco_utf8_bytes(s, (size_t)(end - s));
 		if (bytes)
 			memcpy(out + used, s, bytes);
 		else

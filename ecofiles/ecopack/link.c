@@ -19,7 +19,7 @@
 #include "ecofiles/ecopack/link_part.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/pack_version.h"
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 #include "lod/build/summary.h"
 
 #define ORIGIN_MOST 1e9          /* as in scene files */

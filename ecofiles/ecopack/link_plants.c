@@ -9,7 +9,7 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/pack_record.h"
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 
 #define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
 

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 
 #define NEEDS_ALL ((uint32_t)(2 * ECO_NEED_PLACEMENTS - 1))
 #define ATTRIBUTES_ALL (2u * ECO_ATTR_SIZE - 1)
@@ -45,7 +45,7 @@ static bool read_string(struct eco_reader *r, char text[64])
 	uint64_t size = eco_read_varint(r);
 	const uint8_t *bytes = size < 64 ? eco_read_bytes(r, size) : NULL;
 	memset(text, 0, 64);
-	if (!bytes || !eco_utf8_valid(bytes, size))
+	if (!bytes || !eco_utf8_valid((const char *)bytes, size))
 		return false;
 	memcpy(text, bytes, size);
 	return true;

@@ -4,12 +4,12 @@
 #include <assert.h>
 #include <string.h>
 
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 
 static void write_string(struct eco_writer *w, const char *text, size_t room)
 {
 	size_t size = strnlen(text, room - 1);
-	bool utf8 = eco_utf8_valid((const uint8_t *)text, size);
+	bool utf8 = eco_utf8_valid(text, size);
 	eco_write_varint(w, size);
 	/* in a name of another encoding each byte above 127 becomes `?`; the stream goes on */
 	for (size_t i = 0; i < size; i++)

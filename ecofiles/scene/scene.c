@@ -8,7 +8,7 @@
 
 #include "ecofiles/base/mix.h"
 #include "ecofiles/scene/scene_parse.h"
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 
 #define INSTANCES_MAX (1u << 24)
 #define HEIGHT_MAX_M 1000.0

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ecofiles/format/wire_string.h"
 #include "tests/support/wire_random.h"
 
 /* ---- Streams ---- */
@@ -389,17 +388,6 @@ static void names_in_other_encodings_do_not_break_a_stream(void **state)
 
 /* ---- Holdings ---- */
 
-static void names_are_cut_between_characters(void **state)
-{
-	static const struct { const char *text; size_t most, kept; } cases[] = {
-		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 }, { "\xC3\xA4\xC3\xA4", 4, 4 }, { "\xC3\xA4\xC3\xA4", 3, 2 },
-		{ "\xC3\xA4", 1, 0 }, { "a\xE4s", 9, 1 }, { "\xE4", 9, 0 }, { "a\xC3", 9, 1 }, { "\xF0\x9F\x8C\xB2", 4, 4 }, { "\xF0\x9F\x8C\xB2", 3, 0 },
-	};
-	(void)state;
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most), cases[i].kept);
-}
-
 static void holdings_survive_the_wire(void **state)
 {
 	struct wire_random r = { 11 };
@@ -474,7 +462,6 @@ int main(void)
 		cmocka_unit_test(events_without_a_callback_are_checked_and_ignored),
 		cmocka_unit_test(golden_stream),
 		cmocka_unit_test(names_in_other_encodings_do_not_break_a_stream),
-		cmocka_unit_test(names_are_cut_between_characters),
 		cmocka_unit_test(holdings_survive_the_wire),
 		cmocka_unit_test(impossible_holdings_are_refused),
 	};

@@ -10,6 +10,7 @@
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/base/mix.h"
 #include "ecofiles/base/union.h"
+#include "ecofiles/base/utf8.h"
 #include "ecofiles/import/model/model_import.h"
 
 #define COORDINATE_MAX 1e9f
@@ -196,21 +197,15 @@ void eco_components_free(struct eco_components *c)
 static uint32_t next_letter(const char **at, const char *end)
 {
 	const unsigned char *p = (const unsigned char *)*at;
+	size_t bytes = eco_utf8_bytes(*at, (size_t)(end - *at));
 	uint32_t c;
-	int more;
 
 	if (*at >= end)
 		return 0;
-	c = *p;
-	more = c >= 0xf0 ? 3 : c >= 0xe0 ? 2 : c >= 0xc0 ? 1 : 0;
-	for (int i = 1; i <= more; i++)
-		if (p + i >= (const unsigned char *)end || (p[i] & 0xc0) != 0x80)
-			more = 0;
-	if (more > 0)
-		c &= 0x3fu >> more;
-	for (int i = 1; i <= more; i++)
+	c = bytes > 1 ? *p & (0x7fu >> bytes) : *p;
+	for (size_t i = 1; i < bytes; i++)
 		c = c << 6 | (p[i] & 0x3fu);
-	*at += more + 1;
+	*at += bytes > 0 ? bytes : 1;
 	if ((c >= 'A' && c <= 'Z') || (c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
 		return c + 32;
 	return c >= 0x400 && c <= 0x40f ? c + 80 : c >= 0x100 && c < 0x180 ? c | 1 : c;

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/utf8.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows_formats.h"
 
@@ -113,26 +114,6 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 
 /* ---- Text that is not UTF-8 ---- */
 
-/* Bytes of the character at the start of a text; 0: not UTF-8. */
-static size_t utf8_bytes(const unsigned char *t)
-{
-	size_t bytes = t[0] < 0x80 ? 1 : t[0] >= 0xc2 && t[0] < 0xe0 ? 2 : t[0] >= 0xe0 && t[0] < 0xf0 ? 3 : t[0] >= 0xf0 && t[0] < 0xf5 ? 4 : 0;
-
-	for (size_t i = 1; i < bytes; i++)
-		if ((t[i] & 0xc0) != 0x80)
-			return 0;
-	return bytes;
-}
-
-/* The text ends in 0, so no character runs over its end. */
-static bool is_utf8(const char *text, size_t size)
-{
-	for (size_t i = 0, bytes; i < size; i += bytes)
-		if ((bytes = utf8_bytes((const unsigned char *)text + i)) == 0)
-			return false;
-	return true;
-}
-
 static unsigned windows_1252(unsigned char c)
 {
 	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6, 0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d,
@@ -184,10 +165,11 @@ static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
 
 static enum eco_code set_fields(struct csv *csv, struct eco_error *error)
 {
-	if (!is_utf8(csv->text, csv->used))
-		return convert_fields(csv, error);
-	for (uint32_t i = 0; i < csv->rows.field_count; i++)
+	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
 		csv->rows.fields[i] = csv->text + csv->start[i];
+		if (!eco_utf8_valid(csv->rows.fields[i], strlen(csv->rows.fields[i])))
+			return convert_fields(csv, error);
+	}
 	return ECO_OK;
 }
 

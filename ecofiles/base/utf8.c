@@ -1,13 +1,15 @@
-#include "ecofiles/format/wire_string.h"
+#include "ecofiles/base/utf8.h"
 
-/* Length of the UTF-8 sequence at p, 0 if it is bad. The lead byte tells the length and the second byte's
- * range; further bytes are 80..BF. */
-static size_t sequence(const uint8_t *p, size_t left)
+#include <stdint.h>
+
+/* The lead byte tells the length and what the second byte may be; all further bytes are 80..BF. */
+size_t eco_utf8_bytes(const char *text, size_t size)
 {
+	const uint8_t *p = (const uint8_t *)text;
 	uint8_t low = 0x80, high = 0xBF;
 	size_t length;
-	if (p[0] < 0x80)
-		return p[0] != 0;
+	if (!size || p[0] < 0x80)
+		return size && p[0];
 	if (p[0] >= 0xC2 && p[0] <= 0xDF) {
 		length = 2;
 	} else if (p[0] >= 0xE0 && p[0] <= 0xEF) {
@@ -21,7 +23,7 @@ static size_t sequence(const uint8_t *p, size_t left)
 	} else {
 		return 0;
 	}
-	if (left < length || p[1] < low || p[1] > high)
+	if (size < length || p[1] < low || p[1] > high)
 		return 0;
 	for (size_t i = 2; i < length; i++)
 		if (p[i] < 0x80 || p[i] > 0xBF)
@@ -33,14 +35,14 @@ size_t eco_utf8_cut(const char *text, size_t size, size_t most)
 {
 	size_t at = 0, length = 1;
 	for (; length && at < size; at += length) {
-		length = sequence((const uint8_t *)text + at, size - at);
+		length = eco_utf8_bytes(text + at, size - at);
 		if (length > most - at)
 			break;
 	}
 	return at;
 }
 
-bool eco_utf8_valid(const uint8_t *text, size_t size)
+bool eco_utf8_valid(const char *text, size_t size)
 {
-	return eco_utf8_cut((const char *)text, size, size) == size;
+	return eco_utf8_cut(text, size, size) == size;
 }
