@@ -18,7 +18,7 @@ config ?= release
 B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev \
-	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libcglm-dev libmeshoptimizer-dev libxxhash-dev \
+	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev jq curl xz-utils
 
 # What programs keep from one run to the next stays in here: demonstrations and tests leave the user's own cache alone.
