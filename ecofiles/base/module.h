@@ -138,7 +138,8 @@ struct eco_proj_module {                 /* eco_proj_module */
 	enum eco_code (*crs_open)(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error);
 	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
 	void (*crs_close)(struct eco_crs_path *path);
-	/* As eco_citygml_crs_settle, of a crs with a code. */
+	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area of use, it is that; else as
+	 * the form of the srsName says. What is odd is written into note ("" if nothing). */
 	void (*citygml_settle)(struct eco_citygml_crs *crs, char *note, size_t size);
 	/* From a track's coordinates to the frame's: *path is NULL where they stay. convert is false where PROJ knows no way. */
 	enum eco_code (*track_open)(struct eco_track_path **path, const struct eco_track *track, const struct eco_track_frame *frame,

@@ -94,7 +94,7 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
  * height_m (of the mesh as placed; empty if the file does not state its bounds); then scalar attributes of
  * instances and "extras" of nodes, by their names. Line is row. */
 enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error);
-/* SolitaryVegetationObject of CityGML 1 to 3, read as a stream. */
+/* SolitaryVegetationObject of CityGML 1 to 3. Memory: what is said of all trees. */
 enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, struct eco_error *error);
 
 #endif

@@ -1,9 +1,11 @@
-/* CityGML 1 to 3 as a table: a row for each SolitaryVegetationObject, in one walk with expat that stops after each object, so that a city's
- * model is never held. OGR would hand over surfaces and forget the CRS, which stands at the model, not at the trees. Names count without
- * their namespace, which is all that differs between the versions.
+/* CityGML 1 to 3 as a table: a row for each SolitaryVegetationObject, in one walk with expat. The trees are kept until they are asked for,
+ * as the last one may add a column (generic attributes have any names) and tell the order of the axes; the rest of the city's model is
+ * never held. Names count without their namespace, which is all that differs between the versions. A file with a document type is
+ * refused: CityGML has none, and entities are how XML attacks its reader.
  *
- * The file is walked once before, for its columns (generic attributes have any names), its CRS, and the order of its axes. A file
- * with a document type is refused: CityGML has none, and entities are how XML attacks its reader. */
+ * OGR's driver (GDAL 3.6.2) was tried instead. It loses the names of measure attributes and of all generic ones of CityGML 3, and the
+ * srsName of the German surveys; it takes a tree's terrain intersection for the tree, as the last geometry counts; it does not see trees
+ * within groups, nor that trees are in two CRS. */
 #include "ecofiles/import/places/rows.h"
 
 #include <errno.h>
@@ -15,6 +17,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/base/room.h"
 #include "ecofiles/import/places/rows_citygml.h"
 #include "ecofiles/import/places/rows_formats.h"
 
@@ -22,27 +27,30 @@
 #define DEPTH_MAX 256
 #define TEXT_MAX (1u << 24)              /* of one element: the corners of a large surface */
 #define NAME_BYTES 256
+#define SPACE " \t\r\n"
 
 struct field { char *text; bool generic; };
 
+struct tree { struct eco_rows_place place; uint64_t line; size_t values_end; };
+
 struct citygml {
 	struct eco_rows rows;
-	FILE *file;
 	char *path;
 	XML_Parser parser;
-	bool surveys, suspended, found;      /* surveys: the walk before */
 	enum eco_code code;
 	struct eco_error *error;
-	char *text; size_t length, capacity;
+	struct eco_writer text;              /* of the element being read */
 	bool leaf;
 	/* depths at which what is being read began, 0: nothing */
 	int depth, object, reference, relative, apart, generic;
 	int dimension, dimension_depth;      /* srsDimension of the innermost element that says */
 	char generic_name[NAME_BYTES], uom[16];
 	struct eco_citygml_shape shape;
-	struct field *values;                /* ECO_COLUMNS_MAX */
+	struct field *values;                /* ECO_COLUMNS_MAX, of the object being read */
 	size_t row_bytes;
-	uint64_t objects, covers;
+	uint64_t covers, line;               /* line: where the object began */
+	struct tree *trees; uint32_t tree_count, tree_capacity;
+	struct eco_writer kept;              /* of all trees, one behind the other: u16 column, its text with its 0 */
 	struct eco_citygml_crs crs;
 };
 
@@ -92,7 +100,7 @@ static uint32_t column_of(struct citygml *c, const char *name)
 
 	while (i < c->rows.column_count && !is(c->rows.columns[i], name))
 		i++;
-	if (i < c->rows.column_count || !c->surveys)
+	if (i < c->rows.column_count)
 		return i;
 	if (i == ECO_COLUMNS_MAX) {
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s: more than %u different attributes", c->path, ECO_COLUMNS_MAX));
@@ -110,7 +118,7 @@ static void set_field(struct citygml *c, const char *name, const char *text, boo
 	uint32_t column = column_of(c, name);
 	struct field *field = &c->values[column];
 
-	if (c->surveys || column >= c->rows.column_count || (field->text != NULL && (generic || !field->generic)))
+	if (column >= c->rows.column_count || (field->text != NULL && (generic || !field->generic)))
 		return;
 	c->row_bytes += strlen(text);
 	if (c->row_bytes > ECO_ROW_BYTES_MAX) {
@@ -149,29 +157,22 @@ static void take_uom(struct citygml *c, const char *uom)
 
 /* ---- Geometry ---- */
 
-static void read_coordinates(struct citygml *c)
+static void read_coordinates(struct citygml *c, const char *text)
 {
-	if (!eco_citygml_shape_read(&c->shape, c->text, c->dimension, c->reference != 0))
+	if (!eco_citygml_shape_read(&c->shape, text, c->dimension, c->reference != 0))
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a plant with more than %u corners", c->path, line_of(c), ECO_CITYGML_POINTS_MAX));
 }
 
-static void place_object(struct citygml *c)
+static struct eco_rows_place place_object(struct citygml *c)
 {
-	struct eco_rows_place *place = &c->rows.place;
+	struct eco_rows_place place = { .kind = ECO_PLACE_EMPTY, .yaw_deg = NAN, .scale = NAN };
 
-	*place = (struct eco_rows_place){ .kind = ECO_PLACE_EMPTY, .yaw_deg = NAN, .scale = NAN };
-	if (!eco_citygml_shape_place(&c->shape, place->at, &place->yaw_deg))
-		return;
-	place->kind = ECO_PLACE_POINT;
-	if (c->surveys) {
-		eco_citygml_crs_see(&c->crs, place->at);
-		c->rows.has_z |= isfinite(place->at[2]);
-	} else if (c->crs.swapped) {
-		double first = place->at[0];
-
-		place->at[0] = place->at[1];
-		place->at[1] = first;
-	}
+	if (!eco_citygml_shape_place(&c->shape, place.at, &place.yaw_deg))
+		return place;
+	place.kind = ECO_PLACE_POINT;
+	eco_citygml_crs_see(&c->crs, place.at);
+	c->rows.has_z |= isfinite(place.at[2]);
+	return place;
 }
 
 /* ---- expat ---- */
@@ -183,10 +184,8 @@ static void begin_object(struct citygml *c, const XML_Char **attributes)
 	c->object = c->depth;
 	eco_citygml_shape_begin(&c->shape);
 	c->row_bytes = 0;
-	c->objects++;
+	c->line = line_of(c);
 	clear_fields(c);
-	if (!c->surveys)
-		c->rows.line = line_of(c);
 	if (id != NULL)
 		set_field(c, "id", id, false);
 }
@@ -213,7 +212,7 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 	struct citygml *c = ctx;
 	const char *name = local(full), *srs = attribute(attributes, "srsName"), *dimension = attribute(attributes, "srsDimension");
 
-	c->length = 0;
+	c->text.size = 0;
 	c->leaf = true;
 	if (++c->depth > DEPTH_MAX) {
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: elements within %u others", c->path, line_of(c), DEPTH_MAX));
@@ -223,7 +222,7 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 		c->dimension = atoi(dimension);
 		c->dimension_depth = c->depth;
 	}
-	if (srs != NULL && c->surveys && (c->object != 0 || is(name, "Envelope")) && c->relative == 0
+	if (srs != NULL && (c->object != 0 || is(name, "Envelope")) && c->relative == 0
 		&& !eco_citygml_crs_name(&c->crs, srs, c->object != 0))
 		stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.200s:%lu: its plants are in two CRS, \"%.80s\" and \"%.80s\"; split it", c->path,
 			line_of(c), c->crs.name, srs));
@@ -238,84 +237,66 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 static void XMLCALL on_text(void *ctx, const XML_Char *text, int length)
 {
 	struct citygml *c = ctx;
-	size_t needed = c->length + (size_t)length + 1;
 
 	if (c->object == 0 || !c->leaf)
 		return;
-	if (needed > TEXT_MAX) {
+	eco_write_bytes(&c->text, text, (size_t)length);
+	if (c->text.failed)
+		out_of_memory(c);
+	else if (c->text.size > TEXT_MAX)
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a text of more than %u bytes", c->path, line_of(c), TEXT_MAX));
-		return;
-	}
-	if (needed > c->capacity) {
-		char *grown = realloc(c->text, 2 * needed + 256);
-
-		if (grown == NULL) {
-			out_of_memory(c);
-			return;
-		}
-		c->text = grown;
-		c->capacity = 2 * needed + 256;
-	}
-	memcpy(c->text + c->length, text, (size_t)length);
-	c->length += (size_t)length;
-	c->text[c->length] = 0;
 }
 
-static void trim(struct citygml *c)
+static char *trimmed(char *text)
 {
-	size_t from = strspn(c->text, " \t\r\n");
+	size_t length = strlen(text);
 
-	while (c->length > from && strchr(" \t\r\n", c->text[c->length - 1]) != NULL)
-		c->length--;
-	c->text[c->length] = 0;
-	c->length -= from;
-	memmove(c->text, c->text + from, c->length + 1);
+	while (length > 0 && strchr(SPACE, text[length - 1]) != NULL)
+		length--;
+	text[length] = 0;
+	return text + strspn(text, SPACE);
 }
 
-static void end_value(struct citygml *c, const char *name, bool generic)
+static void end_value(struct citygml *c, const char *name, const char *text, bool generic)
 {
 	char with_unit[80];
 
-	if (c->length == 0)
+	if (*text == 0)
 		return;
-	if (c->uom[0] == 0 || c->length + strlen(c->uom) >= sizeof with_unit) {
-		set_field(c, name, c->text, generic);
-		return;
-	}
-	snprintf(with_unit, sizeof with_unit, "%s%s", c->text, c->uom);
-	set_field(c, name, with_unit, generic);
+	if (c->uom[0] != 0 && snprintf(with_unit, sizeof with_unit, "%s%s", text, c->uom) < (int)sizeof with_unit)
+		text = with_unit;
+	set_field(c, name, text, generic);
 }
 
-static void end_leaf(struct citygml *c, const char *name)
+static void end_leaf(struct citygml *c, const char *name, const char *text)
 {
-	trim(c);
 	if (is(name, "pos") || is(name, "posList") || is(name, "coordinates")) {
 		if (c->relative == 0 && c->apart == 0)
-			read_coordinates(c);
+			read_coordinates(c, text);
 	} else if (is(name, "transformationMatrix")) {
-		eco_citygml_shape_matrix(&c->shape, c->text);
+		eco_citygml_shape_matrix(&c->shape, text);
 	} else if (c->generic != 0 && is(name, "name")) {
-		snprintf(c->generic_name, sizeof c->generic_name, "%.255s", c->text);
+		snprintf(c->generic_name, sizeof c->generic_name, "%.255s", text);
 	} else if (c->generic != 0 && is(name, "value")) {
 		if (c->generic_name[0] != 0)
-			end_value(c, c->generic_name, true);
+			end_value(c, c->generic_name, text, true);
 	} else if (c->depth == c->object + 1) {
-		end_value(c, name, false);
+		end_value(c, name, text, false);
 	}
 }
 
 static void end_object(struct citygml *c)
 {
 	c->object = 0;
-	place_object(c);
-	if (c->surveys)
-		return;
-	c->rows.row++;
-	c->found = true;
 	for (uint32_t i = 0; i < c->rows.column_count; i++)
-		c->rows.fields[i] = c->values[i].text != NULL ? c->values[i].text : "";
-	c->rows.field_count = c->rows.column_count;
-	XML_StopParser(c->parser, XML_TRUE);
+		if (c->values[i].text != NULL) {
+			eco_write_u16(&c->kept, (uint16_t)i);
+			eco_write_bytes(&c->kept, c->values[i].text, strlen(c->values[i].text) + 1);
+		}
+	if (c->kept.failed || !eco_room(&c->trees, &c->tree_capacity, c->tree_count, sizeof *c->trees))
+		out_of_memory(c);
+	else
+		c->trees[c->tree_count++] = (struct tree){ place_object(c), c->line, c->kept.size };
 }
 
 static void XMLCALL on_end(void *ctx, const XML_Char *full)
@@ -326,9 +307,11 @@ static void XMLCALL on_end(void *ctx, const XML_Char *full)
 	if (c->code != ECO_OK)
 		return;
 	if (c->object != 0 && c->leaf) {
-		on_text(c, "", 0);
-		if (c->code == ECO_OK)
-			end_leaf(c, local(full));
+		eco_write_u8(&c->text, 0);
+		if (c->text.failed)
+			out_of_memory(c);
+		else
+			end_leaf(c, local(full), trimmed((char *)c->text.bytes));
 	}
 	c->leaf = false;
 	for (size_t i = 0; i < sizeof depths / sizeof *depths; i++)
@@ -366,24 +349,6 @@ static int XMLCALL on_encoding(void *ctx, const XML_Char *name, XML_Encoding *in
 
 /* ---- The walk ---- */
 
-static enum eco_code begin_walk(struct citygml *c, bool surveys, struct eco_error *error)
-{
-	if (c->parser != NULL)
-		XML_ParserFree(c->parser);
-	c->parser = XML_ParserCreate(NULL);
-	if (c->parser == NULL)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
-	XML_SetUserData(c->parser, c);
-	XML_SetElementHandler(c->parser, on_start, on_end);
-	XML_SetCharacterDataHandler(c->parser, on_text);
-	XML_SetStartDoctypeDeclHandler(c->parser, on_doctype);
-	XML_SetUnknownEncodingHandler(c->parser, on_encoding, NULL);
-	c->surveys = surveys;
-	c->suspended = false;
-	rewind(c->file);
-	return ECO_OK;
-}
-
 static enum eco_code syntax_error(struct citygml *c, struct eco_error *error)
 {
 	enum XML_Error what = XML_GetErrorCode(c->parser);
@@ -396,49 +361,52 @@ static enum eco_code syntax_error(struct citygml *c, struct eco_error *error)
 		(unsigned long)XML_GetCurrentColumnNumber(c->parser) + 1, XML_ErrorString(what));
 }
 
-/* Up to the next object, or the end. */
-static enum eco_code walk(struct citygml *c, bool *more, struct eco_error *error)
+static enum eco_code walk(struct citygml *c, FILE *file, struct eco_error *error)
 {
-	enum XML_Status status = XML_STATUS_OK;
+	size_t size = CHUNK_BYTES;
 
 	c->error = error;
-	c->found = false;
-	while (!c->found) {
-		if (c->suspended) {
-			c->suspended = false;
-			status = XML_ResumeParser(c->parser);
-		} else {
-			void *buffer = XML_GetBuffer(c->parser, CHUNK_BYTES);
-			size_t size = buffer != NULL ? fread(buffer, 1, CHUNK_BYTES, c->file) : 0;
+	while (size == CHUNK_BYTES) {
+		void *buffer = XML_GetBuffer(c->parser, CHUNK_BYTES);
 
-			if (ferror(c->file))
-				return eco_fail(error, ECO_IO, "%.300s: %s", c->path, strerror(errno));
-			status = buffer != NULL ? XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) : XML_STATUS_ERROR;
-		}
-		if (status == XML_STATUS_ERROR || c->code != ECO_OK)
+		size = buffer != NULL ? fread(buffer, 1, CHUNK_BYTES, file) : 0;
+		if (ferror(file))
+			return eco_fail(error, ECO_IO, "%.300s: %s", c->path, strerror(errno));
+		if (buffer == NULL || XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) == XML_STATUS_ERROR)
 			return syntax_error(c, error);
-		if (status == XML_STATUS_SUSPENDED) {
-			c->suspended = true;
-		} else {
-			XML_ParsingStatus state;
-
-			XML_GetParsingStatus(c->parser, &state);
-			if (state.parsing == XML_FINISHED)
-				break;
-		}
 	}
-	*more = c->found;
 	return ECO_OK;
 }
+
+/* ---- Rows ---- */
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
 {
 	struct citygml *c = (struct citygml *)rows;
-	XML_ParsingStatus state;
+	const struct tree *tree = c->trees + rows->row;
+	struct eco_reader values = { c->kept.bytes, c->kept.size, rows->row > 0 ? tree[-1].values_end : 0, false };
 
-	XML_GetParsingStatus(c->parser, &state);
-	*more = false;
-	return state.parsing == XML_FINISHED && c->code == ECO_OK ? ECO_OK : walk(c, more, error);
+	(void)error;
+	*more = rows->row < c->tree_count;
+	if (!*more)
+		return ECO_OK;
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		rows->fields[i] = "";
+	while (values.at < tree->values_end) {
+		uint16_t column = eco_read_u16(&values);
+
+		rows->fields[column] = (const char *)values.bytes + values.at;
+		values.at += strlen(rows->fields[column]) + 1;
+	}
+	rows->field_count = rows->column_count;
+	rows->place = tree->place;
+	if (c->crs.swapped) {
+		rows->place.at[0] = tree->place.at[1];
+		rows->place.at[1] = tree->place.at[0];
+	}
+	rows->line = tree->line;
+	rows->row++;
+	return ECO_OK;
 }
 
 static void close_citygml(struct eco_rows *rows)
@@ -450,48 +418,54 @@ static void close_citygml(struct eco_rows *rows)
 	eco_rows_free_texts(rows);
 	if (c->parser != NULL)
 		XML_ParserFree(c->parser);
-	if (c->file != NULL)
-		fclose(c->file);
+	eco_writer_free(&c->text);
+	eco_writer_free(&c->kept);
+	free(c->trees);
 	free(c->values);
 	free(c->shape.points);
-	free(c->text);
 	free(c->path);
 	free(c);
 }
 
-static enum eco_code settle_crs(struct citygml *c, struct eco_error *error)
+/* What is known behind the last tree: the CRS and the order of its axes. */
+static enum eco_code settle(struct citygml *c, struct eco_error *error)
 {
-	char note[300];
+	const struct eco_proj_module *proj;
+	char note[300] = "";
 
-	if (eco_citygml_crs_settle(&c->crs, note, sizeof note, error) != ECO_OK)
-		return ECO_NOT_FOUND;
-	if (note[0] != 0)
-		eco_rows_note(&c->rows, "%s", note);
+	if (c->tree_count == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no plants%s", c->path,
+			c->covers > 0 ? "; its PlantCover are areas: convert them to GeoJSON polygons and use \"scatter\"" : "");
+	if (c->covers > 0)
+		eco_rows_note(&c->rows, "its %llu PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" fills them with plants",
+			(unsigned long long)c->covers);
 	if (c->crs.code[0] == 0)
 		return ECO_OK;
+	proj = eco_module(ECO_MODULE_PROJ, error);
+	if (proj == NULL)
+		return ECO_NOT_FOUND;
+	proj->citygml_settle(&c->crs, note, sizeof note);
+	if (note[0] != 0)
+		eco_rows_note(&c->rows, "%s", note);
 	c->rows.crs = strdup(c->crs.code);
 	return c->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
 }
 
-static enum eco_code survey(struct citygml *c, struct eco_error *error)
+static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 {
-	bool more;
-	enum eco_code code = begin_walk(c, true, error);
+	FILE *file = fopen(c->path, "rb");
+	enum eco_code code;
 
-	if (code == ECO_OK)
-		code = walk(c, &more, error);
-	if (code == ECO_OK && c->objects == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no plants%s", c->path,
-			c->covers > 0 ? "; its PlantCover are areas: convert them to GeoJSON polygons and use \"scatter\"" : "");
-	if (code == ECO_OK && c->covers > 0)
-		eco_rows_note(&c->rows, "its %llu PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" fills them with plants",
-			(unsigned long long)c->covers);
-	if (code == ECO_OK)
-		code = settle_crs(c, error);
-	c->rows.fields = calloc(c->rows.column_count + 1u, sizeof *c->rows.fields);
-	if (code == ECO_OK && c->rows.fields == NULL)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
-	return code == ECO_OK ? begin_walk(c, false, error) : code;
+	if (file == NULL)
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path, strerror(errno));
+	XML_SetUserData(c->parser, c);
+	XML_SetElementHandler(c->parser, on_start, on_end);
+	XML_SetCharacterDataHandler(c->parser, on_text);
+	XML_SetStartDoctypeDeclHandler(c->parser, on_doctype);
+	XML_SetUnknownEncodingHandler(c->parser, on_encoding, NULL);
+	code = walk(c, file, error);
+	fclose(file);
+	return code == ECO_OK ? settle(c, error) : code;
 }
 
 enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, struct eco_error *error)
@@ -510,13 +484,13 @@ enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, st
 	c->rows.has_geometry = true;
 	c->path = strdup(path);
 	c->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *c->rows.columns);
+	c->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *c->rows.fields);
 	c->values = calloc(ECO_COLUMNS_MAX + 1, sizeof *c->values);
-	if (c->path == NULL || c->rows.columns == NULL || c->values == NULL)
+	c->parser = XML_ParserCreate(NULL);
+	if (c->path == NULL || c->rows.columns == NULL || c->rows.fields == NULL || c->values == NULL || c->parser == NULL)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
-	else if ((c->file = fopen(path, "rb")) == NULL)
-		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
 	else
-		code = survey(c, error != NULL ? error : &own);
+		code = read_citygml(c, error != NULL ? error : &own);
 	if (code == ECO_OK)
 		*rows = &c->rows;
 	else

@@ -7,8 +7,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ecofiles/base/status.h"
-
 /* ---- Shape ---- */
 
 #define ECO_CITYGML_POINTS_MAX (1u << 22)
@@ -46,8 +44,5 @@ struct eco_citygml_crs {
 bool eco_citygml_crs_name(struct eco_citygml_crs *crs, const char *name, bool of_plant);
 /* A place, as written. */
 void eco_citygml_crs_see(struct eco_citygml_crs *crs, const double at[3]);
-/* Decides `swapped`: where only one order puts the places into the CRS's area of use, it is that; else as the form of the srsName
- * says. What is odd is written into note ("" if nothing). Fails only where PROJ cannot be loaded. */
-enum eco_code eco_citygml_crs_settle(struct eco_citygml_crs *crs, char *note, size_t size, struct eco_error *error);
 
 #endif

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/module.h"
-
 /* "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH": those of the German surveys. */
 static bool german(const char *name, char *code, size_t size)
 {
@@ -60,18 +58,4 @@ void eco_citygml_crs_see(struct eco_citygml_crs *crs, const double at[3])
 {
 	if (crs->seen_count < ECO_CITYGML_SAMPLES)
 		memcpy(crs->seen[crs->seen_count++], at, sizeof *crs->seen);
-}
-
-enum eco_code eco_citygml_crs_settle(struct eco_citygml_crs *crs, char *note, size_t size, struct eco_error *error)
-{
-	const struct eco_proj_module *proj;
-
-	*note = 0;
-	if (crs->code[0] == 0)
-		return ECO_OK;
-	proj = eco_module(ECO_MODULE_PROJ, error);
-	if (proj == NULL)
-		return ECO_NOT_FOUND;
-	proj->citygml_settle(crs, note, size);
-	return ECO_OK;
 }

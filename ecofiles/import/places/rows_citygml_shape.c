@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/room.h"
+
 #define FOOT_SHARE 0.05          /* of a geometry's height that counts as its foot */
 #define FOOT_LEAST_M 0.01
 
@@ -17,15 +19,8 @@ void eco_citygml_shape_begin(struct eco_citygml_shape *shape)
 
 static bool add_point(struct eco_citygml_shape *shape, const double at[3])
 {
-	if (shape->count == shape->capacity) {
-		uint32_t capacity = shape->capacity > 0 ? 2 * shape->capacity : 64;
-		double (*grown)[3] = capacity <= ECO_CITYGML_POINTS_MAX ? realloc(shape->points, capacity * sizeof *grown) : NULL;
-
-		if (grown == NULL)
-			return false;
-		shape->points = grown;
-		shape->capacity = capacity;
-	}
+	if (shape->count == ECO_CITYGML_POINTS_MAX || !eco_room(&shape->points, &shape->capacity, shape->count, sizeof *shape->points))
+		return false;
 	memcpy(shape->points[shape->count++], at, sizeof *shape->points);
 	return true;
 }
