@@ -201,30 +201,29 @@ void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column)
 	line_column(at->file, find(at, false), line, column);
 }
 
-static enum eco_code fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format, va_list arguments)
+static void fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format, va_list arguments)
 {
 	char text[400];
 	uint32_t line, column;
 
 	vsnprintf(text, sizeof text, format, arguments);
 	line_column(at->file, find(at, key), &line, &column);
-	return eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
+	eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
 }
 
-enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
+bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 {
 	va_list arguments;
 
 	va_start(arguments, format);
 	fail_at(at, false, code, format, arguments);
 	va_end(arguments);
-	return code;
+	return false;
 }
 
 bool eco_json_no_memory(const struct eco_json *at)
 {
-	eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-	return false;
+	return eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
 }
 
 /* ---- Values ---- */
@@ -234,8 +233,7 @@ static bool bad(const struct eco_json *at, const char *wanted)
 	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
 	const char *mark = at->key != NULL ? "\"" : "";
 
-	eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
-	return false;
+	return eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
 }
 
 static bool stranger(const struct eco_json *at, const char *format, ...)
@@ -293,8 +291,7 @@ bool eco_json_required(const struct eco_json *object, const char *key)
 {
 	if (json_object_get(object->value, key) != NULL)
 		return true;
-	eco_json_fail(object, ECO_BAD_INPUT, "\"%s\" is missing", key);
-	return false;
+	return eco_json_fail(object, ECO_BAD_INPUT, "\"%s\" is missing", key);
 }
 
 static bool number_in(const struct eco_json *at, double low, double high, double *out)
@@ -304,11 +301,9 @@ static bool number_in(const struct eco_json *at, double low, double high, double
 	if (!json_is_number(at->value))
 		return bad(at, "a number");
 	number = json_number_value(at->value);
-	if (!(number >= low && number <= high)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
+	if (!(number >= low && number <= high))
+		return eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
 			at->key != NULL ? at->key : "the number", number, low, high);
-		return false;
-	}
 	*out = number;
 	return true;
 }
@@ -329,11 +324,9 @@ bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low
 	if (!json_is_integer(at.value))
 		return bad(&at, "a whole number");
 	if (json_integer_value(at.value) < 0 || (uint64_t)json_integer_value(at.value) < low
-		|| (uint64_t)json_integer_value(at.value) > high) {
-		eco_json_fail(&at, ECO_BAD_INPUT, "%s is %lld, it must be between %llu and %llu", key,
+		|| (uint64_t)json_integer_value(at.value) > high)
+		return eco_json_fail(&at, ECO_BAD_INPUT, "%s is %lld, it must be between %llu and %llu", key,
 			(long long)json_integer_value(at.value), (unsigned long long)low, (unsigned long long)high);
-		return false;
-	}
 	*out = (uint64_t)json_integer_value(at.value);
 	return true;
 }
@@ -347,11 +340,9 @@ bool eco_json_numbers(const struct eco_json *object, const char *key, size_t lea
 		return true;
 	if (!json_is_array(at.value))
 		return bad(&at, "an array of numbers");
-	if (json_array_size(at.value) < least || json_array_size(at.value) > most) {
-		eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu", key, json_array_size(at.value),
+	if (json_array_size(at.value) < least || json_array_size(at.value) > most)
+		return eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu", key, json_array_size(at.value),
 			least, least < most ? " or " : "", least < most ? most : 0);
-		return false;
-	}
 	for (size_t i = 0; i < json_array_size(at.value); i++) {
 		struct eco_json item = eco_json_item(&at, i);
 
@@ -365,10 +356,8 @@ bool eco_json_is_text(const struct eco_json *at, size_t bytes_max)
 {
 	if (!json_is_string(at->value))
 		return bad(at, "a text");
-	if (json_string_length(at->value) == 0 || json_string_length(at->value) > bytes_max) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu", json_string_length(at->value), bytes_max);
-		return false;
-	}
+	if (json_string_length(at->value) == 0 || json_string_length(at->value) > bytes_max)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu", json_string_length(at->value), bytes_max);
 	return true;
 }
 

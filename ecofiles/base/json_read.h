@@ -42,8 +42,8 @@ struct eco_json eco_json_member(const struct eco_json *object, const char *key);
 struct eco_json eco_json_item(const struct eco_json *array, size_t index);
 
 /* Writes the error "NAME:LINE:COLUMN: text" for the start of `at` (of its parent if it is absent). Returns
- * `code`. */
-enum eco_code eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
+ * false, for `return`. */
+bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 /* Writes "out of memory"; returns false, for `return`. */
 bool eco_json_no_memory(const struct eco_json *at);

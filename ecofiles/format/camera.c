@@ -54,9 +54,8 @@ static bool read_key(const struct eco_json *node, uint32_t index, struct key *ke
 		return false;
 	if (index && !(key->time_s > key[-1].time_s)) {
 		struct eco_json time = eco_json_member(node, "time_s");
-		eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at %g: times must ascend", key->time_s,
+		return eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at %g: times must ascend", key->time_s,
 			key[-1].time_s);
-		return false;
 	}
 	return true;
 }
@@ -67,15 +66,11 @@ static bool read_keys(const struct eco_json *array, struct eco_camera *camera)
 	if (!eco_json_array(array, FRAMES_MAX))
 		return false;
 	size_t count = json_array_size(array->value);
-	if (count == 0) {
-		eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or more");
-		return false;
-	}
+	if (count == 0)
+		return eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or more");
 	camera->keys = calloc(count, sizeof *camera->keys);
-	if (!camera->keys) {
-		eco_json_fail(array, ECO_NO_MEMORY, "no memory for %zu keyframes", count);
-		return false;
-	}
+	if (!camera->keys)
+		return eco_json_fail(array, ECO_NO_MEMORY, "no memory for %zu keyframes", count);
 	camera->key_count = (uint32_t)count;
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_json node = eco_json_item(array, i);
@@ -155,11 +150,9 @@ static bool count_frames(const struct eco_json *root, struct eco_camera *camera)
 	double length_s = camera->keys[camera->key_count - 1].time_s - camera->keys[0].time_s;
 	/* 0.1 s * 30 is not quite 3: a last frame within a millionth of a frame of the end counts */
 	double frames = floor(length_s * camera->fps + 1e-6) + 1;
-	if (frames > FRAMES_MAX) {
-		eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,
+	if (frames > FRAMES_MAX)
+		return eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,
 			camera->fps, frames, FRAMES_MAX);
-		return false;
-	}
 	camera->frame_count = (uint32_t)frames;
 	return true;
 }
@@ -172,9 +165,8 @@ static bool check_frames(const struct eco_json *keyframes, const struct eco_came
 		double time_s = eco_camera_frame(camera, i, &view);
 		if (eco_view_check(&view, &cause)) {
 			struct eco_json node = eco_json_item(keyframes, segment(camera, time_s));
-			eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
+			return eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
 				cause.text);
-			return false;
 		}
 	}
 	return true;

@@ -151,11 +151,9 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
-	if (source->crs != NULL && origin.value == NULL) {
-		eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, such as "
+	if (source->crs != NULL && origin.value == NULL)
+		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, such as "
 			"\"origin\": [747375, 4308510, 0]");
-		return false;
-	}
 	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
 		&& parse_instances(source, top) && parse_children(source, top);
 }

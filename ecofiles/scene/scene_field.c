@@ -28,8 +28,7 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 		return eco_json_no_memory(at);
 	if (!source->on_disk || access(*path, R_OK) == 0)
 		return true;
-	eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path, strerror(errno));
-	return false;
+	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path, strerror(errno));
 }
 
 bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs)
@@ -40,9 +39,8 @@ bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json 
 		return false;
 	if (*crs == NULL || source->crs != NULL)
 		return true;
-	eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this "
+	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this "
 		"one out", *crs);
-	return false;
 }
 
 bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
@@ -91,20 +89,15 @@ bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m)
 		return false;
 	if (name == NULL || eco_unit_metres(name, unit_m))
 		return true;
-	eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
-	return false;
+	return eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 }
 
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
 {
 	for (size_t i = 0; i < bytes; i++)
-		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f) {
-			eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
-			return false;
-		}
-	if (bytes == 0 || bytes > 63) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
-		return false;
-	}
+		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f)
+			return eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
+	if (bytes == 0 || bytes > 63)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
 	return true;
 }

@@ -17,10 +17,8 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 		value->number = json_number_value(at->value);
 		return true;
 	}
-	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
-		return false;
-	}
+	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
 	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
 	value->text = strdup(folded);
 	return value->text != NULL || eco_json_no_memory(at);

@@ -15,10 +15,8 @@ static bool parse_heights(struct eco_source *source, const struct eco_json *grou
 
 	if (many && !eco_json_array(&node, ECO_GROUND_FILES_MAX))
 		return false;
-	if (count == 0) {
-		eco_json_fail(&node, ECO_BAD_INPUT, "\"heights\" names no raster");
-		return false;
-	}
+	if (count == 0)
+		return eco_json_fail(&node, ECO_BAD_INPUT, "\"heights\" names no raster");
 	source->ground.heights = calloc(count, sizeof *source->ground.heights);
 	if (source->ground.heights == NULL)
 		return eco_json_no_memory(&node);
@@ -44,10 +42,8 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
 		return false;
 	ground->band = (uint32_t)band;
-	if (ground->scale == 0 && scale.value != NULL) {
-		eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
-		return false;
-	}
+	if (ground->scale == 0 && scale.value != NULL)
+		return eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
 	return true;
 }
 
@@ -56,16 +52,12 @@ static bool parse_place(struct eco_ground_source *ground, const struct eco_json 
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
 
-	if ((corner.value == NULL) != (pixel.value == NULL)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' size) go together");
-		return false;
-	}
+	if ((corner.value == NULL) != (pixel.value == NULL))
+		return eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' size) go together");
 	if (corner.value == NULL)
 		return true;
-	if (ground->height_count > 1) {
-		eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give each a world file");
-		return false;
-	}
+	if (ground->height_count > 1)
+		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give each a world file");
 	ground->has_place = true;
 	if (json_is_array(pixel.value)) {
 		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, ground->pixel))

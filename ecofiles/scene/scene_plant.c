@@ -60,8 +60,7 @@ bool eco_source_plant_named(const struct eco_source *source, const struct eco_js
 		return true;
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
 		eco_phrase_add(known, sizeof known, source->plants[i].name);
-	eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name, known[0] != 0 ? known : "there are none");
-	return false;
+	return eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name, known[0] != 0 ? known : "there are none");
 }
 
 bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
@@ -77,10 +76,8 @@ static bool parse_files(struct eco_source *source, const struct eco_json *at, st
 	bool several = json_is_array(at->value);
 	size_t count = several ? json_array_size(at->value) : 1;
 
-	if (count == 0) {
-		eco_json_fail(at, ECO_BAD_INPUT, "it names no file");
-		return false;
-	}
+	if (count == 0)
+		return eco_json_fail(at, ECO_BAD_INPUT, "it names no file");
 	if (several && !eco_json_array(at, FILES_MAX))
 		return false;
 	plant->models = calloc(count, sizeof *plant->models);
@@ -108,20 +105,16 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 {
 	struct eco_json model = eco_json_member(at, "model"), variants = eco_json_member(at, "variants");
 
-	if ((model.value != NULL) == (variants.value != NULL)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several files that make it up: [\"wood.obj\", "
+	if ((model.value != NULL) == (variants.value != NULL))
+		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several files that make it up: [\"wood.obj\", "
 			"\"leaves.obj\"]), or \"variants\": [\"FILE\", ...], of which each instance takes one");
-		return false;
-	}
 	if (model.value != NULL)
 		return add_variant(source, &model, plant);
 	if (!eco_json_array(&variants, VARIANTS_MAX))
 		return false;
 	plant->variant_count = (uint32_t)json_array_size(variants.value);
-	if (plant->variant_count == 0) {
-		eco_json_fail(&variants, ECO_BAD_INPUT, "\"variants\" names no file");
-		return false;
-	}
+	if (plant->variant_count == 0)
+		return eco_json_fail(&variants, ECO_BAD_INPUT, "\"variants\" names no file");
 	for (; plant->variant < plant->variant_count; plant->variant++) {
 		struct eco_json item = eco_json_item(&variants, plant->variant);
 
@@ -144,8 +137,7 @@ static bool parse_up(const struct eco_json *at, enum eco_up *up)
 		return true;
 	if (eco_up_of(name, up))
 		return true;
-	eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file that points up");
-	return false;
+	return eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file that points up");
 }
 
 static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
@@ -186,8 +178,7 @@ static bool parse_is(const struct eco_json *at, uint8_t *is)
 			*is = i;
 			return true;
 		}
-	eco_json_fail(&node, ECO_BAD_INPUT, "a part is \"wood\", \"foliage\", \"flower\" or \"left out\"");
-	return false;
+	return eco_json_fail(&node, ECO_BAD_INPUT, "a part is \"wood\", \"foliage\", \"flower\" or \"left out\"");
 }
 
 static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
@@ -199,10 +190,8 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is) || !eco_json_text(at, "name", 255, &name)
 		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component) || !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
 		return false;
-	if ((name != NULL) + (component > 0) + (size.value != NULL) != 1) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", \"component\": 1, \"size\": [0, 0.1]");
-		return false;
-	}
+	if ((name != NULL) + (component > 0) + (size.value != NULL) != 1)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", \"component\": 1, \"size\": [0, 0.1]");
 	rule->kind = name != NULL ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
 	rule->name = name != NULL ? strdup(name) : NULL;
@@ -282,10 +271,8 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	if (!json_is_object(node.value))
 		return eco_json_object(&node, plant_fields);
 	count = count_variants(node.value);
-	if (count > PLANTS_MAX) {
-		eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
-		return false;
-	}
+	if (count > PLANTS_MAX)
+		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
 	source->plants = calloc(count + 1, sizeof *source->plants);
 	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
 	if (source->plants == NULL || source->plants_by_name == NULL)

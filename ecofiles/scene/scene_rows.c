@@ -121,16 +121,12 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 	if (!eco_scene_copy_text(at, "species", ECO_COLUMN_BYTES, &spec->species))
 		return false;
 	if (plant.value != NULL) {
-		if (spec->species != NULL || map.value != NULL) {
-			eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or \"plant\"");
-			return false;
-		}
+		if (spec->species != NULL || map.value != NULL)
+			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or \"plant\"");
 		return eco_source_plant_of(source, &plant, &spec->fallback.plant) && species_set(source, &plant, "*", &spec->fallback);
 	}
-	if (spec->species == NULL) {
-		eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a \"map\"");
-		return false;
-	}
+	if (spec->species == NULL)
+		return eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a \"map\"");
 	return map.value != NULL ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
 }
 
@@ -143,8 +139,7 @@ static bool parse_unit(const struct eco_json *at, double *unit_m)
 		return false;
 	if (*unit_m > 0)
 		return true;
-	eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
-	return false;
+	return eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
 }
 
 /* "max", "rate" and "shape"; *there is false, without an error, if neither "max" nor "rate" is given. */
@@ -154,10 +149,8 @@ static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bo
 
 	*there = rate || max;
 	rule->shape = 1;
-	if (*there && !(rate && max)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
-		return false;
-	}
+	if (*there && !(rate && max))
+		return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 	return eco_json_number(at, "max", 1.3, 1000, &rule->max_m) && eco_json_number(at, "rate", 1e-9, 1e3, &rule->rate)
 		&& eco_json_number(at, "shape", 0.01, 100, &rule->shape);
 }
@@ -210,9 +203,8 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
 	if (size->rule_count > 0)
 		return true;
-	eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or \"per_plant\": "
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or \"per_plant\": "
 		"h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
-	return false;
 }
 
 /* A height's object: one member names its source. */
@@ -238,15 +230,11 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 		if (kinds++ == 0)
 			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
 	}
-	if (kinds != 1) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
+	if (kinds != 1)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
 			"from_dbh_in");
-		return false;
-	}
-	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value != NULL) {
-		eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"", from[which].key);
-		return false;
-	}
+	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value != NULL)
+		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"", from[which].key);
 	size->kind = from[which].kind;
 	size->factor = from[which].factor;
 	size->unit_m = from[which].unit_m;
@@ -266,9 +254,8 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	size->value_m = number;
 	if (number >= 0.001 && number <= 1000)
 		return true;
-	eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or an object such as {\"column\": \"Height\", "
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or an object such as {\"column\": \"Height\", "
 		"\"unit\": \"ft\"}");
-	return false;
 }
 
 static bool parse_height(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
@@ -283,10 +270,8 @@ static bool parse_height(const struct eco_source *source, const struct eco_json 
 	spec->levels = (uint32_t)levels;
 	if (height.value == NULL)
 		return true;
-	if (several && (!eco_json_array(&height, SOURCES_MAX) || count == 0)) {
-		eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
-		return false;
-	}
+	if (several && (!eco_json_array(&height, SOURCES_MAX) || count == 0))
+		return eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
 	spec->heights = calloc(count, sizeof *spec->heights);
 	if (spec->heights == NULL)
 		return eco_json_no_memory(at);
@@ -316,8 +301,7 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 	if (strcmp(is, "diameter") == 0 || strcmp(is, "radius") == 0)
 		return true;
 	is_node = eco_json_member(&crown, "is");
-	eco_json_fail(&is_node, ECO_BAD_INPUT, "\"is\" is \"radius\" or \"diameter\"");
-	return false;
+	return eco_json_fail(&is_node, ECO_BAD_INPUT, "\"is\" is \"radius\" or \"diameter\"");
 }
 
 /* ---- The entry ---- */
@@ -334,8 +318,7 @@ static bool parse_sign(const struct eco_json *at, const char *key, const char *s
 	*sign = *text;
 	if (strlen(text) == 1 && strchr(signs, *text) != NULL)
 		return true;
-	eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
-	return false;
+	return eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
 }
 
 static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spec *spec)
@@ -348,8 +331,7 @@ static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spe
 	spec->skip_duplicates = strcmp(text, "skip") == 0;
 	if (spec->skip_duplicates || strcmp(text, "keep") == 0)
 		return true;
-	eco_json_fail(&node, ECO_BAD_INPUT, "\"duplicates\" is \"keep\" or \"skip\"");
-	return false;
+	return eco_json_fail(&node, ECO_BAD_INPUT, "\"duplicates\" is \"keep\" or \"skip\"");
 }
 
 static bool parse_file(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
@@ -377,10 +359,9 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 	/* a file's own CRS is seen when it is opened; columns never have one */
 	if (source->crs == NULL || spec->crs != NULL || spec->x == NULL)
 		return true;
-	eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "
+	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "
 		"\"%.80s\", or \"EPSG:4326\" for degrees",
 		source->crs, source->crs);
-	return false;
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)

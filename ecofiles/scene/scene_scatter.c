@@ -17,10 +17,8 @@ static bool parse_plant(const struct eco_source *source, const struct eco_json *
 	if (!eco_source_plant_named(source, at, at->key, &plant->plant))
 		return false;
 	plant->variant_count = source->plants[plant->plant].variant_count;
-	if (!json_is_number(at->value) || !(json_number_value(at->value) > 0 && json_number_value(at->value) <= DENSITY_MAX)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "a number above 0, at most %g", DENSITY_MAX);
-		return false;
-	}
+	if (!json_is_number(at->value) || !(json_number_value(at->value) > 0 && json_number_value(at->value) <= DENSITY_MAX))
+		return eco_json_fail(at, ECO_BAD_INPUT, "a number above 0, at most %g", DENSITY_MAX);
 	plant->weight = json_number_value(at->value);
 	return true;
 }
@@ -33,10 +31,8 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 
 	if (!eco_json_names(at, KINDS_MAX))
 		return false;
-	if (json_object_size(at->value) == 0) {
-		eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");
-		return false;
-	}
+	if (json_object_size(at->value) == 0)
+		return eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");
 	spec->plants = calloc(json_object_size(at->value), sizeof *spec->plants);
 	if (spec->plants == NULL)
 		return eco_json_no_memory(at);
@@ -59,11 +55,9 @@ static bool parse_numbers(const struct eco_source *source, const struct eco_json
 		|| !eco_scene_copy_text(at, "count_column", ECO_COLUMN_BYTES, &spec->count_column))
 		return false;
 	if ((density.value != NULL) + (spec->density_column != NULL) + (spec->count_column != NULL) != 1
-		|| (density.value != NULL) == (mix.value != NULL)) {
-		eco_json_fail(at, ECO_BAD_INPUT, "say how many: \"density_per_ha\": {\"oak\": 120, \"ash\": 40}; or \"mix\": {\"oak\": 3, \"ash\": 1} with "
+		|| (density.value != NULL) == (mix.value != NULL))
+		return eco_json_fail(at, ECO_BAD_INPUT, "say how many: \"density_per_ha\": {\"oak\": 120, \"ash\": 40}; or \"mix\": {\"oak\": 3, \"ash\": 1} with "
 			"\"density_column\" (plants a hectare) or \"count_column\" (plants in the area)");
-		return false;
-	}
 	return parse_plants(source, density.value != NULL ? &density : &mix, spec);
 }
 
@@ -86,8 +80,7 @@ static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spe
 		return false;
 	if (spec->height_low_m <= spec->height_high_m)
 		return true;
-	eco_json_fail(&height, ECO_BAD_INPUT, "\"min\" is greater than \"max\"");
-	return false;
+	return eco_json_fail(&height, ECO_BAD_INPUT, "\"min\" is greater than \"max\"");
 }
 
 static bool parse_clear(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
