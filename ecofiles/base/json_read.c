@@ -86,15 +86,23 @@ struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *ro
 
 struct eco_json eco_json_member(const struct eco_json *object, const char *key)
 {
-	struct eco_json node = { .file = object->file, .parent = object, .key = key };
-	void *iterator = json_object_iter((json_t *)object->value);
+	struct eco_json node = { .file = NULL };
 
-	for (; iterator != NULL; iterator = json_object_iter_next((json_t *)object->value, iterator), node.index++)
-		if (strcmp(json_object_iter_key(iterator), key) == 0) {
-			node.value = json_object_iter_value(iterator);
+	while (eco_json_next(object, &node))
+		if (strcmp(node.key, key) == 0)
 			return node;
-		}
+	node.key = key;
 	return node;
+}
+
+bool eco_json_next(const struct eco_json *object, struct eco_json *member)
+{
+	json_t *value = (json_t *)object->value;
+	bool first = member->parent == NULL;
+	void *at = first ? json_object_iter(value) : json_object_iter_next(value, json_object_key_to_iter(member->key));
+
+	*member = (struct eco_json){ object->file, object, json_object_iter_key(at), first ? 0 : member->index + 1, json_object_iter_value(at) };
+	return at != NULL;
 }
 
 struct eco_json eco_json_item(const struct eco_json *array, size_t index)
@@ -248,24 +256,21 @@ static bool stranger(const struct eco_json *at, const char *format, ...)
 
 bool eco_json_object(const struct eco_json *at, const char *const *fields)
 {
-	const char *key;
-	json_t *value;
+	struct eco_json node = { .file = NULL };
 
 	if (!json_is_object(at->value))
 		return bad(at, "an object");
-	json_object_foreach((json_t *)at->value, key, value) {
+	while (eco_json_next(at, &node)) {
 		char known[256] = "";
 		size_t i = 0;
 
-		(void)value;
-		while (fields[i] != NULL && strcmp(fields[i], key) != 0)
+		while (fields[i] != NULL && strcmp(fields[i], node.key) != 0)
 			i++;
 		if (fields[i] != NULL)
 			continue;
 		for (i = 0; fields[i] != NULL; i++)
 			eco_phrase_add(known, sizeof known, fields[i]);
-		struct eco_json node = eco_json_member(at, key);
-		return stranger(&node, "unknown field \"%.60s\"; known here: %s", key, known);
+		return stranger(&node, "unknown field \"%.60s\"; known here: %s", node.key, known);
 	}
 	return true;
 }

@@ -39,6 +39,8 @@ struct eco_json {
 json_t *eco_json_open(const struct eco_json_file *file);
 struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *root);
 struct eco_json eco_json_member(const struct eco_json *object, const char *key);
+/* Goes to the next member of an object; `member` is zero before the first. False behind the last. */
+bool eco_json_next(const struct eco_json *object, struct eco_json *member);
 struct eco_json eco_json_item(const struct eco_json *array, size_t index);
 
 /* Writes the error "NAME:LINE:COLUMN: text" for the start of `at` (of its parent if it is absent). Returns

@@ -24,14 +24,14 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 	return value->text != NULL || eco_json_no_memory(at);
 }
 
-static bool parse_filter(const struct eco_json *at, const char *column, struct eco_filter *filter)
+static bool parse_filter(const struct eco_json *at, struct eco_filter *filter)
 {
 	bool several = json_is_array(at->value);
 	size_t count = several ? json_array_size(at->value) : 1;
 
 	if (several && !eco_json_array(at, VALUES_MAX))
 		return false;
-	filter->column = strdup(column);
+	filter->column = strdup(at->key);
 	filter->values = calloc(count + 1, sizeof *filter->values);
 	if (filter->column == NULL || filter->values == NULL)
 		return eco_json_no_memory(at);
@@ -47,23 +47,18 @@ static bool parse_filter(const struct eco_json *at, const char *column, struct e
 
 static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters, uint32_t *count)
 {
-	struct eco_json columns = eco_json_member(at, name), entry = { .file = at->file, .parent = &columns };
-	const char *key;
-	json_t *value;
+	struct eco_json columns = eco_json_member(at, name), entry = { .file = NULL };
 
 	if (columns.value == NULL)
 		return true;
 	if (!eco_json_names(&columns, COLUMNS_MAX))
 		return false;
-	json_object_foreach((json_t *)columns.value, key, value) {
+	while (eco_json_next(&columns, &entry)) {
 		struct eco_filter *filter = &filters[(*count)++];
 
 		filter->only = strcmp(name, "only") == 0;
-		entry.key = key;
-		entry.value = value;
-		if (!parse_filter(&entry, key, filter))
+		if (!parse_filter(&entry, filter))
 			return false;
-		entry.index++;
 	}
 	return true;
 }

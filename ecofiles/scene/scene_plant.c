@@ -261,9 +261,7 @@ static size_t count_variants(const json_t *plants)
 
 bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top)
 {
-	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = top->file, .parent = &node };
-	const char *key;
-	json_t *value;
+	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = NULL };
 	size_t count;
 
 	if (node.value == NULL)
@@ -277,13 +275,9 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
 	if (source->plants == NULL || source->plants_by_name == NULL)
 		return eco_json_no_memory(&node);
-	json_object_foreach((json_t *)node.value, key, value) {
-		entry.key = key;
-		entry.value = value;
+	while (eco_json_next(&node, &entry))
 		if (!parse_plant(source, &entry))
 			return false;
-		entry.index++;
-	}
 	sort_names(source);
 	return true;
 }

@@ -74,24 +74,19 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 
 static bool parse_map(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
-	struct eco_json entry = { .file = at->file, .parent = at };
-	const char *key;
-	json_t *value;
+	struct eco_json entry = { .file = NULL };
 
 	if (!eco_json_names(at, MAP_MAX))
 		return false;
 	spec->map = calloc(json_object_size(at->value) + 1, sizeof *spec->map);
 	if (spec->map == NULL)
 		return eco_json_no_memory(at);
-	json_object_foreach((json_t *)at->value, key, value) {
-		bool fallback = strcmp(key, "*") == 0;
+	while (eco_json_next(at, &entry)) {
+		bool fallback = strcmp(entry.key, "*") == 0;
 
-		entry.key = key;
-		entry.value = value;
-		if (!species_set(source, &entry, key, fallback ? &spec->fallback : &spec->map[spec->map_count]))
+		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback : &spec->map[spec->map_count]))
 			return false;
 		spec->map_count += !fallback;
-		entry.index++;
 	}
 	return keys_differ(at, spec);
 }
@@ -164,24 +159,19 @@ static int compare_rules(const void *a, const void *b)
 
 static bool parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
 {
-	struct eco_json entry = { .file = at->file, .parent = at };
-	const char *key;
-	json_t *value;
+	struct eco_json entry = { .file = NULL };
 
 	if (!eco_json_names(at, source->name_count))
 		return false;
-	json_object_foreach((json_t *)at->value, key, value) {
+	while (eco_json_next(at, &entry)) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
 
-		entry.key = key;
-		entry.value = value;
-		if (!eco_source_plant_named(source, &entry, key, &rule->plant) || !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) || !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");
 		size->rule_count++;
-		entry.index++;
 	}
 	return true;
 }

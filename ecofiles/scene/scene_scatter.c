@@ -25,9 +25,7 @@ static bool parse_plant(const struct eco_source *source, const struct eco_json *
 
 static bool parse_plants(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
-	struct eco_json entry = { .file = at->file, .parent = at };
-	const char *key;
-	json_t *value;
+	struct eco_json entry = { .file = NULL };
 
 	if (!eco_json_names(at, KINDS_MAX))
 		return false;
@@ -36,13 +34,9 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 	spec->plants = calloc(json_object_size(at->value), sizeof *spec->plants);
 	if (spec->plants == NULL)
 		return eco_json_no_memory(at);
-	json_object_foreach((json_t *)at->value, key, value) {
-		entry.key = key;
-		entry.value = value;
+	while (eco_json_next(at, &entry))
 		if (!parse_plant(source, &entry, &spec->plants[spec->plant_count++]))
 			return false;
-		entry.index++;
-	}
 	return true;
 }
 
