@@ -31,6 +31,28 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path, strerror(errno));
 }
 
+bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what, size_t most, char ***paths,
+	uint32_t *count)
+{
+	bool several = json_is_array(at->value);
+	size_t size = several ? json_array_size(at->value) : 1;
+
+	if (size == 0)
+		return eco_json_fail(at, ECO_BAD_INPUT, "it names no %s", what);
+	if (several && !eco_json_array(at, most))
+		return false;
+	*paths = calloc(size, sizeof **paths);
+	if (*paths == NULL)
+		return eco_json_no_memory(at);
+	for (size_t i = 0; i < size; i++) {
+		struct eco_json item = several ? eco_json_item(at, i) : *at;
+
+		if (!eco_scene_parse_path(source, &item, &(*paths)[(*count)++]))
+			return false;
+	}
+	return true;
+}
+
 bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs)
 {
 	struct eco_json node = eco_json_member(at, key);

@@ -7,28 +7,6 @@
 static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit", "nodata", "north_west",
 	"pixel", NULL };
 
-static bool parse_heights(struct eco_source *source, const struct eco_json *ground)
-{
-	struct eco_json node = eco_json_member(ground, "heights");
-	bool many = json_is_array(node.value);
-	size_t count = many ? json_array_size(node.value) : 1;
-
-	if (many && !eco_json_array(&node, ECO_GROUND_FILES_MAX))
-		return false;
-	if (count == 0)
-		return eco_json_fail(&node, ECO_BAD_INPUT, "\"heights\" names no raster");
-	source->ground.heights = calloc(count, sizeof *source->ground.heights);
-	if (source->ground.heights == NULL)
-		return eco_json_no_memory(&node);
-	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = many ? eco_json_item(&node, i) : node;
-
-		if (!eco_scene_parse_path(source, &item, &source->ground.heights[source->ground.height_count++]))
-			return false;
-	}
-	return true;
-}
-
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {
 	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
@@ -72,10 +50,11 @@ static bool parse_place(struct eco_ground_source *ground, const struct eco_json 
 
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
 {
-	struct eco_json node = eco_json_member(top, "ground");
+	struct eco_json node = eco_json_member(top, "ground"), heights = eco_json_member(&node, "heights");
 	struct eco_ground_source *ground = &source->ground;
 
-	return node.value == NULL || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights") && parse_heights(source, &node)
+	return node.value == NULL || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights")
+		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights, &ground->height_count)
 		&& eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) && parse_meaning(ground, &node)
 		&& parse_place(ground, &node) && eco_scene_parse_crs(source, &node, "crs", &ground->crs));
 }

@@ -13,6 +13,10 @@
 /* A path, as seen from the folder of the file that names it; malloc'ed, or NULL. False after an error at
  * `at`, also if the file does not exist (not checked for documents from memory). */
 bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);
+/* Reads one path, or an array of up to `most`; errors name `what`. On failure *paths holds the *count paths read
+ * so far. */
+bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what, size_t most, char ***paths,
+	uint32_t *count);
 /* Copies the text of that key, if present, to *out (malloc'ed). */
 #define ECO_COLUMN_BYTES 256u
 bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);

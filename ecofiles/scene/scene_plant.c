@@ -70,35 +70,13 @@ bool eco_source_plant_of(const struct eco_source *source, const struct eco_json 
 
 /* ---- Files ---- */
 
-/* One path, or an array of paths that make up one plant. */
-static bool parse_files(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
-{
-	bool several = json_is_array(at->value);
-	size_t count = several ? json_array_size(at->value) : 1;
-
-	if (count == 0)
-		return eco_json_fail(at, ECO_BAD_INPUT, "it names no file");
-	if (several && !eco_json_array(at, FILES_MAX))
-		return false;
-	plant->models = calloc(count, sizeof *plant->models);
-	if (plant->models == NULL)
-		return eco_json_no_memory(at);
-	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = several ? eco_json_item(at, i) : *at;
-
-		if (!eco_scene_parse_path(source, &item, &plant->models[plant->model_count++]))
-			return false;
-	}
-	return true;
-}
-
 /* Adds a variant of `plant`, with the files of `files`, to the source's plants. */
 static bool add_variant(struct eco_source *source, const struct eco_json *files, const struct eco_source_plant *plant)
 {
 	struct eco_source_plant *slot = &source->plants[source->plant_count++];
 
 	*slot = *plant;
-	return parse_files(source, files, slot);
+	return eco_scene_parse_paths(source, files, "file", FILES_MAX, &slot->models, &slot->model_count);
 }
 
 static bool parse_variants(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
