@@ -10,7 +10,7 @@
  *            texts (unneeded ones are empty)
  *   'E'      end: u64 rows
  *
- * Numbers have the machine's byte order, as both ends are one program. A text ends with 0. */
+ * Numbers are little-endian. A text ends with 0. */
 #include "ecofiles/import/places/rows.h"
 
 #include <math.h>
@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/import/places/rows_formats.h"
 
@@ -26,100 +27,75 @@
 #define AREA_MESSAGE_MAX (1u << 29)
 #define WRITE_BUFFER (1u << 16)
 
+static uint32_t message_most(bool areas) { return areas ? AREA_MESSAGE_MAX : MESSAGE_MAX; }
+
 /* ---- The child ---- */
 
-struct message { char *bytes; size_t used, capacity; bool failed, areas; };
-
-static void put(struct message *m, const void *bytes, size_t size)
+static void put_text(struct eco_writer *m, const char *text)
 {
-	if (m->used + size > m->capacity) {
-		size_t capacity = 2 * (m->used + size) + 4096;
-		char *grown = realloc(m->bytes, capacity);
-
-		m->failed |= grown == NULL;
-		if (grown == NULL)
-			return;
-		m->bytes = grown;
-		m->capacity = capacity;
-	}
-	memcpy(m->bytes + m->used, bytes, size);
-	m->used += size;
+	eco_write_bytes(m, text, strlen(text) + 1);
 }
 
-static void put_text(struct message *m, const char *text)
+static void begin(struct eco_writer *m, char kind)
 {
-	put(m, text, strlen(text) + 1);
+	m->size = 0;
+	eco_write_u8(m, (uint8_t)kind);
 }
 
-static void begin(struct message *m, char kind)
+static enum eco_code send_message(const struct eco_writer *m, uint32_t most, FILE *out, struct eco_error *error)
 {
-	m->used = 0;
-	put(m, &(uint32_t){ 0 }, 4);
-	put(m, &kind, 1);
-}
-
-static enum eco_code send_message(struct message *m, FILE *out, struct eco_error *error)
-{
-	uint32_t size = (uint32_t)(m->used - 4);
+	uint32_t size = (uint32_t)m->size;
 
 	if (m->failed)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	if (size > (m->areas ? AREA_MESSAGE_MAX : MESSAGE_MAX))
+	if (m->size > most)
 		return eco_fail(error, ECO_TOO_LARGE, "a row of more than %u bytes", ECO_ROW_BYTES_MAX);
-	memcpy(m->bytes, &size, 4);
-	return fwrite(m->bytes, 1, m->used, out) == m->used ? ECO_OK : eco_fail(error, ECO_IO, "nobody reads on");
+	return fwrite(&size, 4, 1, out) == 1 && fwrite(m->bytes, 1, size, out) == size ? ECO_OK : eco_fail(error, ECO_IO, "nobody reads on");
 }
 
-static enum eco_code send_head(const struct eco_rows *rows, struct message *m, FILE *out, struct eco_error *error)
+static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 {
-	uint8_t flags = (uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->local << 2 | rows->degrees_doubted << 3);
-
 	begin(m, 'H');
-	put(m, &flags, 1);
-	put(m, &rows->column_count, 4);
+	eco_write_u8(m, (uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->local << 2 | rows->degrees_doubted << 3));
+	eco_write_u32(m, rows->column_count);
 	put_text(m, rows->where);
 	put_text(m, rows->crs != NULL ? rows->crs : "");
 	put_text(m, rows->no_crs);
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		put_text(m, rows->columns[i]);
-	return send_message(m, out, error);
 }
 
-static enum eco_code send_notes(const struct eco_rows *rows, uint32_t *sent, struct message *m, FILE *out, struct eco_error *error)
+static enum eco_code send_notes(const struct eco_rows *rows, uint32_t *sent, struct eco_writer *m, FILE *out, struct eco_error *error)
 {
-	for (; *sent < rows->note_count; ++*sent) {
-		enum eco_code code;
+	enum eco_code code = ECO_OK;
 
+	for (; *sent < rows->note_count && code == ECO_OK; ++*sent) {
 		begin(m, 'N');
 		put_text(m, rows->notes[*sent]);
-		code = send_message(m, out, error);
-		if (code != ECO_OK)
-			return code;
+		code = send_message(m, MESSAGE_MAX, out, error);
 	}
-	return ECO_OK;
+	return code;
 }
 
-static enum eco_code send_row(const struct eco_rows *rows, const bool *wanted, struct message *m, FILE *out, struct eco_error *error)
+static void put_row(const struct eco_rows *rows, const bool *wanted, struct eco_writer *m)
 {
 	const struct eco_rows_place *place = &rows->place;
-	uint8_t kind = (uint8_t)place->kind;
 	uint32_t area_bytes = place->kind == ECO_PLACE_AREA ? place->wkb_bytes : 0;
 
 	begin(m, 'R');
-	put(m, &rows->row, 8);
-	put(m, &rows->line, 8);
-	put(m, &kind, 1);
-	put(m, place->at, sizeof place->at);
-	put(m, &place->yaw_deg, 8);
-	put(m, &place->scale, 8);
+	eco_write_u64(m, rows->row);
+	eco_write_u64(m, rows->line);
+	eco_write_u8(m, (uint8_t)place->kind);
+	for (int k = 0; k < 3; k++)
+		eco_write_f64(m, place->at[k]);
+	eco_write_f64(m, place->yaw_deg);
+	eco_write_f64(m, place->scale);
 	put_text(m, place->what);
-	put(m, &area_bytes, 4);
-	if (area_bytes > 0)
-		put(m, place->wkb, area_bytes);
-	put(m, &rows->field_count, 4);
+	eco_write_u32(m, area_bytes);
+	eco_write_bytes(m, place->wkb, area_bytes);
+	eco_write_u32(m, rows->field_count);
 	for (uint32_t i = 0; i < rows->field_count; i++)
 		put_text(m, i < rows->column_count && wanted[i] ? rows->fields[i] : "");
-	return send_message(m, out, error);
 }
 
 static void find_wanted(const struct eco_rows *rows, const struct eco_rows_source *source, bool *wanted)
@@ -131,28 +107,33 @@ static void find_wanted(const struct eco_rows *rows, const struct eco_rows_sourc
 	}
 }
 
-static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_source *source, struct message *m, FILE *out,
+static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_source *source, struct eco_writer *m, FILE *out,
 	struct eco_error *error)
 {
 	bool *wanted = calloc(rows->column_count + 1u, sizeof *wanted), more = true;
-	uint32_t notes = 0;
-	enum eco_code code = wanted != NULL ? send_head(rows, m, out, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	uint32_t notes = 0, most = message_most(source->areas);
+	enum eco_code code = wanted != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 
-	if (wanted != NULL)
+	if (code == ECO_OK) {
 		find_wanted(rows, source, wanted);
+		put_head(rows, m);
+		code = send_message(m, most, out, error);
+	}
 	while (code == ECO_OK && more) {
 		code = send_notes(rows, &notes, m, out, error);
 		if (code == ECO_OK)
 			code = rows->next(rows, &more, error);
-		if (code == ECO_OK && more)
-			code = send_row(rows, wanted, m, out, error);
+		if (code != ECO_OK || !more)
+			break;
+		put_row(rows, wanted, m);
+		code = send_message(m, most, out, error);
 	}
 	if (code == ECO_OK)
 		code = send_notes(rows, &notes, m, out, error);
 	if (code == ECO_OK) {
 		begin(m, 'E');
-		put(m, &rows->row, 8);
-		code = send_message(m, out, error);
+		eco_write_u64(m, rows->row);
+		code = send_message(m, most, out, error);
 	}
 	free(wanted);
 	return code;
@@ -162,7 +143,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct eco_rows_source *source = ctx;
 	struct eco_rows *rows = NULL;
-	struct message m = { .bytes = NULL, .areas = source->areas };
+	struct eco_writer m = { .bytes = NULL };
 	enum eco_code code;
 
 	setvbuf(out, NULL, _IOFBF, WRITE_BUFFER);
@@ -170,7 +151,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	if (code == ECO_OK)
 		code = send_rows(rows, source, &m, out, error);
 	eco_rows_close(rows);
-	free(m.bytes);
+	eco_writer_free(&m);
 	return code;
 }
 
@@ -180,9 +161,10 @@ struct child {
 	struct eco_rows rows;
 	struct eco_guard *guard;
 	FILE *stream;
-	char *path, *message, where[32];
-	size_t capacity, size, at;
-	bool areas;
+	char *path, where[32];
+	uint8_t *message; size_t capacity;
+	struct eco_reader reader;            /* of the message behind its kind */
+	uint32_t most;                       /* bytes of a message */
 };
 
 static enum eco_code damaged(const struct child *c, struct eco_error *error)
@@ -209,10 +191,10 @@ static enum eco_code receive(struct child *c, char *kind, struct eco_error *erro
 		return damaged(c, error);
 	if (fread(&size, 4, 1, c->stream) != 1)
 		return ended(c, error);
-	if (size < 1 || size > (c->areas ? AREA_MESSAGE_MAX : MESSAGE_MAX))
+	if (size < 1 || size > c->most)
 		return damaged(c, error);
 	if (size > c->capacity) {
-		char *grown = realloc(c->message, 2 * (size_t)size);
+		uint8_t *grown = realloc(c->message, 2 * (size_t)size);
 
 		if (grown == NULL)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
@@ -221,109 +203,94 @@ static enum eco_code receive(struct child *c, char *kind, struct eco_error *erro
 	}
 	if (fread(c->message, 1, size, c->stream) != size)
 		return ended(c, error);
-	c->size = size;
-	c->at = 1;
-	*kind = c->message[0];
+	c->reader = (struct eco_reader){ .bytes = c->message, .size = size };
+	*kind = (char)eco_read_u8(&c->reader);
 	return ECO_OK;
 }
 
-static bool get(struct child *c, void *to, size_t size)
+/* "" where there is none, and then the reader has failed. */
+static const char *get_text(struct eco_reader *r)
 {
-	if (c->size - c->at < size)
-		return false;
-	memcpy(to, c->message + c->at, size);
-	c->at += size;
-	return true;
+	const char *text = (const char *)r->bytes + r->at;
+	const char *end = r->failed ? NULL : memchr(text, 0, r->size - r->at);
+
+	r->failed = end == NULL;
+	if (end == NULL)
+		return "";
+	r->at += (size_t)(end - text) + 1;
+	return text;
 }
 
-static const char *get_text(struct child *c)
+static enum eco_code whole(const struct child *c, struct eco_error *error)
 {
-	const char *text = c->message + c->at, *end = memchr(text, 0, c->size - c->at);
-
-	if (end == NULL)
-		return NULL;
-	c->at += (size_t)(end - text) + 1;
-	return text;
+	return !c->reader.failed && c->reader.at == c->reader.size ? ECO_OK : damaged(c, error);
 }
 
 static enum eco_code get_head(struct child *c, struct eco_error *error)
 {
 	struct eco_rows *rows = &c->rows;
-	uint8_t flags;
-	uint32_t columns;
-	const char *text;
+	struct eco_reader *r = &c->reader;
+	uint8_t flags = eco_read_u8(r);
+	uint32_t columns = eco_read_u32(r);
+	const char *crs;
 
-	if (!get(c, &flags, 1) || !get(c, &columns, 4) || columns > ECO_COLUMNS_MAX || (text = get_text(c)) == NULL)
-		return damaged(c, error);
-	snprintf(c->where, sizeof c->where, "%.31s", text);
+	snprintf(c->where, sizeof c->where, "%.31s", get_text(r));
 	rows->where = c->where;
 	rows->has_geometry = flags & 1;
 	rows->has_z = flags >> 1 & 1;
 	rows->local = flags >> 2 & 1;
 	rows->degrees_doubted = flags >> 3 & 1;
-	text = get_text(c);
-	if (text == NULL || strlen(text) > ECO_ROWS_CRS_BYTES)
+	crs = get_text(r);
+	snprintf(rows->no_crs, sizeof rows->no_crs, "%.111s", get_text(r));
+	if (r->failed || columns > ECO_COLUMNS_MAX || strlen(crs) > ECO_ROWS_CRS_BYTES)
 		return damaged(c, error);
 	rows->columns = calloc(columns + 1u, sizeof *rows->columns);
-	rows->crs = *text != 0 ? strdup(text) : NULL;
-	if (rows->columns == NULL || (*text != 0 && rows->crs == NULL))
+	rows->crs = *crs != 0 ? strdup(crs) : NULL;
+	if (rows->columns == NULL || (*crs != 0 && rows->crs == NULL))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
-	text = get_text(c);
-	if (text == NULL)
-		return damaged(c, error);
-	snprintf(rows->no_crs, sizeof rows->no_crs, "%.111s", text);
-	for (; rows->column_count < columns; rows->column_count++) {
-		text = get_text(c);
-		if (text == NULL)
-			return damaged(c, error);
-		rows->columns[rows->column_count] = strdup(text);
-		if (rows->columns[rows->column_count] == NULL)
+	for (; rows->column_count < columns; rows->column_count++)
+		if ((rows->columns[rows->column_count] = strdup(get_text(r))) == NULL)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
-	}
-	return c->at == c->size ? ECO_OK : damaged(c, error);
+	return whole(c, error);
 }
 
-static bool get_place(struct child *c, struct eco_rows_place *place)
+static bool get_place(struct eco_reader *r, struct eco_rows_place *place)
 {
-	uint8_t kind;
-	const char *what;
+	uint8_t kind = eco_read_u8(r);
 
-	if (!get(c, &kind, 1) || kind >= ECO_PLACE_COUNT || !get(c, place->at, sizeof place->at) || !get(c, &place->yaw_deg, 8)
-		|| !get(c, &place->scale, 8) || (what = get_text(c)) == NULL || !get(c, &place->wkb_bytes, 4) || place->wkb_bytes > c->size - c->at)
-		return false;
-	place->wkb = (const uint8_t *)c->message + c->at;
-	c->at += place->wkb_bytes;
+	for (int k = 0; k < 3; k++)
+		place->at[k] = eco_read_f64(r);
+	place->yaw_deg = eco_read_f64(r);
+	place->scale = eco_read_f64(r);
+	snprintf(place->what, sizeof place->what, "%.15s", get_text(r));
+	place->wkb_bytes = eco_read_u32(r);
+	place->wkb = eco_read_bytes(r, place->wkb_bytes);
 	place->kind = (enum eco_place_kind)kind;
-	snprintf(place->what, sizeof place->what, "%.15s", what);
-	return true;
+	return !r->failed && kind < ECO_PLACE_COUNT;
 }
 
 static enum eco_code get_row(struct child *c, struct eco_error *error)
 {
 	struct eco_rows *rows = &c->rows;
-	uint64_t row, line;
-	uint32_t fields;
+	struct eco_reader *r = &c->reader;
+	uint64_t before = rows->row;
 
-	if (!get(c, &row, 8) || row <= rows->row || !get(c, &line, 8) || !get_place(c, &rows->place) || !get(c, &fields, 4)
-		|| fields > ECO_COLUMNS_MAX)
+	rows->row = eco_read_u64(r);
+	rows->line = eco_read_u64(r);
+	if (!get_place(r, &rows->place) || rows->row <= before)
 		return damaged(c, error);
-	for (uint32_t i = 0; i < fields; i++)
-		if ((rows->fields[i] = get_text(c)) == NULL)
-			return damaged(c, error);
-	rows->field_count = fields;
-	rows->row = row;
-	rows->line = line;
-	return c->at == c->size ? ECO_OK : damaged(c, error);
+	rows->field_count = eco_read_u32(r);
+	if (rows->field_count > ECO_COLUMNS_MAX)
+		return damaged(c, error);
+	for (uint32_t i = 0; i < rows->field_count; i++)
+		rows->fields[i] = get_text(r);
+	return whole(c, error);
 }
 
 static enum eco_code get_note(struct child *c, struct eco_error *error)
 {
-	const char *text = get_text(c);
-
-	if (text == NULL)
-		return damaged(c, error);
-	eco_rows_note(&c->rows, "%s", text);
-	return ECO_OK;
+	eco_rows_note(&c->rows, "%s", get_text(&c->reader));
+	return whole(c, error);
 }
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
@@ -378,7 +345,7 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	c->rows.next = next;
 	c->rows.close = close_child;
-	c->areas = source->areas;
+	c->most = message_most(source->areas);
 	c->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *c->rows.fields);
 	c->path = strdup(source->path);
 	if (c->path == NULL || c->rows.fields == NULL)
