@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/base/room.h"
 
 #define DEPTH_MAX 16
@@ -18,8 +19,7 @@ enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES =
 
 struct reading {
 	struct eco_areas *areas;
-	const uint8_t *bytes;
-	size_t size, at;
+	struct eco_reader wkb;
 	eco_area_convert *convert;
 	void *ctx;
 	bool kept, surfaces;         /* this pass takes surfaces; else lines and points */
@@ -28,40 +28,7 @@ struct reading {
 
 static enum eco_code damaged(const struct reading *r)
 {
-	return eco_fail(r->error, ECO_DAMAGED, "a geometry that does not hold together at byte %zu of %zu", r->at, r->size);
-}
-
-static bool take(struct reading *r, void *to, size_t size)
-{
-	if (size > r->size - r->at)
-		return false;
-	memcpy(to, r->bytes + r->at, size);
-	r->at += size;
-	return true;
-}
-
-static bool take_u32(struct reading *r, bool little, uint32_t *value)
-{
-	uint8_t b[4];
-
-	if (!take(r, b, sizeof b))
-		return false;
-	*value = little ? b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24
-		: b[3] | (uint32_t)b[2] << 8 | (uint32_t)b[1] << 16 | (uint32_t)b[0] << 24;
-	return true;
-}
-
-static bool take_double(struct reading *r, bool little, double *value)
-{
-	uint8_t b[8];
-	uint64_t bits = 0;
-
-	if (!take(r, b, sizeof b))
-		return false;
-	for (int i = 0; i < 8; i++)
-		bits = bits << 8 | b[little ? 7 - i : i];
-	memcpy(value, &bits, sizeof bits);
-	return true;
+	return eco_fail(r->error, ECO_DAMAGED, "a geometry that does not hold together at byte %zu of %zu", r->wkb.at, r->wkb.size);
 }
 
 static enum eco_code add_edge(struct reading *r, const double a[2], const double b[2])
@@ -76,18 +43,17 @@ static enum eco_code add_edge(struct reading *r, const double a[2], const double
 }
 
 /* Reads `count` corners; keeps the edges between them in the pass that wants them. */
-static enum eco_code take_path(struct reading *r, bool little, uint32_t count, bool ring)
+static enum eco_code take_path(struct reading *r, uint32_t count, bool ring)
 {
 	double first[2] = { 0, 0 }, last[2] = { 0, 0 };
 	enum eco_code code = ECO_OK;
 
-	if (count > (r->size - r->at) / 16)
+	if (r->wkb.failed || count > (r->wkb.size - r->wkb.at) / 16)
 		return damaged(r);
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
-		double at[2];
+		double at[2] = { eco_read_f64(&r->wkb), 0 };
 
-		if (!take_double(r, little, &at[0]) || !take_double(r, little, &at[1]))
-			return damaged(r);
+		at[1] = eco_read_f64(&r->wkb);
 		if (ring != r->surfaces)
 			continue;
 		r->kept = r->kept && isfinite(at[0]) && isfinite(at[1]) && r->convert(r->ctx, at, r->error) && isfinite(at[0]) && isfinite(at[1]);
@@ -106,30 +72,18 @@ static enum eco_code take_path(struct reading *r, bool little, uint32_t count, b
 
 static enum eco_code take_geometry(struct reading *r, int depth)
 {
-	uint8_t order;
-	uint32_t kind, count = 1;
-	bool little;
+	uint8_t little = eco_read_u8(&r->wkb);
+	uint32_t kind = eco_read_u32(&r->wkb), count = kind == WKB_POINT ? 1 : eco_read_u32(&r->wkb);
 	enum eco_code code = ECO_OK;
 
-	if (depth > DEPTH_MAX || !take(r, &order, 1) || order > 1 || !take_u32(r, order == 1, &kind) || kind < WKB_POINT || kind > WKB_COLLECTION)
-		return damaged(r);
-	little = order == 1;
-	if (kind != WKB_POINT && !take_u32(r, little, &count))
+	if (depth > DEPTH_MAX || r->wkb.failed || little != 1 || kind < WKB_POINT || kind > WKB_COLLECTION)
 		return damaged(r);
 	if (kind == WKB_POINT || kind == WKB_LINE)
-		return take_path(r, little, count, false);
-	if (count > r->size - r->at)
+		return take_path(r, count, false);
+	if (count > r->wkb.size - r->wkb.at)
 		return damaged(r);
-	for (uint32_t i = 0; i < count && code == ECO_OK && r->kept; i++) {
-		uint32_t corners;
-
-		if (kind != WKB_POLYGON)
-			code = take_geometry(r, depth + 1);
-		else if (!take_u32(r, little, &corners))
-			code = damaged(r);
-		else
-			code = take_path(r, little, corners, true);
-	}
+	for (uint32_t i = 0; i < count && code == ECO_OK && r->kept; i++)
+		code = kind == WKB_POLYGON ? take_path(r, eco_read_u32(&r->wkb), true) : take_geometry(r, depth + 1);
 	return code;
 }
 
@@ -152,13 +106,13 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	bool *kept, struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	struct reading r = { .areas = areas, .bytes = wkb, .size = size, .convert = convert, .ctx = ctx, .kept = true,
+	struct reading r = { .areas = areas, .wkb = { .bytes = wkb, .size = size }, .convert = convert, .ctx = ctx, .kept = true,
 		.error = error != NULL ? error : &own };
 	struct eco_area area = { .edge_first = areas->edge_count };
 	enum eco_code code = ECO_OK;
 
 	for (int pass = 0; pass < 2 && code == ECO_OK && r.kept; pass++) {
-		r.at = 0;
+		r.wkb.at = 0;
 		r.surfaces = pass == 0;
 		code = take_geometry(&r, 0);
 		if (pass == 0)

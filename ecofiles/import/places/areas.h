@@ -36,8 +36,8 @@ struct eco_areas {                       /* owns its arrays; zero-initialised is
 /* False: a corner cannot be converted; then the feature is left out and *kept is false. */
 typedef bool eco_area_convert(void *ctx, double xy[2], struct eco_error *error);
 
-/* Adds one feature, given as well-known binary of two dimensions: a point, a line, a polygon, several of
- * these or a collection. ECO_DAMAGED: malformed. */
+/* Adds one feature, given as little-endian well-known binary of two dimensions: a point, a line, a polygon,
+ * several of these or a collection. ECO_DAMAGED: malformed. */
 enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size, eco_area_convert *convert, void *ctx,
 	bool *kept, struct eco_error *error);
 
