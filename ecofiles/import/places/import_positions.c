@@ -128,6 +128,12 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 
 enum verdict { GOOD, SKIPPED, FAILED };
 
+static enum verdict skip(struct eco_positions *p, enum eco_skip why, const char *text)
+{
+	count(p, why, text);
+	return SKIPPED;
+}
+
 /* The row being read, for errors: FILE:LINE, or FILE, feature NUMBER in a file without meaningful lines. */
 static const char *row_name(const struct eco_positions *p, char *text, size_t size)
 {
@@ -168,14 +174,11 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 	if (eco_text_number(text, decimal_of(p), number))
 		return GOOD;
 	shown(text, buffer, sizeof buffer);
-	if (eco_text_is_missing(text)) {
-		count(p, ECO_SKIP_NO_COORDINATES, buffer);
-		return SKIPPED;
-	}
+	if (eco_text_is_missing(text))
+		return skip(p, ECO_SKIP_NO_COORDINATES, buffer);
 	if (p->good_places == 0 && refuse_notation(p, buffer, error) == FAILED)
 		return FAILED;
-	count(p, ECO_SKIP_BAD_NUMBER, buffer);
-	return SKIPPED;
+	return skip(p, ECO_SKIP_BAD_NUMBER, buffer);
 }
 
 static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
@@ -199,10 +202,8 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 	if (place->kind != ECO_PLACE_POINT)
 		return SKIPPED;
 	memcpy(xyz, place->at, sizeof place->at);
-	if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2]))) {
-		count(p, ECO_SKIP_BAD_NUMBER, "not finite");
-		return SKIPPED;
-	}
+	if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2])))
+		return skip(p, ECO_SKIP_BAD_NUMBER, "not finite");
 	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2], error) : GOOD;
 }
 
@@ -246,22 +247,16 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 
 	if (p->good_places == 0 && refuse_degrees(p, xyz, error) == FAILED)
 		return FAILED;
-	if (p->frame.crs != NULL && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local) {
-		count(p, ECO_SKIP_NO_COORDINATES, "0, 0");
-		return SKIPPED;
-	}
+	if (p->frame.crs != NULL && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local)
+		return skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
 	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
 		return FAILED;
 	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
-	if (!converted) {
-		count(p, ECO_SKIP_NO_CONVERSION, text);
-		return SKIPPED;
-	}
+	if (!converted)
+		return skip(p, ECO_SKIP_NO_CONVERSION, text);
 	for (int k = 0; k < 3; k++)
-		if (!(fabs(xyz[k]) <= DISTANCE_MAX_M)) {
-			count(p, ECO_SKIP_OUTSIDE, text);
-			return SKIPPED;
-		}
+		if (!(fabs(xyz[k]) <= DISTANCE_MAX_M))
+			return skip(p, ECO_SKIP_OUTSIDE, text);
 	p->nearest_m = fmin(p->nearest_m, hypot(xyz[0], xyz[1]));
 	if (p->good_places == 0)
 		memcpy(p->first, was, sizeof was);
@@ -433,10 +428,8 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 {
 	enum verdict verdict;
 
-	if (p->rows->field_count < p->fields_needed) {
-		count(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
-		return SKIPPED;
-	}
+	if (p->rows->field_count < p->fields_needed)
+		return skip(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
 	if (!passes_filters(p) || !read_plant(p, record))
 		return SKIPPED;
 	verdict = read_place(p, record, error);

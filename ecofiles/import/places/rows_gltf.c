@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/room.h"
 #include "ecofiles/import/model/gltf.h"
 
 enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, HEIGHT, FIXED };
@@ -37,7 +38,7 @@ struct gltf_rows {
 	struct eco_rows rows;
 	struct eco_gltf *doc;
 	struct holder *holders;
-	uint32_t holder_count, room;
+	uint32_t holder_count, holder_capacity;
 	bool instanced;              /* a node holds instances: nodes without make no rows */
 	uint32_t at;                 /* holder */
 	uint64_t instance;
@@ -61,15 +62,8 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 
 	if (g->instanced ? !holds_instances(g->doc, node) : json_object_get(eco_gltf_item(g->doc, "nodes", node), "mesh") == NULL)
 		return ECO_OK;
-	if (g->holder_count == g->room) {
-		uint32_t room = g->room < 64 ? 64 : g->room * 2;
-		struct holder *grown = realloc(g->holders, room * sizeof *grown);
-
-		if (grown == NULL)
-			return ECO_NO_MEMORY;
-		g->holders = grown;
-		g->room = room;
-	}
+	if (!eco_room(&g->holders, &g->holder_capacity, g->holder_count, sizeof *g->holders))
+		return ECO_NO_MEMORY;
 	g->holders[g->holder_count].node = node;
 	memcpy(g->holders[g->holder_count++].world, world, 16 * sizeof *world);
 	return ECO_OK;
