@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "ecofiles/import/model/import_model.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #define DEPTH_MAX 64u
@@ -25,27 +25,13 @@ struct walk {
 
 static enum eco_code read_text(const char *path, char **text, size_t *size, struct eco_error *error)
 {
-	FILE *file = fopen(path, "rb");
-	struct stat status;
-	enum eco_code code = ECO_OK;
+	struct eco_error own = { .code = ECO_OK };
+	uint8_t *bytes = NULL;
+	enum eco_code code = eco_file_read(path, ECO_SOURCE_BYTES_MAX, &bytes, size, &own);
 
-	*text = NULL;
-	if (file == NULL)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
-	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode)) {
-		code = eco_fail(error, ECO_IO, "%s: not a regular file", path);
-	} else if (status.st_size > (off_t)ECO_SOURCE_BYTES_MAX) {
-		code = eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible; keep many plants in a CSV file (\"from\")", path,
-			(long long)status.st_size, ECO_SOURCE_BYTES_MAX);
-	} else if ((*text = malloc((size_t)status.st_size + 1)) == NULL) {
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
-	} else {
-		*size = fread(*text, 1, (size_t)status.st_size, file);
-		if (ferror(file))
-			code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
-	}
-	fclose(file);
-	return code;
+	*text = (char *)bytes;
+	return code == ECO_OK ? code : eco_fail(error, code, "%s%s", own.text,
+		code == ECO_TOO_LARGE ? "; keep many plants in a CSV file (\"from\")" : "");
 }
 
 /* Reads the naming file once more to give the error the place of child number `child`. */

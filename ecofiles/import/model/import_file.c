@@ -126,6 +126,11 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its %llu bytes", path, (unsigned long long)length);
 	else
 		(*bytes)[*size = fread(*bytes, 1, (size_t)length, file)] = 0;
+	if (code == ECO_OK && ferror(file)) {
+		code = eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+		free(*bytes);
+		*bytes = NULL;
+	}
 	fclose(file);
 	return code;
 }

@@ -450,27 +450,23 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 /* The next usable row, with the first variant as its plant. */
 static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
-	while (!p->ended) {
+	enum verdict verdict = SKIPPED;
+
+	while (verdict == SKIPPED) {
 		bool more = false;
-		enum eco_code code = p->rows->next(p->rows, &more, error);
-		enum verdict verdict;
+		enum eco_code code = p->ended ? ECO_OK : p->rows->next(p->rows, &more, error);
 
 		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
-		if (code != ECO_OK)
+		if (code != ECO_OK || p->ended)
 			return code;
-		if (!more) {
+		if (more) {
+			verdict = read_row(p, record, error);
+		} else {
 			p->ended = true;
 			note_far(p);
-			break;
 		}
-		verdict = read_row(p, record, error);
-		if (verdict == FAILED)
-			return error != NULL ? error->code : ECO_BAD_INPUT;
-		if (verdict == GOOD)
-			return ECO_OK;
 	}
-	*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
-	return ECO_OK;
+	return verdict == GOOD ? ECO_OK : error != NULL ? error->code : ECO_BAD_INPUT;
 }
 
 static enum eco_code start_places(struct eco_positions *p, struct eco_error *error)
