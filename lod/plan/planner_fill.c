@@ -1,5 +1,6 @@
-/* What remains of a budget once d' is solved: see lod/plan/planner_state.h. Greedy by wrong pixels saved per vertex, first on whole slots, then on
- * shares of them, so that the last vertices go to as many plants as they suffice for. */
+/* The rest of a budget once d' is found: see lod/plan/planner_state.h. Greedy by wrong pixels saved per
+ * vertex, first on whole slots, then on shares of them, so that the last vertices go to as many plants as
+ * possible. */
 #include "lod/plan/planner_state.h"
 
 #include <stdlib.h>
@@ -31,7 +32,7 @@ static uint64_t entry_next(const struct lod_planner *p, const struct lod_entry *
 	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planner_way(p, entry->ladder), vertices);
 }
 
-/* Next hull point worth considering: about an eighth more, so that a fill takes few steps, and at least the next one possible. */
+/* The next number of vertices to try: about an eighth more, so that a fill takes few steps. */
 static uint64_t entry_target(const struct lod_planner *p, const struct lod_entry *entry)
 {
 	uint64_t next = entry_next(p, entry, entry->vertices);
@@ -49,7 +50,7 @@ static double entry_gain(const struct lod_planner *p, const struct lod_entry *en
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
 
-/* Hashes of all plants in one slot. */
+/* Plants of one slot by hash. */
 struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
 
 static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
@@ -61,7 +62,7 @@ static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint3
 			h->count[hash]++;
 }
 
-/* Gives the next hull point to as many plants of the slot as the budget allows: those with the smallest hashes. */
+/* Gives the next number of vertices to as many plants of the slot as fit: those with the smallest hashes. */
 static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint64_t left, struct hashes *hashes)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
@@ -84,7 +85,6 @@ static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint6
 	return plants * (next - entry->vertices);
 }
 
-/* Spends what is left by gain per vertex: first on whole slots, then on shares of them. */
 enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 {
 	uint64_t left = p->input->request->vertices - p->vertices;
