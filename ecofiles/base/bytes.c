@@ -77,7 +77,8 @@ uint64_t eco_read_varint(struct eco_reader *r)
 
 		if (p == NULL)
 			return 0;
-		/* The tenth byte holds one bit; a zero last byte would be a second spelling of the same number. */
+		/* The tenth byte holds one bit; a zero last byte would be a second spelling of the same
+		 * number. */
 		if ((shift == 63 && *p > 1) || (shift > 0 && *p == 0))
 			break;
 		v |= (uint64_t)(*p & 0x7f) << shift;

@@ -5,7 +5,7 @@
  *
  *   json_t *root = eco_json_open(&file);                                  file: name, text, size, error
  *   struct eco_json top = eco_json_root(&file, root);
- *   if (!eco_json_object(&top, fields) || !eco_json_number(&top, "fps", 0.001, 1000, &fps)) fail: file.error is set
+ *   if (!eco_json_object(&top, fields) || !eco_json_number(&top, "fps", 0.001, 1000, &fps)) fail: file.error
  *   json_decref(root);
  *
  * Functions that return bool return false after an error; an absent optional field leaves *out alone and

@@ -141,7 +141,8 @@ struct eco_proj_module {                 /* eco_proj_module */
 	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area of use, it is that; else as
 	 * the form of the srsName says. What is odd is written into note ("" if nothing). */
 	void (*citygml_settle)(struct eco_citygml_crs *crs, char *note, size_t size);
-	/* From a track's coordinates to the frame's: *path is NULL where they stay. convert is false where PROJ knows no way. */
+	/* From a track's coordinates to the frame's: *path is NULL where they stay. convert is false where
+	 * PROJ knows no way. */
 	enum eco_code (*track_open)(struct eco_track_path **path, const struct eco_track *track, const struct eco_track_frame *frame,
 		struct eco_error *error);
 	bool (*track_convert)(struct eco_track_path *path, const double from[2], double to[2]);

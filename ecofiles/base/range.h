@@ -3,7 +3,7 @@
  *
  *   struct eco_bit models[N]; eco_bits_start(models, N);
  *   eco_range_write(&range, &writer);                     or eco_range_read(&range, bytes, size)
- *   value = eco_range_tree(&range, models, 3, value);     writing: takes and returns value; reading: returns what was written
+ *   value = eco_range_tree(&range, models, 3, value);     writing: returns value; reading: what was written
  *   zeros = eco_range_end(&range);
  *
  * It needs no tables: a model starts even and learns by counting (Krichevsky and Trofimov 1981). So even

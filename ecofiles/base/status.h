@@ -30,8 +30,8 @@ struct eco_error {
 	char text[512];
 };
 
-/* Records `code` and the formatted text in `error` unless it already holds a failure; returns `code` always, so that
- * `return eco_fail(error, ECO_BAD_INPUT, "...")` reads well. `error` may be NULL. */
+/* Records `code` and the formatted text in `error` unless it already holds a failure; returns `code`
+ * always, so that `return eco_fail(error, ECO_BAD_INPUT, "...")` reads well. `error` may be NULL. */
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 

@@ -2,8 +2,8 @@
  * only unused. For `ecopack make`, whose plants take up to minutes.
  *
  *   main_cache_open(&cache, folder, limit);
- *   if (!main_cache_get(&cache, &key, &bytes, &size)) { ...work...; main_cache_put(&cache, &key, bytes, size); }
- *   main_cache_close(&cache);                         removes the entries used least recently beyond the limit
+ *   if (!main_cache_get(&cache, &key, &bytes, &size)) { ...; main_cache_put(&cache, &key, bytes, size); }
+ *   main_cache_close(&cache);                       removes the entries used least recently beyond the limit
  *
  * A cache never makes anything fail: a read or write that fails is said once and done without. Any number
  * of processes share a folder: an entry is written to a temporary file and renamed, and an open entry can
@@ -11,7 +11,7 @@
  * anew.
  *
  *   KEY.plant, KEY in 32 hex digits:
- *       0  8 "ECOCACHE"   8  16 key   24  u64 size of the bytes after the header   32  u64 their XXH3-64   40  bytes
+ *       0  8 "ECOCACHE"   8  16 key   24  u64 size of the bytes   32  u64 their XXH3-64   40  bytes
  *
  * The time of an entry's last use is the file's modification time. All functions but open and close may be
  * called by any thread. */

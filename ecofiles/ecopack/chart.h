@@ -62,11 +62,13 @@ struct eco_chart_style {
 /* y is the base line. */
 void eco_chart_text(struct eco_chart *chart, double x, double y, const struct eco_chart_style *style, const char *text);
 double eco_chart_text_width(struct eco_chart *chart, const struct eco_chart_style *style, const char *text);
-/* A long text in lines of style->room pixels, `leading` apart, broken at spaces; returns the base line after the last. */
+/* A long text in lines of style->room pixels, `leading` apart, broken at spaces; returns the base line
+ * after the last. */
 double eco_chart_paragraph(struct eco_chart *chart, double x, double y, double leading, const struct eco_chart_style *style,
 	const char *text);
 
-/* Round numbers (1, 2 or 5 times a power of ten) from low to high, at most `most` of them (most >= 2): first, step, count. */
+/* Round numbers (1, 2 or 5 times a power of ten) from low to high, at most `most` of them (most >= 2):
+ * first, step, count. */
 struct eco_chart_ticks { double first, step; uint32_t count; };
 struct eco_chart_ticks eco_chart_ticks(double low, double high, uint32_t most);
 /* The greatest round number not above `value` (> 0). */

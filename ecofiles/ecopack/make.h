@@ -5,7 +5,7 @@
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                   make_cache.c
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
- *   tiles       lod_tiles_build; instance lists, tables, point summaries                     make_tiles.c, make_summaries.c
+ *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
  *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */

@@ -1,5 +1,5 @@
-/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of ids; then summaries
- * (make_summaries.c). */
+/* Tiles become tables and lists: instance lists in depth-first order, so that a run of them is a range of
+ * ids; then summaries (make_summaries.c). */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>

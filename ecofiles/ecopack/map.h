@@ -1,9 +1,9 @@
 /* Inside `ecopack map`: everything seen from above, without building a model.
  *
- *   map_gather(&map)        scene files, ground, inventories: kinds, points, rows left out by reason      map_places.c
- *   map_frame(&map)         the part of the world in the picture                                          map_draw.c
- *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                                           map_ground.c
- *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density                 map_draw.c
+ *   map_gather(&map)        scene files, ground, inventories: kinds, points, rows left out  map_places.c
+ *   map_frame(&map)         the part of the world in the picture                            map_draw.c
+ *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                             map_ground.c
+ *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density   map_draw.c
  *
  * The map's surroundings (legend, grid, arrow, bar) and the command are in map.c. */
 #ifndef ECO_MAIN_MAP_H

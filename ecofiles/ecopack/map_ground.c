@@ -87,7 +87,8 @@ static bool add_line(struct lines *lines, const double ends[4])
 	return true;
 }
 
-/* The points where a level crosses one triangle's sides: two points or none. A corner at the level counts as above. */
+/* The points where a level crosses one triangle's sides: two points or none. A corner at the level counts
+ * as above. */
 static bool cross_triangle(const double x[3], const double y[3], const double z[3], double level, double ends[4])
 {
 	int found = 0;

@@ -1,7 +1,7 @@
 /* Inside `ecopack sheet`: one plant of a pack, alone, as the planner draws it with a given budget.
  *
- *   sheet_plant_open(&plant, pack, number, pixels, &error);      decodes its lists and textures, sets the view
- *   sheet_plant_draw(&plant, vertices, &picture, &error);        planned, drawn with light and textures, scored
+ *   sheet_plant_open(&plant, pack, number, pixels, &error);    decodes lists and textures, sets the view
+ *   sheet_plant_draw(&plant, vertices, &picture, &error);      planned, drawn with light and textures, scored
  *   sheet_plant_close(&plant);
  *
  * The plant is put into a scene of one tile with one instance, which goes through lod_plan as any scene:

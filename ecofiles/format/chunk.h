@@ -12,16 +12,18 @@
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
  *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
- *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream of
- *             corners = 1 comes before it: one row a triangle in the order that the mesh decodes to; columns: uv of
- *             each corner (2 values, less the last uv of the corner's vertex, or else the last uv of all), then the
- *             extra values (1 each, difference to the row before); flags and predictors 0.
- *   SHAPES    no stream records (s = 0). The rest, followed by as many zeros as byte 3 says, is one range-coded
- *             stream of all elements in the stored order of ELEMENTS, read by eco_shapes_code_head and
- *             eco_shapes_code_leaf (chunk_shapes.c). It begins with a table of shapes. A placed element has its
- *             shape's number, its turn, its lengths, the step to its first corner along the curve, and its extra
- *             values. Any other element has its corners, each one either a corner that was there before or the
- *             miss of a prediction, and texture coordinates. shape.h and chunk_corners.h define the values.
+ *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream
+ *             of corners = 1 comes before it: one row a triangle in the order that the mesh decodes to;
+ *             columns: uv of each corner (2 values, less the last uv of the corner's vertex, or else the last
+ *             uv of all), then the extra values (1 each, difference to the row before); flags and predictors
+ *             0.
+ *   SHAPES    no stream records (s = 0). The rest, followed by as many zeros as byte 3 says, is one
+ *             range-coded stream of all elements in the stored order of ELEMENTS, read by
+ *             eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c). It begins with a table of
+ *             shapes. A placed element has its shape's number, its turn, its lengths, the step to its first
+ *             corner along the curve, and its extra values. Any other element has its corners, each one
+ *             either a corner that was there before or the miss of a prediction, and texture coordinates.
+ *             shape.h and chunk_corners.h define the values.
  * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
  * has coder ELEMENTS (one stream of corners = 3, drawn in stored order) where edgebreaker would lose or
  * alter a triangle, or is larger.
@@ -63,13 +65,14 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const struct eco_list *list,
 	const struct eco_elements *forms, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
 
-/* Decodes one payload. `chunk` gives the expected counts and size; `ordinal` the permutation. Fails with ECO_DAMAGED and leaves
- * *elements empty. Positions, uv and extra values of decoded elements are within +-(2^28 - 1). Memory used is at most about 200
- * bytes a declared corner, and 10 MB for tables. */
+/* Decodes one payload. `chunk` gives the expected counts and size; `ordinal` the permutation. Fails with
+ * ECO_DAMAGED and leaves *elements empty. Positions, uv and extra values of decoded elements are within
+ * +-(2^28 - 1). Memory used is at most about 200 bytes a declared corner, and 10 MB for tables. */
 enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
 	const uint8_t *bytes, size_t size_bytes, struct eco_elements *elements, struct eco_error *error);
 
-/* Fills order[0..count) with the seeded permutation of a chunk: draw position i shows stored element order[i]. */
+/* Fills order[0..count) with the seeded permutation of a chunk: draw position i shows stored element
+ * order[i]. */
 void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order);
 
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes);

@@ -26,7 +26,8 @@ struct stored {
 	size_t corner_at;            /* index of its first corner among all corners */
 };
 
-/* Compares along a Morton curve without interleaving bits: the axis whose highest differing bit is highest decides (Chan 2002). */
+/* Compares along a Morton curve without interleaving bits: the axis whose highest differing bit is highest
+ * decides (Chan 2002). */
 static int compare_stored(const void *left, const void *right)
 {
 	const struct stored *a = left, *b = right;

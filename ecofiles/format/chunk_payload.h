@@ -50,7 +50,8 @@ enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struc
 enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored,
 	struct eco_error *error);
 
-/* MESH, in chunk_mesh.c. Encoding sets *fits to false, with ECO_OK, where edgebreaker does not give back every triangle. */
+/* MESH, in chunk_mesh.c. Encoding sets *fits to false, with ECO_OK, where edgebreaker does not give back
+ * every triangle. */
 enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
 	struct eco_payload *payload, bool *fits, struct eco_error *error);
 /* Fills position and, if the list has them, uv and extra of `elements`, whose arrays are allocated. */

@@ -8,9 +8,10 @@
  *
  * Columns of a row with m corners:
  *   position 0 (3 values; split: 1, 1, 1)
- *   position k = 1..m-1 (3)            corner k relative to corner 0, less a linear prediction from the corners
- *                                      before it; the prediction is stored per stream and corner
- *   uv 0, uv k - uv k-1 (2 each)       where the list has UV; without the low `uv_shift` bits, which are all zero
+ *   position k = 1..m-1 (3)            corner k relative to corner 0, less a linear prediction from the
+ *                                      corners before it; the prediction is stored per stream and corner
+ *   uv 0, uv k - uv k-1 (2 each)       where the list has UV; without the low `uv_shift` bits, which are all
+ *                                      zero
  *   extra (1 each)
  *
  * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
@@ -62,8 +63,8 @@ struct eco_rows_element { int32_t *position, *uv, *extra; };
 /* Largest magnitude of a position, uv or extra value in a chunk. */
 #define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
 
-/* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners, ECO_ROWS_EXTRA_MAX extra values; split
- * rows have one corner. ECO_NO_MEMORY leaves nothing to free. */
+/* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners,
+ * ECO_ROWS_EXTRA_MAX extra values; split rows have one corner. ECO_NO_MEMORY leaves nothing to free. */
 enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
 void eco_rows_free(struct eco_chunk_rows *rows);
 

@@ -3,7 +3,8 @@
  *
  *   codec.shapes, head, extra_count, uv, seen, keys, slots  encoder: set; decoder: extra_count, uv, seen
  *   eco_shapes_start(&codec, elements); eco_range_write(&codec.range, &writer) or eco_range_read(...)
- *   eco_shapes_code_head(&codec);                           decoder: fills shapes, head; codec.failed: impossible
+ *   eco_shapes_code_head(&codec);                           decoder: fills shapes, head; codec.failed:
+ *                                                           impossible
  *   eco_corners_plan(&codec, &leaf);                        encoder: for an element that is not placed
  *   eco_shapes_code_leaf(&codec, &leaf); ...                each element, in stored order
  *   eco_range_end(&codec.range); */

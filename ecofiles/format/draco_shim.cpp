@@ -363,7 +363,7 @@ int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int
 
 bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
 {
-	// magic, bitstream version 2.3, a point cloud, method, no flags, then the count and one attribute decoder
+	// magic, bitstream version 2.3, a point cloud, method, no flags, the count, one attribute decoder
 	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0, static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
 		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
 		static_cast<uint8_t>(rows >> 24), 1 };
@@ -373,8 +373,7 @@ bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_orde
 
 bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 {
-	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; then the traversal: standard (0) or valence
-	// (2)
+	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; the traversal: 0 standard, 2 valence
 	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
 	size_t at = sizeof head + 1;
 	uint32_t vertices, count, symbols, splits;

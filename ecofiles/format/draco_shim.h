@@ -47,13 +47,13 @@ enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint3
 enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
 	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error);
 
-/* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other; `index` 3 per face. Draco
- * reorders faces and vertices and may drop faces: decode to see what was kept. */
+/* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other;
+ * `index` 3 per face. Draco reorders faces and vertices and may drop faces: decode to see what was kept. */
 enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index, uint32_t faces,
 	uint8_t **bytes, size_t *size, struct eco_error *error);
 
-/* Decodes exactly `faces` faces: position 9 per face, `vertex` 3 per face (in [0, 3 * faces)); the same vertex number means the same
- * position. ECO_DAMAGED otherwise. */
+/* Decodes exactly `faces` faces: position 9 per face, `vertex` 3 per face (in [0, 3 * faces)); the same
+ * vertex number means the same position. ECO_DAMAGED otherwise. */
 enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
 	struct eco_error *error);
 

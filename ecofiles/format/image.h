@@ -15,16 +15,19 @@
 #define ECO_PIXELS_MAX (1u << 26)        /* of a picture read or written */
 #define ECO_IMAGE_FILE_MAX (1u << 28)    /* bytes of a picture file */
 
-/* Reads any picture OpenImageIO knows (PNG, JPEG, WebP, TIFF, TGA, ...) as 8-bit RGBA with straight alpha, 255 where the file has
- * none; gray becomes RGB, 16 bits and floats are rounded. The format is taken from the content, else from the name. *image
- * receives a malloc'ed array; on failure it is empty. Errors name the file. */
+/* Reads any picture OpenImageIO knows (PNG, JPEG, WebP, TIFF, TGA, ...) as 8-bit RGBA with straight alpha,
+ * 255 where the file has none; gray becomes RGB, 16 bits and floats are rounded. The format is taken from
+ * the content, else from the name. *image receives a malloc'ed array; on failure it is empty. Errors name
+ * the file. */
 enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error);
-/* The same from memory; `name` is for messages and, by its extension, for formats that cannot be told from their content. */
+/* The same from memory; `name` is for messages and, by its extension, for formats that cannot be told from
+ * their content. */
 enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
 	struct eco_error *error);
 void eco_image_free(struct eco_image *image);
 
-/* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA, straight alpha). */
+/* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA,
+ * straight alpha). */
 struct eco_pixels {
 	uint32_t width, height, channels;
 	const uint8_t *bytes;

@@ -54,7 +54,7 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 		return fail(text, size, "out of memory");
 	if (!input.read_image(0, 0, 0, channels, TypeDesc::UINT8, row.data()))
 		return fail(text, size, last_error(&input));
-	// Some readers (WebP) multiply colours by alpha whatever was asked; they also leave out the attribute.
+	// Some readers (WebP) multiply colours by alpha whatever was asked, and omit the attribute.
 	const bool straight = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
 	const bool has_alpha = channels == 2 || (channels == 4 && (spec.alpha_channel == 3 || spec.alpha_channel < 0));
 	for (size_t i = 0; i < pixels; i++) {

@@ -2,9 +2,10 @@
  * drawn as a range.
  *
  *   list      elements in priority order, on one integer grid, cut into chunks
- *   element   kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or 3 to 6
- *             (a leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
- *   primitive the unit of ranges: a point, a line, a triangle, an instance, a ground sample; n-2 in a fan of n corners
+ *   element   kept, dropped or scaled as one: 1 corner (a point, an instance, a ground sample), 2 (a line) or
+ *             3 to 6 (a leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
+ *   primitive the unit of ranges: a point, a line, a triangle, an instance, a ground sample; a fan of n
+ *             corners has n-2
  *   vertices  the unit of budgets: point 1, line 2, triangle 3 (for each primitive drawn; instances multiply)
  *
  * Ranges [first, end) are in primitives of the list's draw order (after decoding and permuting). */
@@ -28,17 +29,20 @@ enum eco_list_kind {
 
 /* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
  * attributes.
- *   ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; then the seeded permutation
- *             eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw order.
- *   FORM      another form of the elements of list `partner`: one element for each, all with the same number of corners
- *             (1: a point, 2: a line, 3, or 4: a quad), never with more vertices. Chunks match by ordinal and have the
- *             partner's stored order and permutation: element i is element i of the partner, drawn in another way.
- *   KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as ELEMENTS.
+ *   ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; then the seeded
+ *             permutation eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw
+ *             order.
+ *   FORM      another form of the elements of list `partner`: one element for each, all with the same number
+ *             of corners (1: a point, 2: a line, 3, or 4: a quad), never with more vertices. Chunks match by
+ *             ordinal and have the partner's stored order and permutation: element i is element i of the
+ *             partner, drawn in another way.
+ *   KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as
+ *             ELEMENTS.
  *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
  *   BYTES     the payload is a file (PNG).
- *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one shape are
- *             stored as placings of it (shape.h). */
+ *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one
+ *             shape are stored as placings of it (shape.h). */
 enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES, ECO_CODER_SHAPES };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
@@ -55,14 +59,15 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: samples are 2^level apart; points: how level their leaves lie (eco_level_share);
-	                              * else 0 */
+	uint8_t level;               /* ground: samples are 2^level apart; points: how level their leaves lie
+	                              * (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
 	double grid_step[3];         /* metres; position = origin + integer * step */
-	float unit_area;             /* points and summaries: projected area (m^2, random orientation: area / 2) of one point when all
-	                              * are drawn: a splat is a screen-facing square of area unit_area * scale */
+	float unit_area;             /* points and summaries: projected area (m^2, random
+	                              * orientation: area / 2) of one point when all are drawn: a splat is a
+	                              * screen-facing square of area unit_area * scale */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
@@ -90,9 +95,10 @@ struct eco_elements {
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */
 	int32_t *extra;              /* extra_count per element, or NULL */
-	int32_t *exact;              /* fans: 3 per corner, the corners before rounding, on a grid 2^ECO_EXACT_SHIFT times finer; or
-	                              * NULL. For encoders: decoding gives such elements on the finer grid, where position says or as
-	                              * near to `exact` as rounding to position could be. Decoders leave it NULL */
+	int32_t *exact;              /* fans: 3 per corner, the corners before rounding, on a grid
+	                              * 2^ECO_EXACT_SHIFT times finer; or NULL. For encoders: decoding gives
+	                              * such elements on the finer grid, where position says or as near to
+	                              * `exact` as rounding to position could be. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);

@@ -3,9 +3,9 @@
  *   eco_pack_create(&w, path, &error);              writes path.tmp-PID beside the target
  *   eco_pack_add_list(w, &list, &elements, ...);    encodes chunks as it goes; returns the list's id
  *   scene.plants = ...;                             fill the other tables of a struct eco_scene
- *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync of the folder: all or nothing
+ *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync: all or nothing
  *
- *   eco_pack_open(&pack, path, &error);             maps, checks header and section hashes, bounds every index
+ *   eco_pack_open(&pack, path, &error);             maps, checks hashes, bounds every index
  *   ... any number of threads read pack->scene ...  immutable, so without locks
  *   eco_pack_close(pack);
  *
@@ -15,14 +15,15 @@
  *   8    u32 version = 7      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
- *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for CHUNK_DATA,
- *          whose chunks carry their own hashes), u32 record size, u32 0
+ *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
+ *          CHUNK_DATA, whose chunks carry their own hashes), u32 record size, u32 0
  *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
  *
  *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
- *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds: the root tile's)
- *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS  12 PALETTE
- *        13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
+ *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds: the
+ *                      root tile's)
+ *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS
+ *        12 PALETTE  13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
  *
  * Each section starts at the first multiple of 64 after the one before; the file ends with the last
  * section. META and CHUNK_DATA have no records (count and size of a record 0); PALETTE has 3 bytes a
@@ -63,12 +64,13 @@ enum eco_ladder_flag {
 };
 
 /* A sequence of sets of cuts over the lists of one organ at one anchor, in ascending vertices:
- *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one an
- *           element), simple (one triangle an element) and triangles; all but the triangles may be absent. Finer forms
- *           replace coarser ones from the front: elements [0,f) of the finer form with elements [f,e) of the coarser
- *           one, until f = e. The curve says which e belongs to a share of vertices (`reach`).
+ *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one
+ *           an element), simple (one triangle an element) and triangles; all but the triangles may be absent.
+ *           Finer forms replace coarser ones from the front: elements [0,f) of the finer form with elements
+ *           [f,e) of the coarser one, until f = e. The curve says which e belongs to a share of vertices
+ *           (`reach`).
  *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
- *   plain:  the first p/3 triangles, scaled                                         (triangles only, no levels)
+ *   plain:  the first p/3 triangles, scaled                                   (triangles only, no levels)
  * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
  * only. */
 struct eco_ladder {
@@ -78,8 +80,9 @@ struct eco_ladder {
 	uint8_t reserved;
 	uint32_t points, lines, simple, triangles;
 	uint32_t level_end[ECO_LEVELS_MAX];
-	uint32_t total, before;      /* points (or lines) in this anchor's region: all, and those that the whole-plant ladder of the
-	                              * same organ and texture already holds (0 in that ladder and in wood) */
+	uint32_t total, before;      /* points (or lines) in this anchor's region: all, and those that the
+	                              * whole-plant ladder of the same organ and texture already holds (0 in
+	                              * that ladder and in wood) */
 	float importance;            /* multiplies this ladder's share of the budget; 1 is neutral */
 	float area;                  /* m^2 of all elements in this region, a leaf counted once */
 	float length;                /* m, of all lines */
@@ -97,9 +100,10 @@ static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
  * density). Samples run geometrically from one element up to everything; `share` strictly ascends in (0,
  * 1]. */
 struct eco_curve {
-	float share;                 /* lambda: vertices drawn / vertices of the ladder at full detail */
-	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. A cut's scale is this / (primitives
-	                              * drawn / primitives of the stage). Bounded where s_opt is singular, so it may be interpolated */
+	float share;                 /* Neubert's lambda: vertices drawn / vertices of the ladder at full detail */
+	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. A
+	                              * cut's scale is this / (primitives drawn / primitives of the stage).
+	                              * Bounded where s_opt is singular, so it may be interpolated */
 	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
 	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above */
 };
@@ -203,7 +207,8 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size, struct eco_error *error);
 void eco_pack_close(struct eco_pack *pack);
 
-/* Payload of chunk `chunk` after checking its hash; ECO_DAMAGED names the chunk, list and offset. Thread-safe. */
+/* Payload of chunk `chunk` after checking its hash; ECO_DAMAGED names the chunk, list and offset.
+ * Thread-safe. */
 enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
 	struct eco_error *error);
 

@@ -1,9 +1,9 @@
 /* A shape that many elements have: one leaf, placed many times.
  *
- *   eco_shapes_find(&shapes, ...);                     encoder: finds elements that are one shape, moved, turned,
- *                                                      and scaled or stretched
- *   eco_shape_fit(&shapes, shape, corners, &placing);  encoder: one element's placing; false where it is not near enough
- *   eco_shape_turn(&shapes, shape, &placing, offset);  both: its corners from its centre, in integers: all machines agree
+ *   eco_shapes_find(&shapes, ...);                     encoder: finds elements that are one shape, moved,
+ *                                                      turned, and scaled or stretched
+ *   eco_shape_fit(&shapes, shape, corners, &placing);  encoder: one element's placing; false: not near enough
+ *   eco_shape_turn(&shapes, shape, &placing, offset);  both: corners from the centre, in exact integers
  *   eco_shapes_free(&shapes);
  *
  * A shape lies in its own frame: middle of the corners at 0, long axis along x, normal along z; root mean

@@ -34,11 +34,12 @@ struct eco_request {
  * names the field. */
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error);
 
-/* Camera scripts: {"fps": 2, "keyframes": [{"time_s": 0, "eye": [..], "target": [..], "up": [..], "fov_y_deg": 45}, ...]}.
- * All fields are required but up, which is [0, 0, 1] then; fps in [0.001, 1000]; times strictly ascending. Frames at keyframe 0's
- * time + i/fps up to the last keyframe (inclusive, to rounding), at most a million. Between keyframes: monotone-time cubic Hermite
- * (Catmull-Rom with the actual time steps) on every number; one keyframe is one frame. A script that parses gives only frames that
- * pass eco_view_check (but for their size); errors have line and column. */
+/* Camera scripts: {"fps": 2, "keyframes": [{"time_s": 0, "eye": [..], "target": [..], "up": [..],
+ * "fov_y_deg": 45}, ...]}. All fields are required but up, which is [0, 0, 1] then; fps in [0.001, 1000];
+ * times strictly ascending. Frames at keyframe 0's time + i/fps up to the last keyframe (inclusive, to
+ * rounding), at most a million. Between keyframes: monotone-time cubic Hermite (Catmull-Rom with the
+ * actual time steps) on every number; one keyframe is one frame. A script that parses gives only frames
+ * that pass eco_view_check (but for their size); errors have line and column. */
 struct eco_camera;
 enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, struct eco_error *error);
 enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,

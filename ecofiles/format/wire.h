@@ -13,7 +13,7 @@
  * SCENE  u32 version = 6, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
- *                                                                once per plant of which the client holds nothing
+ *                                                        once per plant of which the client has nothing
  * LIST   u32 list, the list record of pack.h (eco_list_write), its palette (3 bytes a colour)
  *                                                                before the list's first chunk
  * CHUNK  u32 list, u32 ordinal, u8[16] id, u32 primitives, u32 elements, payload
@@ -32,26 +32,26 @@
  *
  *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn
  *   v count, placements:
- *     u8 head    bits 0..2: axis is whole millimetres   3: turn   4: path   5-6: scale 0 = 1, 1 f32, 2 f64   7: 0
- *     3 axes     z millimetres since the axis's last whole ones (first: since 0); value = millimetres / 1000.0;
- *                or f64
+ *     u8 head    bits 0..2: axis is whole millimetres  3: turn  4: path  5-6: scale 0 = 1, 1 f32, 2 f64  7: 0
+ *     3 axes     z millimetres since the axis's last whole ones (first: since 0), value = millimetres /
+ *                1000.0; or f64
  *     u16 turn if not 0   u32 path if not 0   scale
  *   v count, runs, ascending:
- *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the run
- *                before
- *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or 0);
- *                then v placement - placement before - 1 (first: placement)
+ *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the
+ *                run before
+ *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or
+ *                0); then v placement - placement before - 1 (first: placement)
  *     v          (list_end - list_first - 1) << 1 | 1 if some plants are left out: then u16 left
  *   v count, gates, ascending:
  *     v          (plant - plant before - 1; first: plant) << 1 | 1 if it ends within a band
  *     u8         whole bands of end; then, if it ends within one, u16 of the next
  *   v count, cuts drawn once (without an anchor: summaries, ground), then v count, rules; both as
  *
- *     head  7     6     5     4     3     2     1     0         a cut drawn once has no bands (bits 2-3 are 0) and
- *         +-----+-----+-----------+-----------+-----+-----+     no share, and "anchor" is its placement; its bands
- *         | end | more|   scale   |   bands   | list|anchr|     and share are read as [0, ECO_BANDS) and
+ *     head  7     6     5     4     3     2     1     0         a cut drawn once has no bands (bits 2-3: 0)
+ *         +-----+-----+-----------+-----------+-----+-----+     and no share; "anchor" is its placement, and
+ *         | end | more|   scale   |   bands   | list|anchr|     its bands and share are [0, ECO_BANDS) and
  *         +-----+-----+-----------+-----------+-----+-----+     [0, ECO_SHARE_ONE)
- *     then, in this order and only if the head says so ("before": in the cut before; at the start all 0, anchor -1):
+ *     then, in this order and only if the head says so ("before": in the cut before; first: 0, anchor -1):
  *     anchor  1: rule: v anchor - before - 1; drawn once: z placement - before           0: as before
  *     list    1: z list - before                                                         0: as before
  *     bands   0 as before   1 one band, from before's end   2 u8 end, from before's end   3 u8 first, u8 end

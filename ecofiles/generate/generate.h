@@ -24,7 +24,8 @@ struct eco_generate_options {
 	uint64_t plants;             /* about so many instances; 0: the scene's default */
 	double detail;               /* woody plants: leaves times this, each as much smaller; 0: 1 */
 	uint64_t seed;
-	/* Called before each piece of work with its name and the share done; false stops with ECO_INTERRUPTED; may be NULL. */
+	/* Called before each piece of work with its name and the share done; false stops with
+	 * ECO_INTERRUPTED; may be NULL. */
 	bool (*progress)(void *ctx, const char *stage, double share);
 	void *ctx;
 };

@@ -23,7 +23,8 @@ double gen_terrain_height(const struct gen_terrain *terrain, double x, double y)
 #define GEN_NORTHING 5334000.0
 #define GEN_ALTITUDE 520.0
 
-/* A square of side 2 half_m around the origin, a sample every step_m; GeoTIFF, heights above sea level to the centimetre. */
+/* A square of side 2 half_m around the origin, a sample every step_m; GeoTIFF, heights above sea level to
+ * the centimetre. */
 enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m, double step_m, const char *path,
 	struct eco_error *error);
 

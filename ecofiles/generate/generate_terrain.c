@@ -1,4 +1,5 @@
-/* Rolling ground: two octaves of value noise with a quintic between the lattice points, so that slopes have no creases. */
+/* Rolling ground: two octaves of value noise with a quintic between the lattice points, so that slopes
+ * have no creases. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,11 @@
-/* The scene source: SCENE.json, as written by people and scripts (every field, unit and default: ecofiles/README.md).
+/* The scene source: SCENE.json, as written by people and scripts (every field, unit and default:
+ * ecofiles/README.md).
  *
  *   eco_sources_load(&sources, "scene.json", &error);      the file and all files it nests, each once
  *   for each plant of each source                          eco_model_import(source.plants[i].models)
  *   for each source.instances                              plants one by one
- *   for each source.positions                              eco_positions_open, eco_positions_next (positions.h)
+ *   for each source.positions                              eco_positions_open, eco_positions_next
+ *                                                          (positions.h)
  *   for each source.children                               sources.items[child.source], placed
  *   eco_sources_free(&sources);
  *

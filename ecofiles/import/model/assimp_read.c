@@ -246,7 +246,8 @@ static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
 }
 
-/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps a channel. */
+/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps
+ * a channel. */
 static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
 {
 	uint8_t rgb[3];

@@ -60,7 +60,8 @@ const char *eco_gltf_text(const json_t *object, const char *key);
 
 /* ---- Numbers ---- */
 
-/* Any accessor, resolved: component types, normalized integers, strides, sparse substitution, meshopt compression. */
+/* Any accessor, resolved: component types, normalized integers, strides, sparse substitution, meshopt
+ * compression. */
 struct eco_gltf_accessor {
 	const uint8_t *bytes;            /* of element 0; NULL: all elements are 0 */
 	uint8_t *owned;

@@ -8,7 +8,8 @@
 
 #define GLTF_MESHOPT_V1 0xa1u        /* first byte of attributes in the codec's second version */
 
-/* `count` vertices of `stride` bytes (a multiple of 4, at most 256) into to[count * stride]. False: damaged. */
+/* `count` vertices of `stride` bytes (a multiple of 4, at most 256) into to[count * stride]. False:
+ * damaged. */
 bool gltf_meshopt_decode_v1(uint8_t *to, size_t count, size_t stride, const uint8_t *bytes, size_t size);
 
 /* Undoes the filter COLOR in place: `stride` 4 (8 bits a channel) or 8 (16 bits). */

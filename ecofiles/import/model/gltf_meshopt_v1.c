@@ -1,8 +1,8 @@
 /* The second version of meshoptimizer's vertex codec, after the specification of KHR_meshopt_compression,
  * and its filter for colours.
  *
- *   0xa1, blocks, tail:  the vertex that precedes the first (stride bytes), then one byte a channel (stride / 4)
- *   block: one control byte a channel, then for each of the channel's four bytes in turn, that byte of all its vertices
+ *   0xa1, blocks, tail:  the vertex before the first (stride bytes), then a byte a channel (stride / 4)
+ *   block: one control byte a channel, then for each of a channel's four bytes that byte of all vertices
  *
  * A channel is four bytes of a vertex. Its control byte has two bits for each of the four: groups with 0,
  * 1, 2 or 4 bits (0), or 1, 2, 4 or 8 bits (1), all zero (2), plain bytes (3). The channel's kind says

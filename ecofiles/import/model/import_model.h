@@ -4,7 +4,7 @@
  *   eco_FORMAT_read          a soup, in the file's axes and units unless the format states them
  *   (the above in a child process, one per file)
  *   eco_model_join           soups of several files become one, turned (import_join.c)
- *   eco_model_clean          drops useless triangles; rules, foot, height (model_clean.c, model_parts.c, model_stand.c) */
+ *   eco_model_clean          triangles, rules, foot, height (model_clean.c, model_parts.c, model_stand.c) */
 #ifndef ECO_IMPORT_MODEL_H
 #define ECO_IMPORT_MODEL_H
 
@@ -85,7 +85,7 @@ enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_fram
 enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
 
-/* OBJ with MTL: positions, uv from the top left, materials, parts and images; triangles_in counts. Not cleaned. */
+/* OBJ with MTL: positions, uv from the top left, materials, parts, images, triangles_in. Not cleaned. */
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
 	struct eco_notes *notes, struct eco_error *error);
 

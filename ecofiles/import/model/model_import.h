@@ -1,7 +1,7 @@
 /* From files to one plant.
  *
- *   eco_model_import(&model, &options, &error);     file(s) -> soup, Z-up, metres, foot at the origin, non-finite and
- *                                                   out-of-range triangles dropped and counted
+ *   eco_model_import(&model, &options, &error);     file(s) -> soup, Z-up, metres, foot at the origin,
+ *                                                   non-finite and out-of-range triangles dropped and counted
  *   eco_model_free(&model); */
 #ifndef ECO_MODEL_IMPORT_H
 #define ECO_MODEL_IMPORT_H

@@ -9,8 +9,8 @@
 
 struct eco_notes;
 
-/* place[i] becomes the first vertex at the position of vertex i, or ECO_NONE if that is not finite or beyond 1e9. -0 becomes 0. False
- * when memory ran out. */
+/* place[i] becomes the first vertex at the position of vertex i, or ECO_NONE if that is not finite or
+ * beyond 1e9. -0 becomes 0. False when memory ran out. */
 bool eco_model_places(struct eco_model *model, uint32_t *place);
 
 struct eco_component {

@@ -23,7 +23,8 @@ struct eco_species {             /* a species, in which "*" is any text, and its
 	uint32_t plant, variant_count;       /* the first variant; ECO_NONE: left out on purpose */
 };
 
-/* h = 1.3 + (max_m - 1.3) (1 - exp(-rate * dbh))^shape, dbh in mm: Chapman and Richards; shape 1 is the common two-parameter form. */
+/* h = 1.3 + (max_m - 1.3) (1 - exp(-rate * dbh))^shape, dbh in mm: Chapman and Richards; shape 1 is the
+ * common two-parameter form. */
 struct eco_allometry {
 	uint32_t plant;              /* first variant; ECO_NONE: all plants without a rule of their own */
 	double max_m, rate, shape;
@@ -44,7 +45,7 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer;
 	char *x, *y, *z;             /* columns; x is easting or longitude, y northing or latitude; z: metres above the datum.
-	                              * x and y NULL: the file's geometry. z "geometry": that of the geometry */
+	                              * x and y NULL: the file's geometry. z "geometry": its z */
 	char *crs, *vertical;        /* win over the file's */
 	char *species;               /* column; NULL: every row is `fallback` */
 	char separator;              /* of a CSV; 0: found in its header */
@@ -130,7 +131,8 @@ struct eco_positions;
 /* Opens and checks the file. `spec` and `frame` must outlive the reader. */
 enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error);
-/* The next usable row; plant = ECO_NONE at the end. With `levels` the first call reads the whole file for the heights. */
+/* The next usable row; plant = ECO_NONE at the end. With `levels` the first call reads the whole file for
+ * the heights. */
 enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record, struct eco_error *error);
 /* Rows seen so far, and ECO_SKIP_COUNT counters. */
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows);

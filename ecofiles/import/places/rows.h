@@ -38,7 +38,8 @@ struct eco_rows_place {          /* the geometry of a row */
 };
 
 struct eco_rows {
-	/* Sets fields, field_count, row, line and place; *more is false, and nothing else set, after the last row. */
+	/* Sets fields, field_count, row, line and place; *more is false, and nothing else set, after the
+	 * last row. */
 	enum eco_code (*next)(struct eco_rows *rows, bool *more, struct eco_error *error);
 	void (*close)(struct eco_rows *rows);
 	char **columns;              /* names, as written */
@@ -73,7 +74,8 @@ void eco_rows_close(struct eco_rows *rows);
 
 /* Lists the columns' names for a message. */
 void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size);
-/* Index of the column of that name; ECO_NONE for NULL. `path` is for errors, which list the columns there are. */
+/* Index of the column of that name; ECO_NONE for NULL. `path` is for errors, which list the columns there
+ * are. */
 enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
 	struct eco_error *error);
 

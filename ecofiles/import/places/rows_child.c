@@ -3,11 +3,11 @@
  * after a bug in a library they are.
  *
  *   message  u32 bytes of the rest, u8 kind, then by kind
- *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs ("" none), no_crs,
- *            names of columns
+ *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs (""
+ *            none), no_crs, names of columns
  *   'N'      note: text
- *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, the area, u32 fields,
- *            texts (unneeded ones are empty)
+ *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, the area, u32
+ *            fields, texts (unneeded ones are empty)
  *   'E'      end: u64 rows
  *
  * Numbers are little-endian. A text ends with 0. */

@@ -1,6 +1,7 @@
 /* Plants that nobody counted one by one: a number per hectare within areas, or a raster of densities.
  *
- *   eco_scatter_open(&scatter, &spec, &frame, &error);       reads the areas or the mask, and places everything
+ *   eco_scatter_open(&scatter, &spec, &frame, &error);       reads the areas or the mask, and places
+ *                                                            everything
  *   while (eco_scatter_next(scatter, &place)) ...
  *   eco_scatter_report(scatter, say, ctx);
  *   eco_scatter_close(scatter);
