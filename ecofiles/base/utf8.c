@@ -2,7 +2,7 @@
 
 #include <stdint.h>
 
-/* The lead byte tells the length and what the second byte may be; all further bytes are 80..BF. */
+/* The lead byte tells the length and the range of the second byte; further bytes are 80..BF. */
 size_t eco_utf8_bytes(const char *text, size_t size)
 {
 	const uint8_t *p = (const uint8_t *)text;

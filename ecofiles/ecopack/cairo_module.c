@@ -152,7 +152,7 @@ static void draw_clip_off(struct eco_canvas *canvas)
 
 /* ---- Texts ---- */
 
-/* C0, DEL and C1, in UTF-8. */
+/* Whether a character is a control: C0, DEL or C1. */
 static bool is_control(const char *s)
 {
 	const uint8_t *c = (const uint8_t *)s;

@@ -163,8 +163,8 @@ struct child {
 	FILE *stream;
 	char *path, where[32];
 	uint8_t *message; size_t capacity;
-	struct eco_reader reader;            /* of the message behind its kind */
-	uint32_t most;                       /* bytes of a message */
+	struct eco_reader reader;            /* of the message, behind its kind */
+	uint32_t most;                       /* size of the largest message */
 };
 
 static enum eco_code damaged(const struct child *c, struct eco_error *error)
@@ -208,7 +208,7 @@ static enum eco_code receive(struct child *c, char *kind, struct eco_error *erro
 	return ECO_OK;
 }
 
-/* "" where there is none, and then the reader has failed. */
+/* A text of the message; "" if there is none, and the reader has failed. */
 static const char *get_text(struct eco_reader *r)
 {
 	const char *text = (const char *)r->bytes + r->at;
