@@ -29,14 +29,14 @@ struct bench {
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
-	/* What its figures come from: patterns of object files below BUILD/obj, words with blanks between. NULL: the whole program. */
+	/* What its figures come from: patterns of object files and archives below BUILD/obj, words with blanks between. NULL: the whole program. */
 	const char *objects;
 	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections wait for all before them. */
 	bool alone;
 };
 /* What all plans, streams and pictures come from. */
-#define BENCH_OBJECTS_FRAMES "ecofiles/*.o lod/*.o server/*.o client-min/*.o tests/bench/bench_fetch.o tests/bench/bench_scene.o "
-#define BENCH_OBJECTS_PLANTS "ecofiles/*.o lod/*.o tests/bench/bench_leaves.o tests/bench/bench_models.o "
+#define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o tests/bench/bench_scene.o "
+#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests/bench/bench_leaves.o tests/bench/bench_models.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
 bool bench_stopped(const struct bench *bench);
