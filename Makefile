@@ -56,6 +56,8 @@ BUILD_ROOMS := lod/build lod/build/order lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/base
 PACK_ROOM := ecofiles/ecopack
 ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(PACK_ROOM)
+# methods of the papers that no program has: what measurements compare with
+BASELINE_ROOM := tests/bench/baseline
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -104,7 +106,7 @@ LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs
 
 all: $(PROGRAMS) $(MODULES) | told
 
-$(foreach room,$(ROOMS),$(eval $(call archive,$(room)): $(call objects,$(call sources,$(room)))))
+$(foreach room,$(ROOMS) $(BASELINE_ROOM),$(eval $(call archive,$(room)): $(call objects,$(call sources,$(room)))))
 $(LIB_DRACO): $(B)/obj/ecofiles/format/draco_shim.o
 %.a:
 	@mkdir -p $(@D)
@@ -126,7 +128,7 @@ $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LI
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
-TEST_LIBS := $(call archive,$(PACK_ROOM)) $(LIB_ALL)
+TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))

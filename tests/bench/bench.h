@@ -36,7 +36,7 @@ struct bench_section {
 };
 /* What all plans, streams and pictures come from. */
 #define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o tests/bench/bench_scene.o "
-#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests/bench/bench_leaves.o tests/bench/bench_models.o "
+#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o tests/bench/bench_models.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
 bool bench_stopped(const struct bench *bench);

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lod/build/order/lee.h"
+#include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_crown.h"
 #include "tests/bench/bench_lee_study.h"

@@ -11,10 +11,10 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/cell.h"
 #include "lod/build/order/cover.h"
-#include "lod/build/order/lee.h"
 #include "lod/build/order/order.h"
 #include "lod/build/order/rank.h"
 #include "lod/sort.h"
+#include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench_leaves.h"
 
 #define LEAVES_LEAST 1000u

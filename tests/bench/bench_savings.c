@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
-#include "lod/build/order/cook.h"
 #include "lod/build/order/order.h"
 #include "lod/build/order/rank.h"
 #include "lod/sort.h"
+#include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/bench_owners.h"
 

@@ -7,8 +7,8 @@
  * Depth complexity: n elements, each covering the share a of the crown's outline at a random place, cover 1 - (1 - a)^n of it. Keeping m of
  * them, 1 - (1 - s a)^m is to be the same. For a few per cent and many elements s is 1/lambda to the third digit; it bends where m is so
  * small that s a nears 1, and it never exceeds 1 / a. */
-#ifndef LOD_COOK_H
-#define LOD_COOK_H
+#ifndef TESTS_BENCH_BASELINE_COOK_H
+#define TESTS_BENCH_BASELINE_COOK_H
 
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-#include "lod/build/order/cook.h"
+#include "tests/bench/baseline/cook.h"
 
 #include <math.h>
 

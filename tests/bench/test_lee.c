@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "lod/build/order/lee.h"
+#include "tests/bench/baseline/lee.h"
 #include "tests/support/plant_models.h"
 
 #define MOST 1000

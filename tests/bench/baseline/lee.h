@@ -8,8 +8,8 @@
  *   normal         the group that faces the eye best first: |normal . direction to the eye|
  *   layer+normal   G layers of equal thickness along the view; layer i from the front gets (G - i + 1) / (1 + ... + G) of the budget, what it
  *                  cannot use goes to the next, and what the last cannot use goes to the front again; inside a layer by normal */
-#ifndef LOD_LEE_H
-#define LOD_LEE_H
+#ifndef TESTS_BENCH_BASELINE_LEE_H
+#define TESTS_BENCH_BASELINE_LEE_H
 
 #include <stdint.h>
 

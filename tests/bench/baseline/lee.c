@@ -1,4 +1,4 @@
-#include "lod/build/order/lee.h"
+#include "tests/bench/baseline/lee.h"
 
 #include <assert.h>
 #include <float.h>

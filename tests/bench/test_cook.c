@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "lod/build/order/cook.h"
 #include "lod/sort.h"
+#include "tests/bench/baseline/cook.h"
 
 static double covered(uint32_t count, double share)
 {
