@@ -100,31 +100,3 @@ void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_part
 	}
 	fill_wood(foliage, parts, arena);
 }
-
-static void make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena)
-{
-	struct lod_mesh mesh;
-	struct lod_organs organs;
-	struct lod_elements elements;
-	lod_weld(&mesh, model, LOD_FOLIAGE_GRID_BITS, arena);
-	lod_elements_turn_diagonals(&mesh, arena);
-	lod_organs_find(&organs, &mesh, model, arena);
-	lod_elements_make(&elements, &mesh, &organs, arena);
-	lod_foliage_from(foliage, &(struct lod_foliage_parts){ model, &mesh, &organs, &elements }, arena);
-}
-
-enum eco_code lod_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
-	struct eco_error *error)
-{
-	jmp_buf callers;
-	volatile enum eco_code code = ECO_OK;
-	memcpy(&callers, &arena->failed, sizeof callers);
-	if (setjmp(arena->failed))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the leaves of a model of %u triangles", model->triangle_count);
-	else
-		make(foliage, model, arena);
-	memcpy(&arena->failed, &callers, sizeof callers);
-	if (!code && foliage->count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of its %u triangles are wood", model->triangle_count);
-	return code;
-}

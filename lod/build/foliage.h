@@ -1,7 +1,7 @@
 /* A plant's leaves and flowers as elements with geometry, and its wood: orders are made from them and
  * measured on them. The elements are those of the pack (lod/build/element.h), in the model's own coordinates.
  *
- *   lod_foliage_make(&foliage, model, &arena, &error);
+ *   lod_foliage_from(&foliage, &parts, &arena);
  *   lod_sights_make(&sights, &foliage, directions, count, pixels, &arena);   views; reference masks
  *   lod_sights_draw(&sights, view, &drawing, mask)                           the cover of a subset, scaled */
 #ifndef LOD_FOLIAGE_H
@@ -14,9 +14,6 @@
 #include "lod/arena.h"
 #include "lod/raster/raster.h"
 #include "lod/vector.h"
-
-/* Bits of the grid on which triangles without area are found (lod/build/weld.h). */
-#define LOD_FOLIAGE_GRID_BITS 14u
 
 struct lod_foliage {                 /* arrays of an arena */
 	uint32_t count;              /* elements */
@@ -36,12 +33,7 @@ struct lod_foliage {                 /* arrays of an arena */
 	struct lod_v3 low, high;     /* of everything */
 };
 
-/* ECO_BAD_INPUT if the model has no element. Sets the arena's handler while it runs. */
-enum eco_code lod_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
-	struct eco_error *error);
-
-/* The same from the stages of a build (plant.c), which owns their arrays: element i is elements->items[i].
- * May be empty. */
+/* From the stages of a build (plant.c), which owns their arrays: element i is elements->items[i]. May be empty. */
 struct lod_mesh;
 struct lod_organs;
 struct lod_elements;
@@ -57,8 +49,6 @@ void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_part
  * below the horizon to steeply above). Different seeds share no direction: build with one, test with
  * another. */
 void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t seed);
-/* The same within a cone of half angle `cone_rad` around `axis`. */
-void lod_directions_cone(double (*directions)[3], uint32_t count, const double axis[3], double cone_rad, uint32_t seed);
 
 /* Pictures from directions, 16 radii away (as in probe.h). Masks are bits, rows padded to whole 64-bit
  * words. */

@@ -55,32 +55,6 @@ void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t see
 	}
 }
 
-/* Cosine of angles up to pi: the series for an eighth of it, then doubled three times. */
-static double cosine(double angle)
-{
-	double a = angle / 8, a2 = a * a, c = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56 * (1 - a2 / 90))));
-	for (int i = 0; i < 3; i++)
-		c = 2 * c * c - 1;
-	return c;
-}
-
-void lod_directions_cone(double (*directions)[3], uint32_t count, const double axis[3], double cone_rad, uint32_t seed)
-{
-	struct lod_v3 along = lod_v3_unit((struct lod_v3){ axis[0], axis[1], axis[2] });
-	struct lod_v3 other = fabs(along.z) < 0.9 ? (struct lod_v3){ 0, 0, 1 } : (struct lod_v3){ 1, 0, 0 };
-	struct lod_v3 u = lod_v3_unit(lod_v3_cross(along, other)), v = lod_v3_cross(along, u);
-	double x, y, shift = share_of(eco_mix(seed, SHIFT)), depth = 1 - cosine(cone_rad);
-	turn_of(seed, &x, &y);
-	for (uint32_t i = 0; i < count; i++) {
-		double z = 1 - depth * (i + shift) / count, flat = sqrt(fmax(0, 1 - z * z));
-		struct lod_v3 d = lod_v3_add(lod_v3_scale(along, z), lod_v3_add(lod_v3_scale(u, flat * x), lod_v3_scale(v, flat * y)));
-		directions[i][0] = d.x;
-		directions[i][1] = d.y;
-		directions[i][2] = d.z;
-		turn_on(&x, &y);
-	}
-}
-
 /* ---- Sights ---- */
 
 static double sphere(const struct lod_foliage *foliage, struct lod_v3 *center)

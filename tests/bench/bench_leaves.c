@@ -4,6 +4,37 @@
 #include <string.h>
 
 #include "ecofiles/format/pack.h"
+#include "lod/build/element.h"
+
+#define GRID_BITS 14u                /* of the grid that tells which triangles are too small to count (lod/build/weld.h) */
+
+static void make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena)
+{
+	struct lod_mesh mesh;
+	struct lod_organs organs;
+	struct lod_elements elements;
+	lod_weld(&mesh, model, GRID_BITS, arena);
+	lod_elements_turn_diagonals(&mesh, arena);
+	lod_organs_find(&organs, &mesh, model, arena);
+	lod_elements_make(&elements, &mesh, &organs, arena);
+	lod_foliage_from(foliage, &(struct lod_foliage_parts){ model, &mesh, &organs, &elements }, arena);
+}
+
+enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
+	struct eco_error *error)
+{
+	jmp_buf callers;
+	volatile enum eco_code code = ECO_OK;
+	memcpy(&callers, &arena->failed, sizeof callers);
+	if (setjmp(arena->failed))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the leaves of a model of %u triangles", model->triangle_count);
+	else
+		make(foliage, model, arena);
+	memcpy(&arena->failed, &callers, sizeof callers);
+	if (!code && foliage->count == 0)
+		code = eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of its %u triangles are wood", model->triangle_count);
+	return code;
+}
 
 enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels, struct eco_error *error)
 {
@@ -11,7 +42,7 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 	leaves->model = *model;
 	leaves->pixels = pixels;
 	memset(model, 0, sizeof *model);
-	enum eco_code code = lod_foliage_make(&leaves->foliage, &leaves->model, &leaves->arena, error);
+	enum eco_code code = bench_foliage_make(&leaves->foliage, &leaves->model, &leaves->arena, error);
 	if (!code)
 		code = lod_raster_init(&leaves->cover, &(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true }, error);
 	if (!code)

@@ -17,6 +17,10 @@ struct bench_leaves {
 	uint32_t pixels;
 };
 
+/* Its leaves and wood, as a build finds them. ECO_BAD_INPUT where the model has no leaf. The arena's handler is set by this function while it
+ * runs. */
+enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena, struct eco_error *error);
+
 /* ECO_BAD_INPUT for a plant without leaves; the model is freed then too. */
 enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels, struct eco_error *error);
 void bench_leaves_close(struct bench_leaves *leaves);

@@ -4,8 +4,7 @@
  * generated plants have rows of their own, and count only where there is no data folder):
  * pixels that are wrong against the picture with all leaves, over the pixels of that picture (wood is whole in both), and pixels that show
  * another leaf. Lee draws leaves as they are; beside it stands the same with leaves scaled, each method by what suits it best on other
- * views. Beside lists per sector of view stands what the same makers reach for the very picture, and what no choice of leaves can be
- * better than.
+ * views. What a choice for the very picture reaches, and what none can be better than: lod/EXPERIMENTS.md, "Which leaves to keep: bounds".
  *
  * Sectors are cones around directions all over the upper sphere: 12 degrees wide, and 1.5. Their lists are built from 16 or 24 directions in a cone
  * and tested with others in it; one static list is built from directions all around. Lee's orders are made anew for each view. */
@@ -73,35 +72,21 @@ static double ratio(const json_t *unit, enum bench_lee_width width, int method, 
 	return over(figure(unit, width, method, share, scaled ? 3 : 0), best_of_lee(unit, width, share, scaled));
 }
 
-/* Figures over those of the best of Lee's three. LEAST, FIXED: what cannot be reached, by a choice for each view and by one list. */
-enum what { METHOD, LEAST, FIXED };
-static const struct { enum what what; enum bench_lee_width width; enum bench_lee_method method; bool scaled; const char *key, *name,
-	*bars[LEE_SHARES]; } contests[] = {
-	{ METHOD, LEE_NARROW, LEE_SECTOR, true, "lee_ratio", "lists per 1.5-degree sector (scaled)", { "<= 0.5", "<= 0.5", "<= 0.5", "<= 0.6" } },
-	{ METHOD, LEE_WIDE, LEE_SECTOR, true, "lee_wide_ratio", "lists per 12-degree sector (scaled)", { "", "", "", "" } },
-	{ METHOD, LEE_NARROW, LEE_BEST, true, "lee_best", "ours for the very view (scaled)", { "", "", "", "" } },
-	{ METHOD, LEE_NARROW, LEE_SECTOR, false, "lee_unscaled_ratio", "lists per 1.5-degree sector (unscaled)",
+/* Wrong pixels over those of the best of Lee's three. */
+static const struct { enum bench_lee_width width; enum bench_lee_method method; bool scaled; const char *key, *name, *bars[LEE_SHARES]; } contests[] = {
+	{ LEE_NARROW, LEE_SECTOR, true, "lee_ratio", "lists per 1.5-degree sector (scaled)", { "<= 0.5", "<= 0.5", "<= 0.5", "<= 0.6" } },
+	{ LEE_WIDE, LEE_SECTOR, true, "lee_wide_ratio", "lists per 12-degree sector (scaled)", { "", "", "", "" } },
+	{ LEE_NARROW, LEE_SECTOR, false, "lee_unscaled_ratio", "lists per 1.5-degree sector (unscaled)",
 		{ "<= 0.5", "<= 0.5", "<= 0.5", "<= 0.6" } },
-	{ METHOD, LEE_WIDE, LEE_SECTOR, false, "lee_unscaled_wide_ratio", "lists per 12-degree sector (unscaled)", { "", "", "", "" } },
-	{ METHOD, LEE_NARROW, LEE_BEST, false, "lee_unscaled_best", "ours for the very view (unscaled)", { "", "", "", "" } },
-	{ LEAST, LEE_NARROW, LEE_BEST, false, "lee_unscaled_least", "least possible for the very view (unscaled)", { "", "", "", "" } },
-	{ METHOD, LEE_NARROW, LEE_STATIC, true, "lee_static", "one list (scaled)", { "", "<= 0.8", "<= 0.7", "<= 0.75" } },
-	{ METHOD, LEE_NARROW, LEE_STATIC, false, "lee_unscaled_static", "one list (unscaled)", { "", "<= 0.8", "<= 0.7", "<= 0.75" } },
-	{ FIXED, LEE_NARROW, LEE_STATIC, false, "lee_unscaled_static_least", "least possible for one list (unscaled)", { "", "", "", "" } },
+	{ LEE_WIDE, LEE_SECTOR, false, "lee_unscaled_wide_ratio", "lists per 12-degree sector (unscaled)", { "", "", "", "" } },
+	{ LEE_NARROW, LEE_STATIC, true, "lee_static", "one list (scaled)", { "", "<= 0.8", "<= 0.7", "<= 0.75" } },
+	{ LEE_NARROW, LEE_STATIC, false, "lee_unscaled_static", "one list (unscaled)", { "", "<= 0.8", "<= 0.7", "<= 0.75" } },
 };
 #define CONTESTS (sizeof contests / sizeof *contests)
 
 static double outcome(const json_t *unit, size_t contest, int share)
 {
-	enum bench_lee_width width = contests[contest].width;
-	switch (contests[contest].what) {
-	case LEAST:
-		return over(entry(unit, "least", (size_t)share), best_of_lee(unit, width, share, false));
-	case FIXED:
-		return entry(unit, "fixed", (size_t)share);
-	default:
-		return ratio(unit, width, (int)contests[contest].method, share, contests[contest].scaled);
-	}
+	return ratio(unit, contests[contest].width, (int)contests[contest].method, share, contests[contest].scaled);
 }
 
 /* The worst over plants, and whose they are. */
@@ -143,9 +128,8 @@ static void write_rows(struct bench_table *table, struct bench_table *ratios, co
 					100 * figure(unit, (enum bench_lee_width)width, m, share, 3), 100 * figure(unit, (enum bench_lee_width)width, m, share, 4),
 					ratio(unit, (enum bench_lee_width)width, m, share, false), ratio(unit, (enum bench_lee_width)width, m, share, true));
 	for (size_t c = 0; c < CONTESTS; c++) {
-		bool lists = contests[c].what == METHOD && contests[c].method == LEE_SECTOR;
 		char size[32] = "";
-		if (lists)
+		if (contests[c].method == LEE_SECTOR)
 			snprintf(size, sizeof size, "%.2f", lists_mb(unit, contests[c].width));
 		bench_table_row(ratios, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%s", name, leaves, contests[c].name, outcome(unit, c, 0), outcome(unit, c, 1),
 			outcome(unit, c, 2), outcome(unit, c, 3), size);
@@ -243,8 +227,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_say(bench, "Lee, Peng and Kuo print, for a tree of 6,143 leaves at 80, 50, 30 and 10 %%: distance 3.03, 9.09, 14.03, 18.42; "
 			"normal 5.31, 12.87, 16.49, 19.13; layer+normal 2.86, 10.06, 15.07, 18.75 %% incorrect pixels, without saying of what. Ours are "
 			"of the reference's pixels; layers: %u.", LOD_LEE_LAYERS);
-		bench_say(bench, "Lists per sector are many: lists MB is what all of a width take as n log2 n + 3 n bits each, side and top views. What "
-			"is least possible is proved (a Lagrangian bound of maximal coverage); where a bar lies below it, no choice of leaves reaches it.");
+		bench_say(bench, "Lists per sector are many: lists MB is what all of a width take as n log2 n + 3 n bits each, side and top views.");
 		write_keys(bench, worst);
 	}
 	return code;

@@ -1,8 +1,7 @@
 /* See bench_lee_study.h.
  *
  * Scales are those that suit a method best on other views than those of the measurement and of the making: around the plant for one list, in
- * the sector for lists per sector and for Lee's orders leaf by leaf, which are made anew for each view. What a choice for the very view
- * reaches, and what none can (lod_cover_least), says how much there is to gain. */
+ * the sector for lists per sector and for Lee's orders leaf by leaf, which are made anew for each view. */
 #include "tests/bench/bench_lee_study.h"
 
 #include <math.h>
@@ -16,12 +15,12 @@
 #include "lod/sort.h"
 #include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench_leaves.h"
+#include "tests/support/cone_views.h"
 
 #define LEAVES_LEAST 1000u
 #define PIXELS 256u
 #define SECTOR_VIEWS_MOST 24u
 #define STATIC_VIEWS 96u         /* that the one list is */
-#define PROOF_VIEWS 16u          /* that what one list cannot reach is proved for */
 #define TUNING_VIEWS 4u
 #define SECTORS_MOST 64u
 #define VIEWS_MOST 16u
@@ -36,7 +35,7 @@ const double bench_lee_degrees[LEE_WIDTHS] = { 1.5, 12 };
  * with 16, .08 .45 .49 .59 with 48. */
 static const uint32_t sector_views[LEE_WIDTHS] = { 16, SECTOR_VIEWS_MOST };
 const char *const bench_lee_methods[LEE_METHODS] = { "distance", "normal", "layer+normal", "distance (cells)", "normal (cells)",
-	"layer+normal (cells)", "stochastic", "combined", "our list", "our lists per sector", "ours in the view itself" };
+	"layer+normal (cells)", "stochastic", "combined", "our list", "our lists per sector" };
 
 struct tally {                           /* of one method: leaves as they are, and scaled */
 	struct bench_wrong wrong[LEE_SHARES][2];
@@ -56,8 +55,7 @@ struct study {
 	double scale[LEE_METHODS][LEE_SHARES];
 	enum bench_lee_width width;              /* of the sectors now */
 	struct tally tally[LEE_WIDTHS][LEE_METHODS];
-	uint64_t least[LEE_SHARES], shown[LEE_WIDTHS];   /* pixels that no choice covers; of the reference */
-	double fixed_least[LEE_SHARES];
+	uint64_t shown[LEE_WIDTHS];              /* pixels of the reference */
 	uint32_t measured[LEE_WIDTHS];           /* views */
 };
 
@@ -251,26 +249,6 @@ static enum eco_code sights_around(struct study *s, struct lod_sights *sights, c
 	return lod_sights_make(sights, &s->leaves.foliage, directions, count, PIXELS, &s->leaves.arena, error);
 }
 
-/* Ours made for the very picture that it is measured on, its scales too; and what no choice can be better than there. */
-static enum eco_code make_best(struct study *s, const double direction[3], struct eco_error *error)
-{
-	const double (*one)[3] = (const double (*)[3])direction;
-	struct lod_sights kept = s->tuning;
-	uint64_t least[LEE_SHARES];
-	enum eco_code code = make_lists(s, LEE_BEST, &(struct list_views){ one, 1, one, 1, PIXELS }, error);
-	if (!code)
-		code = lod_cover_least(least, s->budget, LEE_SHARES, &s->leaves.foliage, &(struct lod_cover_options){ .directions = one, .views = 1,
-			.pixels = PIXELS }, &s->leaves.arena, error);
-	if (!code)
-		code = sights_around(s, &s->tuning, one, 1, error);
-	if (!code)
-		tune_scales(s, LEE_BEST);
-	for (uint32_t share = 0; share < LEE_SHARES && !code; share++)
-		s->least[share] += least[share];
-	s->tuning = kept;
-	return code;
-}
-
 /* ---- Sectors ---- */
 
 static bool per_view(enum bench_lee_method method)
@@ -278,21 +256,19 @@ static bool per_view(enum bench_lee_method method)
 	return method <= LEE_LAYER || method == LEE_SECTOR;
 }
 
-static enum eco_code measure_view(struct study *s, uint32_t view, const double direction[3], struct eco_error *error)
+static void measure_view(struct study *s, uint32_t view)
 {
 	struct lod_arena_piece *mark = s->leaves.arena.last;
 	size_t pixels = (size_t)PIXELS * PIXELS;
 	uint64_t *reference = lod_arena_take(&s->leaves.arena, pixels, sizeof *reference);
-	enum eco_code code = s->width == LEE_NARROW ? make_best(s, direction, error) : ECO_OK;
 	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
 	memcpy(reference, s->leaves.ids.owner, pixels * sizeof *reference);
 	s->shown[s->width] += s->tests.reference_pixels[view];
 	s->measured[s->width]++;
-	for (int m = 0; m < LEE_METHODS && !code; m++)
+	for (int m = 0; m < LEE_METHODS; m++)
 		if (s->width == LEE_NARROW || per_view((enum bench_lee_method)m))
 			measure(s, (enum bench_lee_method)m, view, reference);
 	lod_arena_release(&s->leaves.arena, mark);
-	return code;
 }
 
 /* One sector: its own lists, then methods on test views in it. */
@@ -302,9 +278,9 @@ static enum eco_code measure_sector(struct study *s, const double axis[3], uint3
 	double cone = bench_lee_degrees[s->width] / 2 * LOD_PI / 180;
 	uint32_t from = sector_views[s->width];
 	struct lod_arena_piece *mark = s->leaves.arena.last;
-	lod_directions_cone(build, from, axis, cone, 3 * sector);
-	lod_directions_cone(test, views, axis, cone, 3 * sector + 1);
-	lod_directions_cone(tuning, TUNING_VIEWS, axis, cone, 3 * sector + 2);
+	cone_views(build, from, axis, cone, 3 * sector);
+	cone_views(test, views, axis, cone, 3 * sector + 1);
+	cone_views(tuning, TUNING_VIEWS, axis, cone, 3 * sector + 2);
 	enum eco_code code = make_lists(s, LEE_SECTOR, &(struct list_views){ (const double (*)[3])build, from, (const double (*)[3])build, from,
 		build_pixels(&s->leaves.foliage) }, error);
 	if (!code)
@@ -315,40 +291,12 @@ static enum eco_code measure_sector(struct study *s, const double axis[3], uint3
 		if (per_view((enum bench_lee_method)m))
 			tune_scales(s, (enum bench_lee_method)m);
 	for (uint32_t view = 0; view < views && !code; view++)
-		code = measure_view(s, view, test[view], error);
+		measure_view(s, view);
 	lod_arena_release(&s->leaves.arena, mark);
 	return code;
 }
 
 /* ---- One list ---- */
-
-/* What a list that serves views all around cannot be better than there, over the best of Lee's three: leaves as they are. */
-static enum eco_code prove_fixed(struct study *s, struct eco_error *error)
-{
-	double around[PROOF_VIEWS][3];
-	uint64_t least[LEE_SHARES];
-	struct lod_sights sights;
-	struct lod_arena_piece *mark = s->leaves.arena.last;
-	lod_directions_spread(around, PROOF_VIEWS, 900);
-	enum eco_code code = sights_around(s, &sights, (const double (*)[3])around, PROOF_VIEWS, error);
-	if (!code)
-		code = lod_cover_least(least, s->budget, LEE_SHARES, &s->leaves.foliage, &(struct lod_cover_options){ .directions =
-			(const double (*)[3])around, .views = PROOF_VIEWS, .pixels = PIXELS }, &s->leaves.arena, error);
-	for (uint32_t share = 0; share < LEE_SHARES && !code; share++) {
-		double lee = INFINITY;
-		for (int m = LEE_DISTANCE; m <= LEE_LAYER; m++) {
-			struct bench_wrong wrong = { 0 };
-			for (uint32_t view = 0; view < PROOF_VIEWS; view++) {
-				struct lod_sights_drawing drawing = drawing_of(s, (enum bench_lee_method)m, &sights.eyes[view], share, false, 1);
-				bench_leaves_compare(&s->leaves, &sights, view, &drawing, &wrong);
-			}
-			lee = fmin(lee, (double)(wrong.fp + wrong.fn));
-		}
-		s->fixed_least[share] = lee > 0 ? (double)least[share] / lee : 1;
-	}
-	lod_arena_release(&s->leaves.arena, mark);
-	return code;
-}
 
 static enum eco_code make_static(struct study *s, struct eco_error *error)
 {
@@ -377,8 +325,6 @@ static enum eco_code run_study(struct study *s, const struct bench_lee_extent *e
 	make_baselines(s);
 	make_groups(s);
 	enum eco_code code = make_static(s, error);
-	if (!code)
-		code = prove_fixed(s, error);
 	for (int width = 0; width < LEE_WIDTHS; width++) {
 		s->width = (enum bench_lee_width)width;
 		lod_directions_spread(axes, extent->sectors[width], 77);
@@ -414,17 +360,12 @@ static json_t *methods_of(const struct study *s, int width)
 
 static json_t *result(const struct study *s)
 {
-	json_t *widths = json_array(), *lists = json_array(), *least = json_array(), *fixed = json_array();
+	json_t *widths = json_array(), *lists = json_array();
 	for (int width = 0; width < LEE_WIDTHS; width++) {
 		json_array_append_new(widths, methods_of(s, width));
 		json_array_append_new(lists, json_real(lists_of(bench_lee_degrees[width])));
 	}
-	for (uint32_t share = 0; share < LEE_SHARES; share++) {
-		json_array_append_new(least, json_real((double)s->least[share] / (s->shown[LEE_NARROW] ? (double)s->shown[LEE_NARROW] : 1)));
-		json_array_append_new(fixed, json_real(s->fixed_least[share]));
-	}
-	return json_pack("{sisisosososo}", "leaves", (int)s->leaves.foliage.count, "cells", (int)s->cell_count, "widths", widths, "lists", lists,
-		"least", least, "fixed", fixed);
+	return json_pack("{sisisoso}", "leaves", (int)s->leaves.foliage.count, "cells", (int)s->cell_count, "widths", widths, "lists", lists);
 }
 
 enum eco_code bench_lee_study(struct bench *bench, struct eco_model *model, const struct bench_lee_extent *extent, json_t **out,

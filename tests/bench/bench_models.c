@@ -11,7 +11,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/import/model/model_import.h"
-#include "lod/build/foliage.h"
+#include "tests/bench/bench_leaves.h"
 #include "tests/bench/bench_state.h"
 
 #define PATH 1024
@@ -122,7 +122,7 @@ static uint32_t count_leaves(const struct eco_model *model)
 	struct lod_arena arena = { 0 };
 	struct lod_foliage foliage;
 	struct eco_error why = { 0 };
-	uint32_t count = lod_foliage_make(&foliage, model, &arena, &why) ? 0 : foliage.count;
+	uint32_t count = bench_foliage_make(&foliage, model, &arena, &why) ? 0 : foliage.count;
 	lod_arena_free(&arena);
 	return count;
 }

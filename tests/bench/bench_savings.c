@@ -12,7 +12,6 @@
 #include "lod/sort.h"
 #include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_owners.h"
 
 #define PIXELS 256u
 #define TUNING_VIEWS 5u
@@ -312,8 +311,14 @@ static void keep(const struct bench_leaves *leaves, struct picture *picture)
 	memcpy(picture->rgb, leaves->ids.rgb, 3 * n);
 }
 
-/* Returns how many pixels are covered. */
-static double add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast, struct bench_beside *sum)
+/* Of `shown` and `wanted` pixels so many show the leaf that they should. */
+static double owner_q(double right, double shown, double wanted)
+{
+	double p = shown > 0 ? right / shown : 1, r = wanted > 0 ? right / wanted : 1;
+	return 1 - sqrt((1 - p) * (1 - p) + (1 - r) * (1 - r));
+}
+
+static void add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast, struct bench_beside *sum)
 {
 	const struct lod_raster *shown = &leaves->ids;
 	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0, leafy = 0;
@@ -336,27 +341,13 @@ static double add_beside(const struct bench_leaves *leaves, const struct picture
 			square += (is - was) * (is - was) / (255.0 * 255.0);
 		}
 	}
-	sum->owner_q += bench_owner_q((double)right, (double)covered, (double)wanted);
+	sum->owner_q += owner_q((double)right, (double)covered, (double)wanted);
 	sum->colour_rms += either ? sqrt(square / (3.0 * (double)either)) : 0;
-	return (double)covered;
-}
-
-static void add_owners(struct bench_owners *owners, const struct picture *reference, uint32_t view)
-{
-	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint64_t owner = reference->owner[i];
-		owners->wanted[view] += owner != 0;
-		owners->wood[view] += owner == BENCH_WOOD;
-		if (owner && owner != BENCH_WOOD)
-			owners->own[owner - 1][view]++;
-	}
 }
 
 struct beside {                  /* what is summed over views */
 	struct picture reference;
-	struct bench_owners owners;
 	struct bench_beside cook[2], method[BENCH_METHODS];
-	double shown[BESIDES][BENCH_METHODS][BENCH_OWNERS_VIEWS];
 };
 
 /* Cook's with and without his correction of contrast: the better of the two stands. */
@@ -364,7 +355,6 @@ static void compare_beside(struct study *s, const struct bench_reach *at, uint32
 {
 	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
 	keep(&s->leaves, &b->reference);
-	add_owners(&b->owners, &b->reference, view);
 	for (uint32_t k = 0; k < BESIDES; k++) {
 		uint32_t d = BESIDE_FIRST + k * BESIDE_STRIDE, kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, at->cook_lambda[d] * vertices), s->n);
 		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
@@ -375,27 +365,9 @@ static void compare_beside(struct study *s, const struct bench_reach *at, uint32
 			const struct row row = reach(s, (enum bench_method)m, at->cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
 			bench_leaves_ids(&s->leaves, &s->tests, view, &ours);
-			b->shown[k][m][view] = add_beside(&s->leaves, &b->reference, 1, &b->method[m]);
+			add_beside(&s->leaves, &b->reference, 1, &b->method[m]);
 		}
 	}
-}
-
-/* Mean over distances of the most that owner_q can be with as many vertices, and what each picture covers. */
-static double most_owner_q(struct study *s, const struct bench_reach *at, enum bench_method method, const struct beside *b)
-{
-	uint32_t *cost = lod_arena_take(&s->leaves.arena, s->n, sizeof *cost);
-	double sum = 0;
-	for (uint32_t i = 0; i < s->n; i++)
-		cost[i] = method >= BENCH_TRIANGLES ? 3 : 3 * (s->leaves.foliage.first[i + 1] - s->leaves.foliage.first[i] - 2);
-	for (uint32_t k = 0; k < BESIDES; k++) {
-		const struct row row = reach(s, method, at->cook_q[BESIDE_FIRST + k * BESIDE_STRIDE]);
-		const struct lod_sights_drawing drawn = prepare(s, method, &row);
-		uint64_t vertices = 0;
-		for (uint32_t j = 0; j < drawn.count; j++)
-			vertices += drawn.shape && drawn.shape[drawn.order[j]].corners ? 3 : s->full[method][j + 1] - s->full[method][j];
-		sum += bench_owners_most(&b->owners, b->shown[k][method], (double)vertices, cost, &s->leaves.arena);
-	}
-	return sum / BESIDES;
 }
 
 static enum eco_code measure_beside(struct bench *bench, struct study *s, struct bench_savings *savings, struct eco_error *error)
@@ -404,18 +376,15 @@ static enum eco_code measure_beside(struct bench *bench, struct study *s, struct
 	struct beside *b = lod_arena_take(&s->leaves.arena, 1, sizeof *b);
 	size_t n = (size_t)PIXELS * PIXELS;
 	b->reference = (struct picture){ lod_arena_take(&s->leaves.arena, n, sizeof(uint64_t)), lod_arena_take(&s->leaves.arena, n, 3) };
-	b->owners = (struct bench_owners){ .leaves = s->n, .views = s->tests.count };
-	b->owners.own = lod_arena_take(&s->leaves.arena, s->n, sizeof *b->owners.own);
 	for (uint32_t v = 0; v < s->tests.count; v++) {
 		if (bench_stopped(bench))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 		compare_beside(s, at, savings->vertices, v, b);
 	}
 	double pictures = (double)s->tests.count * BESIDES;
-	savings->cook = (struct bench_beside){ b->cook[0].owner_q / pictures, fmin(b->cook[0].colour_rms, b->cook[1].colour_rms) / pictures, 1 };
+	savings->cook = (struct bench_beside){ b->cook[0].owner_q / pictures, fmin(b->cook[0].colour_rms, b->cook[1].colour_rms) / pictures };
 	for (int m = 0; m < BENCH_METHODS; m++)
-		savings->beside[m] = (struct bench_beside){ b->method[m].owner_q / pictures, b->method[m].colour_rms / pictures,
-			most_owner_q(s, at, (enum bench_method)m, b) };
+		savings->beside[m] = (struct bench_beside){ b->method[m].owner_q / pictures, b->method[m].colour_rms / pictures };
 	return ECO_OK;
 }
 
@@ -510,8 +479,7 @@ static json_t *pack(const struct bench_savings *s)
 {
 	json_t *methods = json_array(), *spacings = json_array();
 	for (int m = 0; m < BENCH_METHODS; m++)
-		json_array_append_new(methods, json_pack("{s:f,s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms", s->beside[m].colour_rms,
-			"most", s->beside[m].owner_q_most));
+		json_array_append_new(methods, json_pack("{s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms", s->beside[m].colour_rms));
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		json_t *lambdas = json_array();
 		for (int m = 0; m < BENCH_METHODS; m++)
@@ -528,7 +496,7 @@ static double number(const json_t *object, const char *name) { return json_numbe
 static void unpack(struct bench_savings *s, const json_t *kept)
 {
 	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"), .vertices = (uint32_t)number(kept, "vertices"),
-		.cook = { number(kept, "owner_q"), number(kept, "colour_rms"), 1 } };
+		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		const json_t *spacing = json_array_get(json_object_get(kept, "spacings"), (size_t)g);
 		read_row(json_object_get(spacing, "cook_lambda"), s->at[g].cook_lambda);
@@ -538,7 +506,7 @@ static void unpack(struct bench_savings *s, const json_t *kept)
 	}
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		const json_t *method = json_array_get(json_object_get(kept, "methods"), (size_t)m);
-		s->beside[m] = (struct bench_beside){ number(method, "owner_q"), number(method, "colour_rms"), number(method, "most") };
+		s->beside[m] = (struct bench_beside){ number(method, "owner_q"), number(method, "colour_rms") };
 	}
 }
 

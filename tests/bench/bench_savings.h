@@ -21,8 +21,8 @@ enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_CO
 	BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
-/* Means over some of the distances; owner_q_most: what no list of as many vertices can exceed (bench_owners.h). */
-struct bench_beside { double owner_q, colour_rms, owner_q_most; };
+/* Means over some of the distances. */
+struct bench_beside { double owner_q, colour_rms; };
 
 enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
 

@@ -17,8 +17,6 @@ struct summary {
 	struct totals read, made;            /* of models; of generated ones */
 	struct worst worst[BENCH_SPACINGS];  /* with simpler leaves */
 	double owner_worse, colour_worse;    /* ours over Cook's, at the worst */
-	double owner_least;                  /* the first, by any list that saves as much: at the worst, proved */
-	uint32_t unreachable;                /* species of which it is above 0 */
 	double saved[BENCH_METHODS][BENCH_DISTANCES];        /* means over species, even distances */
 };
 
@@ -50,9 +48,7 @@ static void add(struct summary *sum, const struct bench_model *model, const stru
 		note_least(&sum->worst[g].mean, sum->worst[g].mean_of, bench_saving_mean(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
 		note_least(&sum->worst[g].total, sum->worst[g].total_of, bench_saving_total(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
 	}
-	sum->unreachable += s->beside[BENCH_PRUNED].owner_q_most < s->cook.owner_q;
 	for (int m = BENCH_PRUNED; m <= BENCH_TRIANGLES; m++) {
-		sum->owner_least = fmax(sum->owner_least, s->cook.owner_q - s->beside[m].owner_q_most);
 		sum->owner_worse = fmax(sum->owner_worse, s->cook.owner_q - s->beside[m].owner_q);
 		sum->colour_worse = fmax(sum->colour_worse, s->beside[m].colour_rms - s->cook.colour_rms);
 	}
@@ -73,14 +69,14 @@ static void write_rows(const struct tables *t, const struct bench_model *model, 
 					bench_distance((enum bench_spacing)g, d), at->cook_lambda[d], at->cook_q[d], at->lambda[m][d]);
 		}
 	for (int m = 0; m < BENCH_METHODS; m++)
-		bench_table_row(t->all, "%s,%s,%u,%u,%s,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, model->generated ? "yes" : "no", s->elements,
+		bench_table_row(t->all, "%s,%s,%u,%u,%s,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f", model->name, model->generated ? "yes" : "no", s->elements,
 			s->vertices, bench_method_names[m], percent[m][0][0], percent[m][0][1], percent[m][1][0], percent[m][1][1],
-			s->beside[m].owner_q, s->beside[m].owner_q_most, s->cook.owner_q, s->beside[m].colour_rms, s->cook.colour_rms);
-	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, s->elements,
+			s->beside[m].owner_q, s->cook.owner_q, s->beside[m].colour_rms, s->cook.colour_rms);
+	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, s->elements,
 		percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1], percent[BENCH_TRIANGLES][0][0], percent[BENCH_TRIANGLES][0][1],
 		percent[BENCH_PRUNED][1][0], percent[BENCH_PRUNED][1][1], percent[BENCH_TRIANGLES][1][0], percent[BENCH_TRIANGLES][1][1],
-		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_TRIANGLES].owner_q, s->cook.owner_q, s->beside[BENCH_PRUNED].owner_q_most,
-		s->beside[BENCH_TRIANGLES].owner_q_most, s->beside[BENCH_PRUNED].colour_rms, s->beside[BENCH_TRIANGLES].colour_rms, s->cook.colour_rms);
+		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_TRIANGLES].owner_q, s->cook.owner_q, s->beside[BENCH_PRUNED].colour_rms,
+		s->beside[BENCH_TRIANGLES].colour_rms, s->cook.colour_rms);
 }
 
 static double percent(const struct totals *t, const double *sums, int method)
@@ -114,9 +110,8 @@ static void write_means(struct bench *bench, const struct summary *sum)
 	bench_say(bench, "Owners and colours at equal Q, ours against Cook's (means over distances): owner Q at most %.3f lower, RMS colour error at "
 		"most %.3f higher on any species. An owner here is a single leaf. Colours are those of facing the eye; Cook's are the better of with and "
 		"without the correction of contrast.", fmax(0, sum->owner_worse), fmax(0, sum->colour_worse));
-	bench_say(bench, "What is drawn in place of several leaves hides whose pixels they are. \"At most\": the best owner Q that any list, the same for "
-		"all views, can have with as many vertices and pixels, if every leaf showed wherever it should; a proved bound. For %u of %u species it is below "
-		"Cook's for leaves as they are: where so much is saved, owners cannot be right as often.", sum->unreachable, sum->read.count);
+	bench_say(bench, "What is drawn in place of several leaves hides whose pixels they are. For four of sixteen species Cook's owner Q is out of reach "
+		"where so much is saved, which was proved (lod/EXPERIMENTS.md, \"Whose pixels: a bound\").");
 }
 
 static enum eco_code plot_means(struct bench *bench, const struct summary *sum, struct eco_error *error)
@@ -154,7 +149,6 @@ static void write_keys(struct bench *bench, const struct summary *sum)
 	}
 	bench_key(bench, "saving_species", t->count, "species that count");
 	bench_key(bench, "saving_owner_q_lost", any ? fmax(0, sum->owner_worse) : NAN, "<= 0: owner Q below Cook's at equal Q, worst species");
-	bench_key(bench, "saving_owner_q_least", any ? fmax(0, sum->owner_least) : NAN, "beside it: the least that any list of as many vertices loses");
 	bench_key(bench, "saving_colour_lost", any ? fmax(0, sum->colour_worse) : NAN, "<= 0: colour RMS above Cook's at equal Q, worst species");
 	if (any)
 		bench_say(bench, "Fewest saved, leaves simplified: %.0f %% mean (%s), %.0f %% of all vertices (%s).", 100 * sum->worst[BENCH_EVEN].mean,
@@ -166,10 +160,10 @@ static struct tables open_tables(struct bench *bench)
 	return (struct tables){
 		.ours = bench_table_open(bench, "species", "plant,leaves,pruned: mean %,pruned: of all vertices %,simpler leaves: mean %,"
 			"simpler leaves: of all vertices %,paper's distances; pruned: mean %,paper's; pruned: of all vertices %,paper's; simpler leaves: mean %,"
-			"paper's; simpler leaves: of all vertices %,owner Q: pruned,owner Q: simpler leaves,owner Q: Cook's,owner Q at most: pruned,"
-			"owner Q at most: simpler leaves,colour RMS: pruned,colour RMS: simpler leaves,colour RMS: Cook's", true),
+			"paper's; simpler leaves: of all vertices %,owner Q: pruned,owner Q: simpler leaves,owner Q: Cook's,"
+			"colour RMS: pruned,colour RMS: simpler leaves,colour RMS: Cook's", true),
 		.all = bench_table_open(bench, "species_orders", "plant,generated,leaves,vertices,order,saved: mean %,saved: of all vertices %,paper's "
-			"distances: mean %,paper's distances: of all vertices %,owner Q,owner Q at most,owner Q of Cook's,colour RMS,colour RMS of Cook's", false),
+			"distances: mean %,paper's distances: of all vertices %,owner Q,owner Q of Cook's,colour RMS,colour RMS of Cook's", false),
 		.curves = bench_table_open(bench, "species_curves", "plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false) };
 }
 
@@ -185,7 +179,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	}
 	for (int g = 0; g < BENCH_SPACINGS; g++)
 		sum->worst[g].mean = sum->worst[g].total = INFINITY;
-	sum->owner_worse = sum->colour_worse = sum->owner_least = -INFINITY;
+	sum->owner_worse = sum->colour_worse = -INFINITY;
 	const struct tables tables = open_tables(bench);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		struct bench_savings s;

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "lod/build/order/cover.h"
+#include "tests/support/cone_views.h"
 #include "tests/support/plant_models.h"
 
 #define MOST 400u
@@ -156,66 +157,6 @@ static void no_prefix_covers_less_than_63_percent_of_the_best(void **state)
 	}
 }
 
-static void least_of(uint64_t missed[3], const struct lod_foliage *f, const uint32_t budget[3])
-{
-	struct eco_error error = { 0 };
-	assert_int_equal(setjmp(arena.failed), 0);
-	assert_int_equal(lod_cover_least(missed, budget, 3, f, &(struct lod_cover_options){ .directions = around, .views = VIEWS, .pixels = PIXELS },
-		&arena, &error), ECO_OK);
-	assert_null(arena.last);
-}
-
-static void no_set_of_leaves_covers_more_than_the_bound(void **state)
-{
-	(void)state;
-	enum { LEAVES = 9 };
-	static const uint32_t budget[3] = { 2, 5, LEAVES };
-	for (uint32_t seed = 1; seed <= 3; seed++) {
-		struct measure m;
-		uint64_t missed[3];
-		struct lod_foliage f = ball(LEAVES, 100 + seed);
-		uint32_t best[LEAVES + 1] = { 0 };
-		least_of(missed, &f, budget);
-		assert_int_equal(missed[2], 0);
-		measure_open(&m, &f, around);
-		for (uint32_t set = 0; set < 1u << LEAVES; set++) {
-			uint32_t count = 0;
-			for (uint32_t i = 0; i < LEAVES; i++)
-				if (set >> i & 1)
-					again[count++] = i;
-			if (count != budget[0] && count != budget[1] && count != LEAVES)
-				continue;
-			uint32_t pixels = covered(&m, again, count);
-			best[count] = pixels > best[count] ? pixels : best[count];
-		}
-		uint32_t all = best[LEAVES];
-		for (int k = 0; k < 2; k++) {                    /* as near as the two ways to draw edges are, and not far below */
-			uint64_t least = all - best[budget[k]];
-			assert_true(missed[k] <= least + all / 200 && missed[k] + all / 20 >= least);
-		}
-		measure_close(&m);
-	}
-}
-
-static void greedy_coverage_comes_near_the_bound(void **state)
-{
-	(void)state;
-	static const uint32_t budget[3] = { MOST / 10, MOST / 4, MOST / 2 };
-	struct measure m;
-	uint64_t missed[3];
-	struct lod_foliage f = ball(MOST, 5);
-	least_of(missed, &f, budget);
-	order_of(order, &f, around);
-	measure_open(&m, &f, around);
-	uint32_t all = covered(&m, order, MOST);
-	for (int k = 0; k < 3; k++) {
-		uint64_t greedy = all - covered(&m, order, budget[k]);
-		assert_true(missed[k] <= greedy + all / 200 && missed[k] + all / 20 >= greedy);
-	}
-	assert_true(missed[0] > missed[1] && missed[1] > missed[2]);
-	measure_close(&m);
-}
-
 /* A list for a cone covers more in other views of the cone than the list for all views. */
 static void lists_for_a_sector_serve_the_sector(void **state)
 {
@@ -224,8 +165,8 @@ static void lists_for_a_sector_serve_the_sector(void **state)
 	const double axis[3] = { 0.9, 0.3, 0.3 };
 	struct measure m;
 	struct lod_foliage f = ball(MOST, 8);
-	lod_directions_cone(cone, VIEWS, axis, 0.2, 1);
-	lod_directions_cone(others, VIEWS, axis, 0.2, 2);
+	cone_views(cone, VIEWS, axis, 0.2, 1);
+	cone_views(others, VIEWS, axis, 0.2, 2);
 	order_of(order, &f, around);
 	order_of(again, &f, (const double (*)[3])cone);
 	measure_open(&m, &f, (const double (*)[3])others);
@@ -251,7 +192,7 @@ static void leaves_that_change_nothing_come_last(void **state)
 		leaf(&f, (struct lod_v3){ 0.1, 0.2 * i - 1, beside ? 5 : 0.1 * i }, (struct lod_v3){ 0, 0.5, 0 }, (struct lod_v3){ 0, 0, 0.5 });
 		cutout[i] = i % 6 == 3 ? &image : NULL;
 	}
-	lod_directions_cone(from_x, VIEWS, (const double[3]){ 1, 0, 0 }, 0.02, 1);
+	cone_views(from_x, VIEWS, (const double[3]){ 1, 0, 0 }, 0.02, 1);
 	order_of(order, &f, (const double (*)[3])from_x);
 	assert_true(order[0] % 6 == 0 && order[1] % 6 == 0);
 	for (uint32_t i = 2; i < 12; i++)
@@ -307,8 +248,6 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_first_leaves_cover_most),
 		cmocka_unit_test(no_prefix_covers_less_than_63_percent_of_the_best),
-		cmocka_unit_test(no_set_of_leaves_covers_more_than_the_bound),
-		cmocka_unit_test(greedy_coverage_comes_near_the_bound),
 		cmocka_unit_test(lists_for_a_sector_serve_the_sector),
 		cmocka_unit_test(leaves_that_change_nothing_come_last),
 		cmocka_unit_test(orders_are_repeatable),

@@ -5,14 +5,11 @@
 #include <string.h>
 
 #include "lod/heap.h"
-#include "lod/sort.h"
 
 #define RUN_BITS 6u              /* of a run: its length, below the place of its first pixel */
 #define RUN_LONGEST ((1u << RUN_BITS) - 1)
 #define LEVELS 4                 /* a pixel counts until so many leaves cover it */
 #define LEVEL_SHIFT 3            /* each time an eighth of its value before */
-#define BOUND_STEPS 150u         /* of the method of subgradients */
-#define BOUND_STRIDE 0.3
 
 /* The pixels of all pictures that each element covers on its own, as runs along rows. */
 struct footprints {
@@ -242,105 +239,6 @@ enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage
 	enum eco_code code = open_cover(&cover, &sights, foliage, options, arena, error);
 	if (!code)
 		code = pick(&cover, order, options, error);
-	lod_arena_release(arena, mark);
-	return code;
-}
-
-/* ---- Bound ---- */
-
-/* A pixel is worth 1 to its first cover. Let it be worth 1 - m in any case, and m to each leaf that covers
- * it: then for any m in [0, 1] no choice of k leaves is worth more than the sum of all 1 - m plus the k
- * leaves that cover the most m. Crowded pixels need a small m; the method of subgradients finds it. */
-struct bound {
-	const struct cover *cover;
-	float *price;                /* m per pixel of all pictures; below 0: the pixel does not count */
-	uint16_t *times;             /* per pixel: number of chosen leaves that cover it */
-	double *worth;               /* per element */
-	struct lod_keyed *sorted;
-	size_t pixels;
-};
-
-static double worth_of(const struct bound *b, uint32_t element)
-{
-	const struct footprints *f = &b->cover->prints;
-	double sum = 0;
-	for (uint64_t r = f->first[element]; r < f->first[element + 1]; r++)
-		for (uint32_t k = 0, at = f->run[r] >> RUN_BITS; k < (f->run[r] & RUN_LONGEST); k++)
-			sum += b->price[at + k] > 0 ? (double)b->price[at + k] : 0;
-	return sum;
-}
-
-static void count_times(struct bound *b, uint32_t chosen)
-{
-	const struct footprints *f = &b->cover->prints;
-	memset(b->times, 0, b->pixels * sizeof *b->times);
-	for (uint32_t i = 0; i < chosen; i++)
-		for (uint64_t r = f->first[b->sorted[i].value]; r < f->first[b->sorted[i].value + 1]; r++)
-			for (uint32_t k = 0, at = f->run[r] >> RUN_BITS; k < (f->run[r] & RUN_LONGEST); k++)
-				b->times[at + k] += b->times[at + k] < UINT16_MAX;
-}
-
-/* Sets m to 1 for pixels that leaves cover and wood does not; returns their number. */
-static uint64_t open_prices(struct bound *b)
-{
-	const struct footprints *f = &b->cover->prints;
-	const uint64_t *wood = b->cover->covered[0];
-	uint64_t count = 0;
-	for (size_t i = 0; i < b->pixels; i++)
-		b->price[i] = -1;
-	for (uint64_t r = 0; r < f->count; r++)
-		for (uint32_t k = 0, at = f->run[r] >> RUN_BITS; k < (f->run[r] & RUN_LONGEST); k++)
-			if (b->price[at + k] < 0 && !(wood[(at + k) / 64] >> (at + k) % 64 & 1)) {
-				b->price[at + k] = 1;
-				count++;
-			}
-	return count;
-}
-
-/* The most pixels that `budget` leaves can cover. */
-static double bound_at(struct bound *b, uint32_t budget)
-{
-	uint32_t count = b->cover->foliage->count;
-	double least = (double)open_prices(b);
-	for (uint32_t step = 0; step < BOUND_STEPS; step++) {
-		double sum = 0, stride = BOUND_STRIDE / sqrt(1 + (double)step);
-		for (uint32_t e = 0; e < count; e++) {
-			b->worth[e] = worth_of(b, e);
-			b->sorted[e] = (struct lod_keyed){ lod_sort_key(-b->worth[e]), e };
-		}
-		lod_sort(b->cover->arena, b->sorted, count);
-		for (uint32_t i = 0; i < budget; i++)
-			sum += b->worth[b->sorted[i].value];
-		count_times(b, budget);
-		for (size_t i = 0; i < b->pixels; i++) {
-			if (b->price[i] < 0)
-				continue;
-			sum += 1 - (double)b->price[i];
-			double next = (double)b->price[i] - stride * (b->times[i] - 1.0);
-			b->price[i] = (float)(next < 0 ? 0 : next > 1 ? 1 : next);
-		}
-		least = fmin(least, sum);
-	}
-	return least;
-}
-
-enum eco_code lod_cover_least(uint64_t *missed, const uint32_t *budget, uint32_t budgets, const struct lod_foliage *foliage,
-	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error)
-{
-	struct cover cover;
-	struct lod_sights sights;
-	struct lod_arena_piece *mark = arena->last;
-	enum eco_code code = open_cover(&cover, &sights, foliage, options, arena, error);
-	if (!code) {
-		struct bound b = { .cover = &cover, .pixels = (size_t)sights.words * 64 * sights.count };
-		b.price = lod_arena_take(arena, b.pixels, sizeof *b.price);
-		b.times = lod_arena_take(arena, b.pixels, sizeof *b.times);
-		b.worth = lod_arena_take(arena, foliage->count, sizeof *b.worth);
-		b.sorted = lod_arena_take(arena, foliage->count, sizeof *b.sorted);
-		double all = (double)open_prices(&b);
-		for (uint32_t i = 0; i < budgets; i++)
-			missed[i] = budget[i] < foliage->count ? (uint64_t)ceil(fmax(0, all - bound_at(&b, budget[i]) - 0.01)) : 0;
-	}
 	lod_arena_release(arena, mark);
 	return code;
 }

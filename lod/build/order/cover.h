@@ -26,11 +26,4 @@ struct lod_cover_options {
 enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage, const struct lod_cover_options *options,
 	struct lod_arena *arena, struct eco_error *error);
 
-/* A proved bound, for i in [0, budgets): any choice of budget[i] leaves misses at least missed[i] pixels of
- * the views. Pixels count that all leaves together cover and wood does not. It is a linear relaxation bounded
- * by its Lagrangian. The directions that a list serves bound that list; a single direction bounds every
- * choice in that view. */
-enum eco_code lod_cover_least(uint64_t *missed, const uint32_t *budget, uint32_t budgets, const struct lod_foliage *foliage,
-	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error);
-
 #endif
