@@ -109,13 +109,6 @@ static enum eco_code compare_rules(struct bench *bench, const char *scene, bool 
 	return code;
 }
 
-/* Found once, by a search that draws all amounts of all trees: a bound on what any choice can do with these lists. */
-static const char bound[] = "Both rules draw the same lists, each primitive as large as was measured for its list. On the 5,000 trees "
-	"no choice leaves 30 % fewer wrong pixels: where each tree has the best of 17 amounts, by the pixels that are truly wrong of it in a "
-	"picture from a metre beside, they are 16 % fewer at 100,000 to 26,000,000 vertices, 8 % from above and 37 % among the trees; 12 % where "
-	"all trees of a species at a distance have the same amount, as plans have it. From above trees are about as far away and their leaves "
-	"smaller than a pixel: which pixels are wrong is chance.";
-
 /* Wrong pixels of all budgets and views together; the worst scene counts. */
 static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error)
 {
@@ -144,7 +137,8 @@ static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error
 		}
 	}
 	bench_table_close(table);
-	bench_say(bench, "%s", bound);
+	bench_say(bench, "Both rules draw the same lists, each primitive as large as was measured for its list. On the 5,000 trees no choice leaves 30 %% fewer "
+		"wrong pixels: lod/EXPERIMENTS.md, \"How much better a choice can be\".");
 	if (!code)
 		bench_key(bench, "versus_deussen", worst, ">= 0.3: fewer wrong pixels than by Deussen's rule, same lists and vertices, worst scene");
 	return code;
