@@ -21,7 +21,7 @@
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
 
 static const char usage[] =
-	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--ground-px X] [--reference[=cpu|egl]] -o DIR\n"
+	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--ground-px X] [--rule R] [--reference[=cpu|egl]] -o DIR\n"
 	"\n"
 	"Streams a scene along a camera script and draws every frame as a PNG.\n"
 	"\n"
@@ -31,6 +31,7 @@ static const char usage[] =
 	"  --vertices N            budget a frame: points + 2 lines + 3 triangles drawn, instances counted\n"
 	"  --bytes M               budget of each response\n"
 	"  --ground-px X           how far the ground may be from where it is, 0.01 to 65536 pixels; default 1\n"
+	"  --rule R                how the server spends the budget: optimal (default), or deussen (Deussen 2002), to compare with\n"
 	"  --reference[=cpu|egl]   also draw everything at full detail, and score; by default with OpenGL on hardware, else in software\n"
 	"  --tint=kind             colour by representation: green triangles, red lines, blue points, yellow and orange blends\n"
 	"  --frames A..B           only these frames of the script (inclusive)\n"
@@ -43,7 +44,7 @@ static const char usage[] =
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
 struct options {
-	const char *url, *camera, *dir;
+	const char *url, *camera, *dir, *rule;
 	uint32_t width, height;
 	uint64_t vertices, bytes;
 	double ground_px;
@@ -122,6 +123,9 @@ static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o,
 		return view_parse_count("--bytes", value, 0, ECO_BYTES_UNBOUNDED - 1, &o->bytes, error);
 	if (view_option(argc, argv, i, "--ground-px", &value))
 		return parse_pixels(value, &o->ground_px, error);
+	if (view_option(argc, argv, i, "--rule", &value))
+		return (o->rule = value) && (!strcmp(value, "optimal") || !strcmp(value, "deussen")) ? ECO_OK
+			: eco_fail(error, ECO_BAD_USAGE, "--rule is optimal or deussen, not '%s'", value ? value : "");
 	if (view_option(argc, argv, i, "--frames", &value))
 		return parse_frames(value, o, error);
 	if (strncmp(argv[*i], "--reference", 11) == 0)
@@ -413,7 +417,7 @@ static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
 	const struct options *o = &v->options;
-	struct view_fetch_options fetch = { .url = o->url, .patience_ms = PATIENCE_MS, .stop = &interrupted };
+	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule, .patience_ms = PATIENCE_MS, .stop = &interrupted };
 	struct view_store_options store = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)

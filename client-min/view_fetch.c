@@ -264,7 +264,9 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	struct eco_error *error)
 {
 	char query[VIEW_QUERY_BYTES], *url;
-	if (view_fetch_query(request, query, sizeof query) >= sizeof query || asprintf(&url, "%s%s", fetch->url, query) < 0)
+	const char *rule = fetch->options.rule;
+	if (view_fetch_query(request, query, sizeof query) >= sizeof query
+			|| asprintf(&url, "%s%s%s%s", fetch->url, query, rule ? "&rule=" : "", rule ? rule : "") < 0)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
 	curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes : "");

@@ -4,7 +4,7 @@
  *   view_fetch_stream(fetch, store, &request, &result, &error);
  *   view_fetch_free(fetch);
  *
- * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..] with the store's holdings as body.
+ * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..][&rule=..] with the store's holdings as body.
  * Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded: the body, its rate, the time. */
 #ifndef VIEW_FETCH_H
 #define VIEW_FETCH_H
@@ -17,6 +17,7 @@ struct view_fetch;
 
 struct view_fetch_options {
 	const char *url;                         /* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
+	const char *rule;                        /* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
 	uint64_t body_max;                       /* 0: 16 GiB */
 	long connect_ms, stall_ms;               /* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
 	long patience_ms;                        /* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */

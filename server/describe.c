@@ -85,8 +85,8 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key(json, "links");
 	srv_json_open(json, '{');
 	key_url(json, "self", scene, "");
-	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,pack}");
-	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,pack}");
+	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,rule,pack}");
+	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	srv_json_close(json, '}');
 }

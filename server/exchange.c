@@ -123,7 +123,7 @@ static void plan_job(void *argument)
 {
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
-	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
+	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request, .rule = exchange->query.rule,
 		.holdings = &exchange->holdings, .body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
 		.placements_max = host->config.placements_max, .cancelled = srv_work_cancelled(host->work) };
 	struct srv_stream stream;

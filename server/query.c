@@ -9,7 +9,7 @@
 
 #define NUMBER_BYTES_MAX 48u
 
-enum param_kind { PARAM_POINT, PARAM_NUMBER, PARAM_SIZE, PARAM_COUNT, PARAM_FLAG, PARAM_ID };
+enum param_kind { PARAM_POINT, PARAM_NUMBER, PARAM_SIZE, PARAM_COUNT, PARAM_RULE, PARAM_FLAG, PARAM_ID };
 
 #define AT(field) offsetof(struct srv_query, field)
 static const struct param_row {
@@ -28,11 +28,14 @@ static const struct param_row {
 	{ "vertices", PARAM_COUNT, true, AT(request.vertices), ECO_VERTICES_MAX },
 	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED },
 	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0 },
+	{ "rule", PARAM_RULE, false, AT(rule), 0 },
 	{ "explain", PARAM_FLAG, false, AT(explain), 1 },
 	{ "pack", PARAM_ID, false, AT(pack), 0 },
 };
 #undef AT
 #define PARAM_ROWS (sizeof param_rows / sizeof *param_rows)
+
+static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal }, { "deussen", lod_rule_deussen } };
 
 static const char *skip_digits(const char *text)
 {
@@ -146,6 +149,11 @@ static enum eco_code parse_row(struct srv_query *query, const struct param_row *
 		else
 			*(uint64_t *)field = count;
 		return ECO_OK;
+	case PARAM_RULE:
+		for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+			if (strcmp(rules[i].name, text) == 0)
+				return query->rule = rules[i].rule, ECO_OK;
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither optimal nor deussen", row->name, text);
 	case PARAM_FLAG:
 		if (!srv_parse_count(text, &count) || count > 1)
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither 0 nor 1", row->name, text);
@@ -177,7 +185,7 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		const struct param_row *row = find_row(param->name);
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, target, up, fov_y_deg, width, height, "
-				"vertices, bytes, ground_px, pack and explain", param->name);
+				"vertices, bytes, ground_px, rule, pack and explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;

@@ -1,7 +1,8 @@
 /* What a plan or stream request asks, from its parameters.
  *
  *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
- *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  pack=  (none)  explain= (0; 1 for plans alone)
+ *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  rule=optimal|deussen (optimal)
+ *   pack= (none)  explain= (0; 1 for plans alone)
  *
  * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts. Unknown parameters are
  * refused, so that a misspelt budget is an error and not an unbounded answer. `pack` is the 32 hex digit id of the pack that the
@@ -14,10 +15,12 @@
 
 #include "ecofiles/format/list.h"
 #include "ecofiles/format/view.h"
+#include "lod/plan/planner.h"
 #include "server/target.h"
 
 struct srv_query {
 	struct eco_request request;
+	lod_rule *rule;
 	bool has_pack, explain;
 	struct eco_chunk_id pack;
 };

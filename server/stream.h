@@ -36,7 +36,7 @@ struct srv_stream_input {
 	const struct eco_holdings *holdings;         /* has passed srv_holdings_check; may be NULL */
 	uint64_t body_max;                           /* bytes; beyond it ECO_TOO_LARGE; 0: 2 GiB */
 	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
-	enum lod_planner_rule rule;                  /* 0: the optimiser; to compare with */
+	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
 	const atomic_bool *cancelled;                /* looked at between plans: ECO_INTERRUPTED; may be NULL */
 };

@@ -1,5 +1,5 @@
-/* A plan: what both rules share. planner_optimal.c and planner_deussen.c decide how much of everything is drawn, planner_emit.c writes it
- * down. */
+/* A plan: what all rules share. A rule (planner_optimal.c, planner_deussen.c) decides how much of everything is drawn, planner_emit.c
+ * writes it down. */
 #include "lod/plan/planner.h"
 
 #include <assert.h>
@@ -37,18 +37,15 @@ void lod_planner_end(struct lod_planner *p)
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
 	struct lod_planner p;
-	double sample_distance = 0;
 	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
 	enum eco_code code = lod_planner_begin(&p, input, error);
-	if (!code && input->rule == LOD_RULE_DEUSSEN)
-		code = lod_planner_deussen(&p, &sample_distance, error);
-	else if (!code)
-		code = lod_planner_optimal(&p, error);
 	if (!code)
-		code = lod_planner_emit(&p, sample_distance, plan, error);
+		code = (input->rule ? input->rule : lod_rule_optimal)(&p, error);
+	if (!code)
+		code = lod_planner_emit(&p, plan, error);
 	if (!code && input->explanation)
-		input->explanation->sample_distance = sample_distance;
+		input->explanation->sample_distance = p.sample_distance;
 	if (!code)
 		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
 	if (!code && input->explanation)

@@ -11,9 +11,12 @@
 
 #include "ecofiles/format/plan.h"
 
-/* OPTIMAL  one objective: expected wrong pixels from the curves x projected area x visible share (the default)
- * DEUSSEN  one sample distance d' for everything (Deussen 2002, section 5): the baseline that `ecobench` compares with */
-enum lod_planner_rule { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
+/* A rule decides how much of everything in view is drawn within the budget. It fills the planner's entries and its prediction
+ * (lod/plan/planner_state.h); what is common to rules, such as culling and cuts, is around it. */
+struct lod_planner;
+typedef enum eco_code lod_rule(struct lod_planner *planner, struct eco_error *error);
+lod_rule lod_rule_optimal;           /* one objective: expected wrong pixels from the curves x projected area x visible share */
+lod_rule lod_rule_deussen;           /* one sample distance d' for everything (Deussen 2002, section 5); knows of no occlusion */
 
 struct lod_planner_stats {           /* what planning took; counts, no times */
 	uint64_t candidates;         /* steps that could be taken: of everything in view, from nothing to all of it */
@@ -37,7 +40,7 @@ struct lod_planner_input {
 	const struct eco_request *request;
 	const struct eco_holdings *holdings;         /* may be NULL; the optimiser may use them, cuts never depend on history otherwise */
 	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */
-	enum lod_planner_rule rule;
+	lod_rule *rule;                              /* NULL: lod_rule_optimal */
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure what occlusion is worth */
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: reasons are not asked for and cost nothing */

@@ -303,7 +303,25 @@ static enum eco_code best_structure(struct lod_planner *p, int solved, int *best
 	return ECO_OK;
 }
 
-enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error)
+/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. Of a picture that is asked
+ * to hold t times its pixels the share t / (1 + t) is covered. */
+static struct eco_prediction predict(const struct lod_planner *p)
+{
+	const struct eco_view *view = &p->input->request->view;
+	double tp = 0, fp = 0, fn = 0, pixels = (double)view->width * view->height;
+	for (uint32_t i = 0; i < p->entry_count; i++) {
+		const struct lod_entry *entry = &p->entries[i];
+		struct eco_curve curve = lod_planner_curve(p, entry, entry->vertices);
+		double covered = entry->pixels * (double)entry->count;
+		tp += covered * (1 - curve.fn);
+		fp += covered * curve.fp;
+		fn += covered * curve.fn;
+	}
+	double shrink = 1 / (1 + (tp + fn) / pixels);
+	return (struct eco_prediction){ tp * shrink, fp * shrink, fn * shrink };
+}
+
+enum eco_code lod_rule_deussen(struct lod_planner *p, struct eco_error *error)
 {
 	int solved, structure;
 	enum eco_code code = solve(p, &solved, error);
@@ -311,7 +329,10 @@ enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance
 		code = best_structure(p, solved, &structure, error);
 	if (!code)
 		code = plan_structure(p, structure, error);
+	if (code)
+		return code;
 	p->converged = true;         /* by halving whole numbers of steps: there is one that fits, or none */
-	*sample_distance = code ? 0 : distance_at(structure);
-	return code;
+	p->sample_distance = distance_at(structure);
+	p->prediction = predict(p);
+	return ECO_OK;
 }

@@ -155,25 +155,7 @@ static void add_placements(const struct lod_planner *p, uint32_t *placement_in_p
 	}
 }
 
-/* For the rule without an allocation: wrong pixels summed over organs as if nothing overlapped, then shrunk
- * to the picture. Of a picture that is asked to hold t times its pixels the share t / (1 + t) is covered. */
-static void predict(const struct lod_planner *p, struct eco_plan *plan)
-{
-	const struct eco_view *view = &p->input->request->view;
-	double tp = 0, fp = 0, fn = 0, pixels = (double)view->width * view->height;
-	for (uint32_t i = 0; i < p->entry_count; i++) {
-		const struct lod_entry *entry = &p->entries[i];
-		struct eco_curve curve = lod_planner_curve(p, entry, entry->vertices);
-		double covered = entry->pixels * (double)entry->count;
-		tp += covered * (1 - curve.fn);
-		fp += covered * curve.fp;
-		fn += covered * curve.fn;
-	}
-	double shrink = 1 / (1 + (tp + fn) / pixels);
-	plan->prediction = (struct eco_prediction){ tp * shrink, fp * shrink, fn * shrink };
-}
-
-enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distance, struct eco_plan *plan, struct eco_error *error)
+enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
 	uint32_t groups = 0;
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
@@ -208,13 +190,10 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distan
 		if (p->gates[i])
 			plan->gates[plan->gate_count++] = (struct eco_gate){ i, p->gates[i] };
 	merge_bands(plan);
-	if (p->input->rule == LOD_RULE_DEUSSEN)
-		predict(p, plan);
-	else
-		plan->prediction = p->prediction;
+	plan->prediction = p->prediction;
 	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
-	plan->sample_distance = sample_distance;
+	plan->sample_distance = p->sample_distance;
 	return ECO_OK;
 }
 

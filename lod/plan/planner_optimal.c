@@ -426,7 +426,7 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
 	return open_level(p, (int)level + COARSEST, error);
 }
 
-enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error)
+enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 {
 	int level = 0, asked = 0;
 	begin_screen(p);

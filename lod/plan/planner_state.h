@@ -41,11 +41,11 @@ struct lod_planner {
 	uint64_t cheapest;           /* vertices of the cheapest step left that gains; UINT64_MAX: none */
 	uint32_t level;
 	bool converged;              /* as in lod_planner_stats */
-	double wrong;                /* LOD_RULE_OPTIMAL: the objective that the entries reach */
+	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
-	struct eco_prediction prediction; /* LOD_RULE_OPTIMAL; of the other rule it is made from its
-	                                   * entries */
-	struct lod_screen screen;    /* LOD_RULE_OPTIMAL */
+	struct eco_prediction prediction;
+	double sample_distance;      /* lod_rule_deussen; only reported */
+	struct lod_screen screen;    /* lod_rule_optimal */
 };
 
 /* `input` must outlive p. End p whatever begin returns. */
@@ -57,9 +57,6 @@ enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, dou
 
 enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error);
 
-/* The two rules: entries and vertices within the budget. */
-enum eco_code lod_planner_deussen(struct lod_planner *p, double *sample_distance, struct eco_error *error);
-enum eco_code lod_planner_optimal(struct lod_planner *p, struct eco_error *error);
 /* Opens the scene at a level of lod_planner_stats and plans nothing, so that tests can make an allocation. */
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
@@ -67,8 +64,8 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
  * and p->vertices. */
 enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);
 
-/* Makes the plan of the entries. `sample_distance` is only reported. */
-enum eco_code lod_planner_emit(const struct lod_planner *p, double sample_distance, struct eco_plan *plan, struct eco_error *error);
+/* Makes the plan of the entries. */
+enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices);

@@ -121,7 +121,7 @@ uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_req
 struct view_picture;
 struct bench_frame {                 /* zero with rule, occlusion and request set asks; the rest is the answer */
 	const char *method;          /* for the tables */
-	enum lod_planner_rule rule;
+	lod_rule *rule;
 	bool ignore_occlusion;
 	struct eco_request request;
 	struct lod_score score;

@@ -181,7 +181,7 @@ static bool make_usual(struct extreme *x, struct tables *t)
 
 struct sum { uint64_t vertices; double wrong; struct lod_planner_stats stats; };
 
-static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request, uint64_t vertices, enum lod_planner_rule rule,
+static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request, uint64_t vertices, lod_rule *rule,
 	struct sum *sum)
 {
 	struct eco_plan plan = { 0 };
@@ -203,11 +203,11 @@ static void tiny(struct extreme *x)
 	struct sum sum, last = { .wrong = INFINITY };
 	bool good = make_usual(x, &t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
-		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], LOD_RULE_OPTIMAL, &sum)
+		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_optimal, &sum)
 			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used", (unsigned long long)sum.vertices,
 			(unsigned long long)budgets[i])
 			&& extreme_must(x, sum.wrong <= last.wrong, "%llu vertices predict more error", (unsigned long long)budgets[i])
-			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], LOD_RULE_DEUSSEN, &last);
+			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_deussen, &last);
 		last = sum;
 	}
 	extreme_say(x, "0, 1, 2, 3 ... 161 vertices: all of them used, by points one by one");
@@ -225,7 +225,7 @@ static void steps(struct extreme *x)
 	bool good = make_usual(x, &t);
 	for (uint32_t i = 0; i < most && good; i++) {
 		struct eco_request request = request_of(&t, (uint64_t)(20 * pow(1e5, (i + 0.5) / most)));
-		struct lod_planner_input input = { .scene = &t.scene, .request = &request, .rule = LOD_RULE_DEUSSEN };
+		struct lod_planner_input input = { .scene = &t.scene, .request = &request, .rule = lod_rule_deussen };
 		struct eco_error error = { 0 };
 		good = extreme_good(x, lod_plan(&plan, &input, &error), &error);
 		/* what the solved distance alone comes to is found by asking for no more than it */
@@ -238,7 +238,7 @@ static void steps(struct extreme *x)
 		for (int rule = 0; rule < 2 && good; rule++) {
 			struct sum sums[3];
 			for (int d = 0; d < 3 && good; d++)
-				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1, rule ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL, &sums[d]);
+				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1, rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
 			good = good && (rule || extreme_must(x, sums[0].wrong >= sums[1].wrong && sums[1].wrong >= sums[2].wrong,
 				"around %llu vertices error rises",
 				(unsigned long long)v)) && extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v : v - sums[1].vertices < sums[1].stats.cheapest,
@@ -262,7 +262,7 @@ static void unbounded(struct extreme *x)
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++)
 		for (int rule = 0; rule < 2 && good; rule++) {
 			struct sum sum;
-			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL, &sum)
+			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? lod_rule_deussen : lod_rule_optimal, &sum)
 				&& extreme_must(x, sum.vertices == all, "%llu of all %llu vertices", (unsigned long long)sum.vertices, (unsigned long long)all);
 		}
 	extreme_say(x, "2^32 to 2^63-1: all %llu vertices are drawn, by both rules", (unsigned long long)all);
@@ -311,7 +311,7 @@ static void sweep(struct extreme *x)
 	for (uint32_t i = 0; i < count && good; i++) {
 		struct sum sum;
 		uint64_t budget = i < count / 4 ? i : (uint64_t)(count / 4 * pow(3e6 / (count / 4.0), (i - count / 4.0) / (count - count / 4.0)));
-		good = plan_for(x, &t.scene, request_of(&t, 0), budget, LOD_RULE_OPTIMAL, &sum)
+		good = plan_for(x, &t.scene, request_of(&t, 0), budget, lod_rule_optimal, &sum)
 			&& extreme_must(x, sum.wrong <= last, "budget %llu: %.12g wrong pixels are predicted, with less %.12g", (unsigned long long)budget,
 			sum.wrong, last)
 			&& extreme_must(x, budget - sum.vertices < sum.stats.cheapest, "budget %llu: %llu used though a step of %llu is left",
@@ -332,7 +332,7 @@ static bool hold_at(struct extreme *x, const struct tables *t, const uint64_t *b
 	double last = INFINITY;
 	for (size_t i = 0; i < count; i++) {
 		struct sum sum;
-		if (!plan_for(x, &t->scene, request_of(t, 0), budgets[i], LOD_RULE_OPTIMAL, &sum))
+		if (!plan_for(x, &t->scene, request_of(t, 0), budgets[i], lod_rule_optimal, &sum))
 			return false;
 		if (!extreme_must(x, sum.wrong <= last, "budget %llu: more predicted error than with less", (unsigned long long)budgets[i]))
 			return false;
@@ -369,7 +369,7 @@ static void identical(struct extreme *x)
 	/* a species a plant: nothing is shared, everything ties */
 	uint32_t species = x->quick ? 1000 : 105000;
 	if (make_tables(x, &t, one, 1, species, species / 250, 250, 1) && hold_at(x, &t, (const uint64_t[]){ 1000, 77777, 10000000 }, 3, &unused)
-			&& plan_for(x, &t.scene, request_of(&t, 0), 1000000, LOD_RULE_OPTIMAL, &sum))
+			&& plan_for(x, &t.scene, request_of(&t, 0), 1000000, lod_rule_optimal, &sum))
 		extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species, (unsigned long long)sum.stats.candidates,
 			(unsigned long long)unused);
 	tables_free(&t);

@@ -6,7 +6,7 @@
 #include "server/stream.h"
 
 struct bench_fetch {
-	enum lod_planner_rule rule;          /* asked: zero is the default */
+	lod_rule *rule;          /* asked: zero is the default */
 	bool ignore_occlusion;
 	double plan_ms, decode_ms;           /* answered: until the body stands; until the last byte is decoded */
 	uint64_t bytes, plan_bytes;          /* of the body; of its last plan alone */

@@ -7,14 +7,14 @@
 #include "ecofiles/format/view.h"
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
-	[BENCH_OURS] = { .name = "ours", .rule = LOD_RULE_OPTIMAL },
-	[BENCH_DEUSSEN_RULE] = { .name = "Deussen's rule", .rule = LOD_RULE_DEUSSEN },
-	[BENCH_STOCHASTIC] = { .name = "stochastic order", .order = "stochastic", .rule = LOD_RULE_OPTIMAL },
-	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = LOD_RULE_OPTIMAL, .ignore_occlusion = true },
-	[BENCH_COMBINED] = { .name = "combined order", .order = "combined", .rule = LOD_RULE_OPTIMAL, .full_only = true },
-	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = LOD_RULE_DEUSSEN, .full_only = true },
-	[BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density", .rule = LOD_RULE_OPTIMAL, .full_only = true },
-	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation", .rule = LOD_RULE_OPTIMAL, .full_only = true } };
+	[BENCH_OURS] = { .name = "ours", .rule = lod_rule_optimal },
+	[BENCH_DEUSSEN_RULE] = { .name = "Deussen's rule", .rule = lod_rule_deussen },
+	[BENCH_STOCHASTIC] = { .name = "stochastic order", .order = "stochastic", .rule = lod_rule_optimal },
+	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = lod_rule_optimal, .ignore_occlusion = true },
+	[BENCH_COMBINED] = { .name = "combined order", .order = "combined", .rule = lod_rule_optimal, .full_only = true },
+	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = lod_rule_deussen, .full_only = true },
+	[BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density", .rule = lod_rule_optimal, .full_only = true },
+	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation", .rule = lod_rule_optimal, .full_only = true } };
 
 /* Vertices of the pictures in Deussen 2002, table 1: points + 2 lines + 3 triangles; Neubert 2011 for the 5,000 trees. */
 static const struct { const char *scene; uint64_t vertices[2]; } printed[] = { { "trees640", { 2100000 } }, { "palms", { 1760000 } },

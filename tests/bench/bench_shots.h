@@ -12,7 +12,7 @@
 /* How plants were ordered, and how the budget is spent. */
 struct bench_method {
 	const char *name, *order;            /* order NULL: the default */
-	enum lod_planner_rule rule;
+	lod_rule *rule;
 	bool ignore_occlusion;
 	bool full_only;
 };

@@ -22,7 +22,7 @@ static struct eco_request request_of(const struct eco_tile *root, uint32_t view,
 	return request;
 }
 
-static enum eco_code print_plan(const struct eco_scene *scene, uint32_t view, uint64_t vertices, enum lod_planner_rule rule, struct eco_error *error)
+static enum eco_code print_plan(const struct eco_scene *scene, uint32_t view, uint64_t vertices, lod_rule *rule, struct eco_error *error)
 {
 	struct eco_request request = request_of(&scene->tiles[scene->root], view, vertices);
 	struct lod_planner_input input = { .scene = scene, .request = &request, .rule = rule };
@@ -32,7 +32,7 @@ static enum eco_code print_plan(const struct eco_scene *scene, uint32_t view, ui
 	if (code)
 		return code;
 	eco_wire_write_plan(&bytes, &plan);
-	printf("view %u, %llu vertices, rule %d: ", view, (unsigned long long)vertices, (int)rule);
+	printf("view %u, %llu vertices, rule %d: ", view, (unsigned long long)vertices, rule == lod_rule_deussen);
 	for (size_t i = 0; i < bytes.size; i++)
 		printf("%02x", bytes.bytes[i]);
 	putchar('\n');
@@ -52,7 +52,7 @@ int main(int argc, char **argv)
 	}
 	enum eco_code code = eco_pack_open(&pack, argv[1], &error);
 	for (uint32_t i = 0; i < VIEWS * 4 * 2 && !code; i++)
-		code = print_plan(&pack->scene, i / 8, budgets[i / 2 % 4], i % 2 ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL, &error);
+		code = print_plan(&pack->scene, i / 8, budgets[i / 2 % 4], i % 2 ? lod_rule_deussen : lod_rule_optimal, &error);
 	eco_pack_close(pack);
 	if (code)
 		fprintf(stderr, "plans: %s\n", error.text);

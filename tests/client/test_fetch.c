@@ -104,7 +104,7 @@ static enum eco_code ask(struct server *s, struct view_store *store, uint64_t bo
 	struct view_fetch *fetch;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
-	struct view_fetch_options options = { .url = url, .body_max = body_max, .patience_ms = s->busy ? 20000 : 0 };
+	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen", .patience_ms = s->busy ? 20000 : 0 };
 	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
 	enum eco_code code = view_fetch_stream(fetch, store, &request, result, error);
 	view_fetch_free(fetch);
@@ -145,7 +145,7 @@ static void stream_arrives_in_pieces(void **state)
 	assert_true(result.first_byte_ms <= result.stream_ms);
 	assert_true(view_store_plan(store)->vertices == plan.vertices);
 	assert_non_null(strstr(s.heard, "POST /v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,1&fov_y_deg=45&width=480&height=320"
-		"&vertices=1000&bytes=5000000 HTTP/1.1\r\n"));
+		"&vertices=1000&bytes=5000000&rule=deussen HTTP/1.1\r\n"));
 	assert_int_equal(content_length(s.heard), 4);
 	view_store_free(store);
 	eco_writer_free(&w);

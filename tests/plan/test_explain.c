@@ -31,7 +31,7 @@ static struct eco_request request_of(uint64_t vertices)
 	return q;
 }
 
-static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request, enum lod_planner_rule rule)
+static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request, lod_rule *rule)
 {
 	struct eco_error error = { 0 };
 	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule, .explanation = why };
@@ -63,7 +63,7 @@ static void check_cuts(const struct eco_plan *plan, const struct lod_explanation
 	assert_int_equal(rows, bands);
 }
 
-static void check_rows(const struct eco_plan *plan, const struct lod_explanation *why, enum lod_planner_rule rule, uint64_t seen[LOD_WHY_COUNT])
+static void check_rows(const struct eco_plan *plan, const struct lod_explanation *why, lod_rule *rule, uint64_t seen[LOD_WHY_COUNT])
 {
 	uint64_t vertices = 0;
 	for (uint32_t i = 0; i < why->count; i++) {
@@ -77,7 +77,7 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 			assert_true(reason->next <= why->lambda * (1 + 1e-6));
 		if (reason->why == LOD_WHY_ALL)
 			assert_true(reason->next == 0);
-		if (rule == LOD_RULE_DEUSSEN)
+		if (rule == lod_rule_deussen)
 			assert_true(reason->why == LOD_WHY_DISTANCE || reason->why == LOD_WHY_LEFT_OVER || reason->why == LOD_WHY_GROUND);
 		lod_explain_text(text, sizeof text, why, row);
 		assert_true(strlen(text) > 8 && strlen(text) <= 120);
@@ -94,7 +94,7 @@ static void rows_add_up_to_the_plan(void **state)
 	for (uint64_t seed = 1; seed <= 60; seed++) {
 		random_scene_make(&scene, seed, seed % 3 ? 0 : 4);
 		for (int i = 0; i < 10; i++) {
-			enum lod_planner_rule rule = i % 5 == 4 ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL;
+			lod_rule *rule = i % 5 == 4 ? lod_rule_deussen : lod_rule_optimal;
 			struct eco_request request = request_of((uint64_t)1 << (3 + 2 * i));
 			struct lod_explanation why = { 0 };
 			struct eco_plan plan;
@@ -117,7 +117,7 @@ static void a_plan_is_the_same_with_and_without(void **state)
 	(void)state;
 	random_scene_make(&scene, 5, 3);
 	for (int i = 0; i < 40; i++) {
-		enum lod_planner_rule rule = i % 2 ? LOD_RULE_DEUSSEN : LOD_RULE_OPTIMAL;
+		lod_rule *rule = i % 2 ? lod_rule_deussen : lod_rule_optimal;
 		struct eco_request request = request_of((uint64_t)1 << (i % 20));
 		struct lod_explanation why = { 0 };
 		struct eco_writer bytes[2] = { { 0 }, { 0 } };

@@ -68,7 +68,7 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 
 static void plans_are_the_same_with_tables_as_without(void **state)
 {
-	static const enum lod_planner_rule rules[] = { LOD_RULE_OPTIMAL, LOD_RULE_DEUSSEN };
+	static lod_rule *rules[] = { lod_rule_optimal, lod_rule_deussen };
 	(void)state;
 	for (uint64_t seed = 1; seed <= 30; seed++) {
 		struct lod_plan_tables *tables;

@@ -79,15 +79,17 @@ static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *
 	return total;
 }
 
-static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_request *request)
+static struct lod_planner_stats plan_by(lod_rule *rule, struct eco_plan *plan, const struct eco_request *request)
 {
 	struct lod_planner_stats stats;
-	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .stats = &stats };
+	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule, .stats = &stats };
 	struct eco_error error = { 0 };
 	if (lod_plan(plan, &input, &error))
 		fail_msg("%s", error.text);
 	return stats;
 }
+
+static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_request *request) { return plan_by(NULL, plan, request); }
 
 static void check_cuts(const struct eco_plan *plan)
 {
@@ -135,6 +137,30 @@ static void never_above_the_budget_and_counted_as_drawn(void **state)
 	print_message("          unused of what could be used: %.4f %%; in %llu plans every curve has ended\n", 100.0 * (double)unused / (double)asked,
 		(unsigned long long)ended);
 	assert_true(unused * 200 <= asked);
+}
+
+static void both_rules_keep_the_budget_and_predict(void **state)
+{
+	static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
+	uint64_t drawn[2] = { 0 };
+	(void)state;
+	for (uint64_t seed = 1; seed <= 40; seed++) {
+		random_scene_make(&scene, 400 + seed, seed % 3 ? 0 : 5);
+		for (int i = 0; i < 20; i++) {
+			struct eco_request request = random_request(&scene);
+			struct eco_plan plan;
+			assert_true(plan_by(rules[i % 2], &plan, &request).converged || i % 2 == 0);
+			check_cuts(&plan);
+			assert_true(plan.vertices <= request.vertices);
+			assert_int_equal(plan.vertices, twin_vertices(&scene.scene, &plan, &request.view));
+			const struct eco_prediction *p = &plan.prediction;
+			assert_true(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && isfinite(p->tp + p->fp + p->fn) && eco_predicted_q(p) <= 1);
+			assert_true(isfinite(plan.sample_distance) && (i % 2 ? plan.sample_distance >= 0 : plan.sample_distance == 0));
+			drawn[i % 2] += plan.vertices;
+			eco_plan_free(&plan);
+		}
+	}
+	assert_true(drawn[0] && drawn[1]);
 }
 
 static void same_request_same_bytes(void **state)
@@ -272,6 +298,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(never_above_the_budget_and_counted_as_drawn),
+		cmocka_unit_test(both_rules_keep_the_budget_and_predict),
 		cmocka_unit_test(same_request_same_bytes),
 		cmocka_unit_test(an_unlimited_budget_draws_every_visible_triangle_once),
 		cmocka_unit_test(shifting_turning_and_scaling_through_a_placement_changes_only_rounding),

@@ -141,10 +141,12 @@ static void a_query_has_defaults(void **state)
 	const struct eco_view *view = &query.request.view;
 	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0 && view->up[2] == 1);
 	assert_true(view->fov_y_deg == 45 && view->width == 800 && view->height == 600);
-	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED && !query.has_pack);
+	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED && !query.has_pack && !query.rule);
 	assert_int_equal(parse_query(&query, VIEW "&up=0,1,0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
 	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000 && query.has_pack);
 	assert_int_equal(query.pack.bytes[15], 0xff);
+	assert_true(parse_query(&query, VIEW "&rule=deussen", &error) == ECO_OK && query.rule == lod_rule_deussen);
+	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK && query.rule == lod_rule_optimal);
 }
 
 static void bad_queries_name_the_parameter(void **state)
@@ -157,6 +159,8 @@ static void bad_queries_name_the_parameter(void **state)
 		{ VIEW "&budget=7", "unknown parameter 'budget'" }, { VIEW "&up=0,0", "'up'" }, { VIEW "&up=0,0,1,2", "'up'" },
 		{ VIEW "&up=0,0,nan", "'up'" }, { VIEW "&up=,,", "'up'" }, { VIEW "&up=0,,1", "'up'" }, { VIEW "&fov_y_deg=inf", "'fov_y_deg'" },
 		{ VIEW "&fov_y_deg=180", "fov_y_deg" }, { VIEW "&bytes=-1", "'bytes'" }, { VIEW "&bytes=1e6", "'bytes'" },
+		{ VIEW "&rule=Deussen", "'rule': 'Deussen' is neither optimal nor deussen" }, { VIEW "&rule=deussen2", "'rule'" },
+		{ VIEW "&rule=0", "'rule'" }, { VIEW "&rule=optimal&rule=deussen", "twice" },
 		{ VIEW "&pack=00", "'pack'" }, { VIEW "&pack=00112233445566778899AABBCCDDEEFF", "'pack'" },
 		{ "eye=1,2,3&target=1,2,3&width=800&height=600&vertices=1000", "target" },
 		{ "eye=1e13,2,3&target=1,2,3&width=800&height=600&vertices=1000", "eye" },

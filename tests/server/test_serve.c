@@ -149,10 +149,39 @@ static void streams_are_complete_and_send_only_what_is_missing(void **state)
 	stream_reader_free(&reader);
 }
 
+/* As an answer has the tag of its request, what one rule answered is never taken for what another would. */
+static void a_plan_follows_the_rule_that_is_asked_for(void **state)
+{
+	static const struct { const char *target; bool deussen; } rows[] = { { BASE "/plan?" VIEW_BY("50000"), false },
+		{ BASE "/plan?" VIEW_BY("50000") "&rule=optimal", false }, { BASE "/plan?" VIEW_BY("50000") "&rule=deussen", true },
+		{ BASE "/plan?" VIEW_BY("50000") "&rule=deussen&bytes=12000", true } };
+	char etags[4][80];
+	json_t *plans[4];
+	(void)state;
+	for (size_t i = 0; i < 4; i++) {
+		struct http_answer answer = http_get(port, rows[i].target);
+		assert_int_equal(answer.status, 200);
+		assert_true(http_header(&answer, "ETag", etags[i], sizeof etags[i]));
+		for (size_t k = 0; k < i; k++)
+			assert_string_not_equal(etags[i], etags[k]);
+		plans[i] = json_of(&answer);
+		assert_true(json_integer_value(json_object_get(plans[i], "vertices")) <= 50000);
+		assert_true((json_number_value(json_object_get(plans[i], "sample_distance_rad")) > 0) == rows[i].deussen);
+		assert_true(json_is_true(json_object_get(plans[i], "fits")));
+		http_free(&answer);
+	}
+	assert_true(json_equal(plans[0], plans[1]));
+	assert_false(json_equal(json_object_get(plans[0], "cuts"), json_object_get(plans[2], "cuts")));
+	assert_true(json_integer_value(json_object_get(plans[2], "bytes")) > 12000);
+	assert_in_range(json_integer_value(json_object_get(plans[3], "bytes")), 6000, 12000);
+	for (size_t i = 0; i < 4; i++)
+		json_decref(plans[i]);
+}
+
 static void same_request_same_bytes(void **state)
 {
 	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("100000") "&bytes=60000",
-		BASE "/plan?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("0") };
+		BASE "/plan?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("0"), BASE "/stream?" VIEW_BY("100000") "&rule=deussen" };
 	(void)state;
 	for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
 		struct http_answer one = http_get(port, targets[i]), two = http_get(port, targets[i]);
@@ -323,6 +352,7 @@ int main(void)
 		cmocka_unit_test(a_plan_tells_what_the_stream_sends),
 		cmocka_unit_test(a_plan_is_explained_when_asked),
 		cmocka_unit_test(streams_are_complete_and_send_only_what_is_missing),
+		cmocka_unit_test(a_plan_follows_the_rule_that_is_asked_for),
 		cmocka_unit_test(same_request_same_bytes),
 		cmocka_unit_test(byte_budgets_are_never_exceeded),
 		cmocka_unit_test(below_the_smallest_stream_there_is_none),
