@@ -32,6 +32,7 @@
 #define STEPS_PER_OCTAVE 32
 #define STEP_LAST (STEPS_PER_OCTAVE * 60)
 #define STRUCTURE_TRIES 12       /* finer structures looked at when budget is left over */
+#define PLACES_MOST 1000000u     /* plants that one step looks at, where summaries stand for the others */
 
 /* ---- One level of detail ---- */
 
@@ -201,10 +202,18 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 
 /* ---- The budget ---- */
 
+/* A step that is too large leaves nothing behind that a coarser one could be too large by. */
+static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
+{
+	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES) ? PLACES_MOST : 0;
+	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), error);
+	return code == ECO_TOO_LARGE && lod_visible_tree_restart(&p->visible, NULL) ? ECO_NO_MEMORY : code;
+}
+
 static enum eco_code try_level(struct lod_planner *p, int step, bool *fits, struct eco_error *error)
 {
 	struct eco_error local = { 0 };
-	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), &local);
+	enum eco_code code = open_step(p, step, &local);
 	if (code == ECO_TOO_LARGE && step > 0) {
 		p->ended = false;
 		*fits = false;
@@ -268,7 +277,7 @@ static enum eco_code points_that_fit(struct lod_planner *p, int structure, struc
 
 static enum eco_code plan_structure(struct lod_planner *p, int structure, struct eco_error *error)
 {
-	enum eco_code code = lod_planner_open(p, distance_at(structure), distance_at(structure), error);
+	enum eco_code code = open_step(p, structure, error);
 	if (!code)
 		code = points_that_fit(p, structure, error);
 	if (!code)
