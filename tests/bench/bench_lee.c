@@ -4,7 +4,7 @@
  * generated plants have rows of their own, and count only where there is no data folder):
  * pixels that are wrong against the picture with all leaves, over the pixels of that picture (wood is whole in both), and pixels that show
  * another leaf. Lee draws leaves as they are; beside it stands the same with leaves scaled, each method by what suits it best on other
- * views. What a choice for the very picture reaches, and what none can be better than: lod/EXPERIMENTS.md, "Which leaves to keep: bounds".
+ * views. What a choice for the very picture reaches, and what none can be better than: lod/EXPERIMENTS.md, "A proved bound".
  *
  * Sectors are cones around directions all over the upper sphere: 12 degrees wide, and 1.5. Their lists are built from 16 or 24 directions in a cone
  * and tested with others in it; one static list is built from directions all around. Lee's orders are made anew for each view. */

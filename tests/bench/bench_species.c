@@ -111,7 +111,7 @@ static void write_means(struct bench *bench, const struct summary *sum)
 		"most %.3f higher on any species. An owner here is a single leaf. Colours are those of facing the eye; Cook's are the better of with and "
 		"without the correction of contrast.", fmax(0, sum->owner_worse), fmax(0, sum->colour_worse));
 	bench_say(bench, "What is drawn in place of several leaves hides whose pixels they are. For four of sixteen species Cook's owner Q is out of reach "
-		"where so much is saved, which was proved (lod/EXPERIMENTS.md, \"Whose pixels: a bound\").");
+		"where so much is saved, which was proved (lod/EXPERIMENTS.md, \"Owners and colours\").");
 }
 
 static enum eco_code plot_means(struct bench *bench, const struct summary *sum, struct eco_error *error)
