@@ -125,6 +125,16 @@ void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id)
 	text[2 * sizeof id->bytes] = 0;
 }
 
+static enum eco_code parse_rule(lod_rule **rule, const char *text, struct eco_error *error)
+{
+	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+		if (strcmp(rules[i].name, text) == 0) {
+			*rule = rules[i].rule;
+			return ECO_OK;
+		}
+	return eco_fail(error, ECO_BAD_INPUT, "parameter 'rule': '%.80s' is neither optimal nor deussen", text);
+}
+
 static enum eco_code parse_row(struct srv_query *query, const struct param_row *row, const char *text, struct eco_error *error)
 {
 	void *field = (char *)query + row->offset;
@@ -150,10 +160,7 @@ static enum eco_code parse_row(struct srv_query *query, const struct param_row *
 			*(uint64_t *)field = count;
 		return ECO_OK;
 	case PARAM_RULE:
-		for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
-			if (strcmp(rules[i].name, text) == 0)
-				return query->rule = rules[i].rule, ECO_OK;
-		return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither optimal nor deussen", row->name, text);
+		return parse_rule(&query->rule, text, error);
 	case PARAM_FLAG:
 		if (!srv_parse_count(text, &count) || count > 1)
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither 0 nor 1", row->name, text);
