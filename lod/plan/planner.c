@@ -1,5 +1,4 @@
-/* A plan: what all rules share. A rule (planner_optimal.c, planner_deussen.c) decides how much of everything is drawn, planner_emit.c
- * writes it down. */
+/* A plan, in three steps: set-up, a rule (planner_optimal.c, planner_deussen.c), cuts (planner_emit.c). */
 #include "lod/plan/planner.h"
 
 #include <assert.h>

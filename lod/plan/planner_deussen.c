@@ -1,24 +1,26 @@
-/* Deussen's rule, solved for a budget: one sample distance d' (radians; the mean distance of neighbouring samples on the image plane
- * at distance 1) decides for every tile whether its summary suffices, and for every organ at every distance how many points or lines
- * it gets. Smaller d' means more vertices; the planner finds the smallest d' whose plan fits, then spends what remains where the
- * measured curves promise most.
+/* Deussen's rule, solved for a budget. One sample distance d' (radians: the mean distance of neighbouring
+ * samples on the image plane at distance 1) decides for every tile whether its summary suffices, and for
+ * every organ at every distance how many points or lines it gets. Smaller d' means more vertices; the rule
+ * takes the smallest d' whose plan fits and spends the rest of the budget by the measured curves.
  *
- * From Deussen 2002, section 5, with corrections:
- *   points  p = c_p A / (2 r^2) / d'^2. The paper multiplies by n_p as well and compares the result with n_p: a misprint.
- *           p < 2k the first p points, then the blend of 5.3, all triangles from 3k on.
- *   lines   q = A/(2 r^2) / (l d'/(2 r)) = A / (l r d'); q <= 1 and epsilon / r < d': q n_l lines; else polygons.
- *           The paper's lines are long; ours may be shorter than the distance of two samples and are then no more use than
- *           points: never more lines than samples.
+ * Deussen 2002, section 5, with corrections:
+ *   points  p = c_p A / (2 r^2) / d'^2. The paper multiplies by n_p as well and compares the result with
+ *           n_p: a misprint. p < 2k: the first p points; then the blend of 5.3; from 3k on all triangles.
+ *   lines   q = A/(2 r^2) / (l d'/(2 r)) = A / (l r d'). q <= 1 and epsilon / r < d': q n_l lines; else
+ *           polygons.
+ *           The paper's lines are long; ours may be shorter than the distance of two samples and are then
+ *           no more use than points: never more lines than samples.
  *   importance multiplies an organ's share of the budget (4.3).
  *
- * As in the paper, what is out of view is left out (section 5), and nothing is known of what hides what. Two things are better than there, so
- * that rules are compared and not what they draw with: primitives are scaled as was measured for the list, not points by c_p and
- * triangles not at all (that leaves 13, 11 and 41 % more pixels wrong, in an outdoor scene, 5,000 trees and a dense forest); and what the
- * grid of d' leaves of the budget is spent by the measured curves (spent in any order: 1 % fewer, 1 and 7 % more).
+ * As in the paper, plants out of view are left out and occlusion is ignored. Two things are better than
+ * there, so that measurements compare rules and not primitives: scales are those measured for each list, and
+ * the rest of the budget follows the measured curves (lod/EXPERIMENTS.md, Deussen's rule with measured
+ * scales).
  *
- * V(d') is a step function and not quite monotone (a tile that opens may cost a little less than its summary did). So d' is
- * searched on a fixed exact grid, the plan's vertices are always counted, never inferred, and the structure (which tiles are open,
- * which plants show cells) may be taken from a finer d' than the hull points, where that uses the budget better. */
+ * V(d') is a step function and not quite monotone: a tile that opens may cost a little less than its summary
+ * did. So d' is searched on a fixed exact grid and the plan's vertices are always counted. The structure
+ * (open tiles, plants that show cells) may be that of a finer d' than the vertices, where that uses more of
+ * the budget. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -32,7 +34,7 @@
 #define STEPS_PER_OCTAVE 32
 #define STEP_LAST (STEPS_PER_OCTAVE * 60)
 #define STRUCTURE_TRIES 12       /* finer structures looked at when budget is left over */
-#define PLACES_MOST 1000000u     /* plants that one step looks at, where summaries stand for the others */
+#define PLACES_MOST 1000000u     /* plants looked at with a step, where summaries stand for the others */
 
 /* ---- One level of detail ---- */
 
@@ -50,7 +52,8 @@ static uint64_t to_count(double x)
 	return !(x > 0) ? 0 : x >= 9e15 ? (uint64_t)9e15 : (uint64_t)x;
 }
 
-/* Vertices that d' asks of a ladder at distance r, before rounding to what it can draw; *wanted: points or lines of the region. */
+/* Vertices that d' asks of a ladder at distance r, before rounding to what it can draw; *wanted: points or
+ * lines of the region. */
 static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_ladder *ladder, double r, double d, double *wanted)
 {
 	double importance = ladder->importance > 0 ? ladder->importance : 1;
@@ -83,7 +86,7 @@ static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_lad
 	return to_count(samples);
 }
 
-/* The plant's cells are drawn in bands where its whole-plant lists do not suffice. */
+/* The bands in which the whole plant's lists do not suffice, so that its cells are drawn. */
 static uint32_t gate_at(const struct lod_planner *p, uint32_t plant, double d)
 {
 	const struct eco_scene *scene = p->scene;
@@ -111,8 +114,7 @@ enum eco_code lod_planner_open(struct lod_planner *p, double d, double d_cells, 
 	return lod_visible_tree_count(&p->visible, d, p->gates, error);
 }
 
-/* Share of pixels of the whole picture that one plant's organ is expected to cover: half its area, but not more than most of its
- * bounding disc. */
+/* Pixels that one plant's organ is expected to cover: half its area, at most its bounding disc. */
 static double organ_pixels(const struct lod_planner *p, const struct eco_ladder *ladder, double r)
 {
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
@@ -202,7 +204,7 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 
 /* ---- The budget ---- */
 
-/* A step that is too large leaves nothing behind that a coarser one could be too large by. */
+/* After a step that is too large the tree is empty, so that a coarser step has all the room. */
 static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
 {
 	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES) ? PLACES_MOST : 0;
@@ -253,7 +255,8 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 	return ECO_OK;
 }
 
-/* Amounts for the structure of `structure`, at the finest step not finer than it that fits; vertices 0 if none does. */
+/* Amounts for the structure of `structure`, at the finest step not finer than it that fits; vertices 0 if
+ * none does. */
 static enum eco_code points_that_fit(struct lod_planner *p, int structure, struct eco_error *error)
 {
 	int low = -1, high = structure + 1;
@@ -285,7 +288,8 @@ static enum eco_code plan_structure(struct lod_planner *p, int structure, struct
 	return code;
 }
 
-/* The structure that uses the budget best: the solved one, or, where its curves have all ended below the budget, a finer one. */
+/* The structure that uses the budget best: the solved one, or, where its curves have all ended below the
+ * budget, a finer one. */
 static enum eco_code best_structure(struct lod_planner *p, int solved, int *best, struct eco_error *error)
 {
 	uint64_t most = 0, budget = p->input->request->vertices;
@@ -312,8 +316,8 @@ static enum eco_code best_structure(struct lod_planner *p, int solved, int *best
 	return ECO_OK;
 }
 
-/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. Of a picture that is asked
- * to hold t times its pixels the share t / (1 + t) is covered. */
+/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. Of a picture that is
+ * asked to hold t times its pixels the share t / (1 + t) is covered. */
 static struct eco_prediction predict(const struct lod_planner *p)
 {
 	const struct eco_view *view = &p->input->request->view;
