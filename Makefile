@@ -55,9 +55,10 @@ ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/imp
 BUILD_ROOMS := lod/build lod/build/order lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/base
 PACK_ROOM := ecofiles/ecopack
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(PACK_ROOM)
+SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -128,7 +129,7 @@ $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LI
 	$(CC) $(OPT) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
-TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(PACK_ROOM)) $(LIB_ALL)
+TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
@@ -136,7 +137,7 @@ $(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/%,$(TEST_SOURCES)))
 # Floating-point traps around lod/: these functions are entered through tests/support/traps.c.
 TRAPS := tests/support/traps.c
 TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' $(TRAPS)))
-$(TESTS): $(call objects,$(TRAPS)) $(TEST_LIBS) | $(MODULES)
+$(TESTS): $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) $(LINK_TEST) -lcmocka
 

@@ -147,7 +147,7 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 
 /* ---- Scenes ---- */
 
-static void make_scene(struct random_scene *r, uint64_t seed, struct eco_request *request)
+static void make_scene(struct scene_builder *r, uint64_t seed, struct eco_request *request)
 {
 	random_scene_sized(r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40, .places = 4,
 		.cells = 3 });
@@ -162,16 +162,16 @@ static void make_scene(struct random_scene *r, uint64_t seed, struct eco_request
 
 enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco_error *error)
 {
-	struct random_scene *scene = malloc(sizeof *scene);
+	struct scene_builder scene = { 0 };
 	struct search *search = calloc(1, sizeof *search);
 	struct eco_request request;
 	struct eco_plan plan = { 0 };
 	struct lod_planner_stats stats = { 0 };
-	enum eco_code code = scene && search ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a small scene");
+	enum eco_code code = search ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a small scene");
 	*best = (struct bench_best){ .best = INFINITY };
 	if (!code) {
-		make_scene(scene, seed, &request);
-		struct lod_planner_input input = { .scene = &scene->scene, .request = &request, .stats = &stats };
+		make_scene(&scene, seed, &request);
+		struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .stats = &stats };
 		*search = (struct search){ .budget = best->vertices = request.vertices, .out = best };
 		code = lod_plan(&plan, &input, error);
 		best->planner = stats.wrong;
@@ -179,7 +179,7 @@ enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco
 		if (!code)
 			code = find_best(search, &input, stats.level, error);
 	}
-	free(scene);
+	scene_free(&scene);
 	free(search);
 	return code;
 }

@@ -6,12 +6,15 @@
 #include <cmocka.h>
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "client-min/view_gl.h"
 #include "client-min/view_shade.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/view_scene.h"
 
-static struct view_scene scene;
+static struct scene_builder scene;
 static struct view_gl *gl;
 
 static int open_all(void **state)
@@ -113,12 +116,10 @@ static void ground_hides_and_is_not_covered(void **state)
 	/* from under a hill, looking up: the ground lies between, all over the picture */
 	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1, below.target[2] = 0;
 	scene_plan(&scene, &below, 1, &plan);
-	struct lod_eye eye;
-	lod_eye_make(&eye, &below);
 	plan.run_count = 1;                      /* the others stand on no ground */
 	assert_true(plan.cuts[1].list == L_SUMMARY);
 	memmove(plan.cuts + 1, plan.cuts + 2, (--plan.cut_count - 1) * sizeof *plan.cuts);
-	plan.vertices = scene_count(&scene, &plan, &eye, &plan.visible_plants);
+	plan.vertices = plan_twin_vertices(&scene.scene, &plan, &below, &plan.visible_plants);
 	assert_true(plan.vertices > 0);
 	store = scene_store(&scene, &plan, NULL);
 	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE), open = draw(gl, store, &below, false, VIEW_TINT_NONE);

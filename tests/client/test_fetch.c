@@ -9,6 +9,8 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -17,7 +19,7 @@
 
 #define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
 
-static struct view_scene scene;
+static struct scene_builder scene;
 
 struct server {
 	int listener;

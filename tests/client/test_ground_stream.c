@@ -6,14 +6,17 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
 #include "server/stream.h"
-#include "tests/support/sample_pack.h"
+#include "tests/support/ground_tiles.h"
+#include "tests/support/scene_packs.h"
 
 #define PATH "build/tmp/ground_stream.eco"
 #define SIDE 1025u

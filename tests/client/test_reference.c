@@ -6,6 +6,8 @@
 #include <cmocka.h>
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #include "client-min/view_gl.h"
@@ -16,7 +18,7 @@
 
 #define TOLERANCE 0.0005                 /* of all pixels: vertices that floats snap to another 1/256 pixel */
 
-static struct view_scene scene;
+static struct scene_builder scene;
 static struct view_gl *gl;
 static uint8_t *png;
 static size_t png_size;

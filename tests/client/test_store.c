@@ -6,12 +6,16 @@
 #include <cmocka.h>
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "client-min/view_record.h"
 #include "client-min/view_table.h"
+#include "client-min/view_select.h"
+#include "ecofiles/format/chunk.h"
 #include "tests/support/view_scene.h"
 
-static struct view_scene scene;
+static struct scene_builder scene;
 
 static int make_scene(void **state)
 {
@@ -150,8 +154,11 @@ enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
 {
 	uint32_t number = 0;
-	struct view_scene other = scene;
-	other.scene.lists = other.lists;
+	struct scene_builder other = scene;
+	struct eco_list lists[L_COUNT];
+	struct eco_anchor anchors[A_COUNT];
+	other.scene.lists = other.lists = memcpy(lists, scene.lists, sizeof lists);
+	other.scene.anchors = other.anchors = memcpy(anchors, scene.anchors, sizeof anchors);
 	*w = (struct eco_writer){ 0 };
 	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
 	scene_frame(w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
@@ -177,14 +184,13 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LEAVES, 0);
 		break;
 	case PLANT_CHANGED:
-		other.scene.anchors = other.anchors;
 		other.anchors[A_TREE].radius += 1;
 		scene_frame(w, &other, ECO_FRAME_PLANT, &number, 0, 0);
 		break;
 	case GROUND_IN_PART:
 	case GROUND_ELSEWHERE:
 		if (fault == GROUND_ELSEWHERE)
-			other.scene.lists = other.lists, other.lists[L_GROUND].level = 2;
+			other.lists[L_GROUND].level = 2;
 		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_GROUND, 0);
 		scene_frame(w, &other, ECO_FRAME_CHUNK, &number, L_GROUND, 0);
 		break;
@@ -234,7 +240,7 @@ static void wrong_streams_are_refused_with_a_reason(void **state)
 enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH, FORM_SIZE, FORM_MANY, FORM_FAULTS };
 
 /* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`. */
-static void forge_chunk(struct view_scene *other, uint32_t list, uint32_t count, int32_t code, uint8_t **payload)
+static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t count, int32_t code, uint8_t **payload)
 {
 	struct eco_list l = other->lists[list];
 	struct eco_elements e = other->elements[list], *of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
@@ -254,13 +260,17 @@ static void forge_chunk(struct view_scene *other, uint32_t list, uint32_t count,
 /* Leaves, then their points, or the other way round. */
 static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
 {
-	static struct view_scene other;
+	struct scene_builder other = scene;
 	uint32_t number = 0, order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
 	uint8_t *payload = NULL;
 	uint32_t first = scene.chunks[scene.lists[L_POINTS].chunk_first].element_count;
-	other = scene;
-	other.scene.lists = other.lists;
-	other.scene.chunks = other.chunks;
+	struct eco_list lists[L_LOW_POINTS + 9 > L_COUNT ? L_LOW_POINTS + 9 : L_COUNT];
+	struct eco_chunk chunks[512];
+	uint8_t *payloads[512];
+	assert_true(scene.scene.chunk_count <= 512);
+	other.scene.lists = other.lists = memcpy(lists, scene.lists, L_COUNT * sizeof *lists);
+	other.scene.chunks = other.chunks = memcpy(chunks, scene.chunks, scene.scene.chunk_count * sizeof *chunks);
+	other.payloads = memcpy(payloads, scene.payloads, scene.scene.chunk_count * sizeof *payloads);
 	*w = (struct eco_writer){ 0 };
 	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
 	other.lists[L_POINTS].primitive_count = other.lists[L_POINTS].element_count;

@@ -10,12 +10,15 @@
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/format/chunk.h"
 #include "tests/support/pack_resign.h"
-#include "tests/support/scene_pack.h"
+#include "tests/support/scene_packs.h"
 
 #define FOLDER "build/tmp/pack"
 #define PATH FOLDER "/small.eco"
@@ -60,13 +63,13 @@ static void empty_folder(void)
 /* The small pack as bytes; the caller frees them. */
 static uint8_t *small_pack(size_t *size)
 {
-	struct scene_pack p;
+	struct scene_builder p;
 	struct eco_error error = { 0 };
 
 	empty_folder();
-	if (scene_pack_write(&p, PATH, NULL, &error) != ECO_OK)
+	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK)
 		fail_msg("%s", error.text);
-	scene_pack_free(&p);
+	scene_free(&p);
 	return read_file(PATH, size);
 }
 
@@ -104,14 +107,14 @@ static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_er
 
 static void all_tables_come_back(void **state)
 {
-	struct scene_pack p;
+	struct scene_builder p;
 	struct eco_error error = { 0 };
 	struct eco_pack *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
 
 	(void)state;
 	empty_folder();
-	if (scene_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
+	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(count_files(), 1);
 	got = &pack->scene;
@@ -147,11 +150,11 @@ static void all_tables_come_back(void **state)
 	assert_true(got->lists[2].unit_area == 0.01f && got->lists[2].grid_step[2] == 0.01 && got->lists[2].grid_origin[0] == -5);
 	assert_int_equal(got->palette_count, 4);
 	assert_memory_equal(got->palette, want->palette, 12);
-	assert_int_equal(got->place_count, SCENE_PACK_PLANTS);
+	assert_int_equal(got->place_count, SMALL_PACK_PLANTS);
 	assert_int_equal(pack->meta_size, strlen("{\"name\": \"small\"}"));
 	assert_memory_equal(pack->meta, "{\"name\": \"small\"}", pack->meta_size);
 	eco_pack_close(pack);
-	scene_pack_free(&p);
+	scene_free(&p);
 }
 
 /* Every payload decodes to what its list says, and the planner's copy of the instances is the coded one. */
@@ -191,7 +194,7 @@ static void all_payloads_decode(void **state)
 			eco_elements_free(&e);
 		}
 	}
-	assert_int_equal(places, SCENE_PACK_PLANTS);
+	assert_int_equal(places, SMALL_PACK_PLANTS);
 	assert_int_equal(eco_pack_payload(pack, pack->scene.chunk_count, &(const uint8_t *){ NULL }, &(size_t){ 0 }, NULL), ECO_NOT_FOUND);
 	eco_pack_close(pack);
 	free(bytes);
@@ -302,18 +305,19 @@ static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
 
 static void equal_payloads_are_stored_once(void **state)
 {
-	struct eco_list list = scene_pack_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0);
 	struct eco_pack_writer *w = NULL;
 	struct eco_error error = { 0 };
-	struct scene_pack p;
+	struct scene_builder p;
 	struct eco_pack *pack;
 	uint32_t first = 0, last = 0;
 
 	(void)state;
 	empty_folder();
-	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
+	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
+	struct eco_list list = scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0, 0 });
+	struct eco_elements e = small_pack_elements(&list, 9, 4);
 	for (int i = 0; i < 300; i++) {
-		assert_int_equal(scene_pack_add(w, list, scene_pack_elements(9, 4, 0, 0), NULL, &last, &error), ECO_OK);
+		assert_int_equal(eco_pack_add_list(w, &list, &e, (const uint32_t[]){ 3, 9 }, 2, NULL, &last, &error), ECO_OK);
 		if (i == 0)
 			first = last;
 	}
@@ -325,7 +329,8 @@ static void equal_payloads_are_stored_once(void **state)
 	assert_int_equal(pack->meta_size, 0);
 	assert_true(pack->map_size < 64000);
 	eco_pack_close(pack);
-	scene_pack_free(&p);
+	eco_elements_free(&e);
+	scene_free(&p);
 }
 
 static void a_failed_pack_leaves_the_old_one(void **state)
@@ -334,20 +339,20 @@ static void a_failed_pack_leaves_the_old_one(void **state)
 	uint8_t *bytes = small_pack(&size), *after;
 	struct eco_error error = { 0 };
 	struct eco_pack_writer *w = NULL;
-	struct scene_pack p;
+	struct scene_builder p;
 
 	(void)state;
-	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
+	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	assert_int_equal(count_files(), 2);
 	eco_pack_abort(w);
 	assert_int_equal(count_files(), 1);
-	scene_pack_free(&p);
+	scene_free(&p);
 	/* A scene that does not fit together is not written. */
-	assert_int_equal(scene_pack_write(&p, PATH, &w, &error), ECO_OK);
-	p.plant.ladder_count++;
+	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
+	p.plants[0].ladder_count++;
 	assert_int_equal(eco_pack_commit(w, &p.scene, "{}", &error), ECO_DAMAGED);
 	assert_int_equal(count_files(), 1);
-	scene_pack_free(&p);
+	scene_free(&p);
 	after = read_file(PATH, &size_after);
 	assert_int_equal(size, size_after);
 	assert_memory_equal(bytes, after, size);
@@ -368,16 +373,16 @@ static void a_full_disk_is_reported_and_leaves_nothing(void **state)
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
 	for (size_t most = 0; most < size; most += 97) {
 		struct eco_error error = { 0 };
-		struct scene_pack p;
+		struct scene_builder p;
 		enum eco_code code;
 
 		empty_folder();
 		limit = old;
 		limit.rlim_cur = most;
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-		code = scene_pack_write(&p, PATH, NULL, &error);
+		code = small_pack_write(&p, PATH, NULL, &error);
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
-		scene_pack_free(&p);
+		scene_free(&p);
 		assert_int_equal(code, ECO_IO);
 		assert_non_null(strstr(error.text, "free some space"));
 		assert_int_equal(count_files(), 0);
@@ -437,8 +442,9 @@ static void only_packs_and_empty_files_are_replaced(void **state)
 
 static void bad_lists_are_refused(void **state)
 {
-	struct eco_list list = scene_pack_list(ECO_LIST_POINTS, ECO_CODER_FORM, 0, 0);
-	struct eco_elements e = scene_pack_elements(10, 1, 0, 0);
+	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .plant = ECO_NONE, .grid_step = { 0.01, 0.01, 0.01 },
+		.unit_area = 0.01f, .image = ECO_NONE, .partner = ECO_NONE };
+	struct eco_elements e = small_pack_elements(&list, 10, 1);
 	const uint32_t ends[2] = { 4, 9 };
 	struct eco_error error = { 0 };
 	struct eco_pack_writer *w = NULL;

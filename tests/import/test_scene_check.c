@@ -6,11 +6,12 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/format/pack_record.h"
-#include "tests/support/scene_pack.h"
+#include "tests/support/scene_packs.h"
 
 #define PATH "build/tmp/test_scene_check.eco"
 
@@ -203,14 +204,14 @@ static void every_inconsistency_is_found(void **state)
 	};
 #undef CASE
 	struct eco_error error = { 0 };
-	struct scene_pack made;
+	struct scene_builder made;
 	struct eco_pack *pack;
 
 	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
-	assert_int_equal(scene_pack_write(&made, PATH, NULL, &error), ECO_OK);
-	scene_pack_free(&made);
+	assert_int_equal(small_pack_write(&made, PATH, NULL, &error), ECO_OK);
+	scene_free(&made);
 	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		struct loose l;

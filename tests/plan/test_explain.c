@@ -14,7 +14,7 @@
 #include "lod/plan/planner.h"
 #include "tests/support/scene_random.h"
 
-static struct random_scene scene;
+static struct scene_builder scene;
 
 static struct eco_request request_of(uint64_t vertices)
 {

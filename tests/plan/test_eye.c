@@ -6,11 +6,12 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <string.h>
 
 #include "lod/eye.h"
 #include "tests/support/scene_random.h"
 
-static struct random_scene source;       /* of random numbers */
+static struct scene_builder source;       /* of random numbers */
 
 static struct eco_view view_of(double fov, uint32_t width, uint32_t height)
 {

@@ -4,13 +4,15 @@
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
+
+#include <string.h>
 #include <math.h>
 
 #include "lod/ladder.h"
 #include "lod/eye.h"
 #include "tests/support/scene_random.h"
 
-static struct random_scene scene;
+static struct scene_builder scene;
 
 static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 {

@@ -8,16 +8,19 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
 #include "lod/plan/planner.h"
 #include "lod/eye.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 
-static struct random_scene scene;
+static struct scene_builder scene;
 
-static struct eco_request random_request(struct random_scene *r)
+static struct eco_request random_request(struct scene_builder *r)
 {
 	static const uint32_t sizes[] = { 1, 64, 800, 16384 };
 	struct eco_request q = { .bytes = ECO_BYTES_UNBOUNDED };
@@ -34,49 +37,6 @@ static struct eco_request random_request(struct random_scene *r)
 	uint64_t limit = (uint64_t)1 << random_below(r, 27);
 	q.vertices = random_bits(r) % limit;
 	return q;
-}
-
-/* Vertices drawn, counted cut by cut and plant by plant. */
-static uint64_t twin_vertices(const struct eco_scene *s, const struct eco_plan *plan, const struct eco_view *view)
-{
-	static const uint32_t per[] = { 0, 3, 2, 1 };
-	struct lod_eye eye;
-	uint64_t total = 0;
-	lod_eye_make(&eye, view);
-	for (uint32_t c = 0; c < plan->cut_count; c++)
-		if (plan->cuts[c].anchor == ECO_NONE)
-			total += plan->cuts[c].end - plan->cuts[c].first;
-	for (uint32_t r = 0; r < plan->run_count; r++)
-		for (uint32_t list = plan->runs[r].list_first; list < plan->runs[r].list_end; list++) {
-			const struct eco_placement *placement = &plan->placements[plan->runs[r].placement];
-			uint32_t g = 0;
-			while (s->groups[g].list != list)
-				g++;
-			const struct eco_plant *plant = &s->plants[s->groups[g].plant];
-			uint32_t gate = 0;
-			for (uint32_t i = 0; i < plan->gate_count; i++)
-				if (plan->gates[i].plant == s->groups[g].plant)
-					gate = plan->gates[i].end;
-			for (uint32_t i = 0; i < s->lists[list].primitive_count; i++) {
-				struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
-				struct lod_place place;
-				struct lod_anchor_band at[64];
-				lod_place_instance(&place, placement, &s->lists[list], &stored);
-				uint32_t hash = lod_share_hash(placement->path, list, i);
-				if (lod_open_hash(hash) < plan->runs[r].left)
-					continue;
-				uint32_t n = lod_instance_anchors(&eye, &place, s->anchors + plant->anchor_first, plant->anchor_first,
-					plant->anchor_count, gate, hash, at);
-				for (uint32_t a = 0; a < n; a++)
-					for (uint32_t c = 0; c < plan->cut_count; c++) {
-						const struct eco_cut *cut = &plan->cuts[c];
-						if (cut->anchor == at[a].anchor && at[a].band >= cut->band_first && at[a].band < cut->band_end
-								&& hash >= cut->share_first && hash < cut->share_end)
-							total += (uint64_t)(cut->end - cut->first) * per[s->lists[cut->list].kind];
-					}
-			}
-		}
-	return total;
 }
 
 static struct lod_planner_stats plan_by(lod_rule *rule, struct eco_plan *plan, const struct eco_request *request)
@@ -118,11 +78,11 @@ static void never_above_the_budget_and_counted_as_drawn(void **state)
 			struct lod_planner_stats stats = plan_it(&plan, &request);
 			check_cuts(&plan);
 			assert_true(plan.vertices <= request.vertices);
-			assert_int_equal(plan.vertices, twin_vertices(&scene.scene, &plan, &request.view));
+			assert_int_equal(plan.vertices, plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
 			struct eco_request everything = request;
 			everything.vertices = ECO_VERTICES_MAX;
 			plan_it(&all, &everything);
-			assert_int_equal(all.vertices, twin_vertices(&scene.scene, &all, &request.view));
+			assert_int_equal(all.vertices, plan_twin_vertices(&scene.scene, &all, &request.view, NULL));
 			/* left over is less than any step takes; or everything that can be seen is as it should be */
 			assert_true(request.vertices - plan.vertices < stats.cheapest);
 			ended += stats.cheapest == UINT64_MAX;
@@ -221,15 +181,13 @@ static void shifting_turning_and_scaling_through_a_placement_changes_only_roundi
 	/* a new root that places the old one, scaled, shifted and turned by a quarter */
 	uint32_t root = scene.scene.tile_count;
 	for (size_t i = 0; i < sizeof shifts / sizeof *shifts; i++) {
+		scene_add_tile(&scene, (struct eco_tile){ .summary = ECO_NONE });
 		memmove(scene.tiles + 1, scene.tiles, root * sizeof *scene.tiles);
 		for (uint32_t c = 0; c < scene.scene.child_count; c++)
 			scene.children[c].tile++;
-		uint32_t child = scene.scene.child_count++;
-		scene.children[child] = (struct eco_child){ .tile = 1, .placed = true, .at = { shifts[i][0], shifts[i][1], shifts[i][2] },
-			.turn = 16384, .scale = scales[i] };
-		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 }, .summary = ECO_NONE,
-			.child_first = child, .child_count = 1 };
-		scene.scene.tile_count++;
+		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 }, .summary = ECO_NONE };
+		scene_add_child(&scene, 0, (struct eco_child){ .tile = 1, .placed = true, .at = { shifts[i][0], shifts[i][1], shifts[i][2] },
+			.turn = 16384, .scale = scales[i] });
 		struct eco_request there = request;
 		for (int v = 0; v < 2; v++) {
 			double *p = v ? there.view.target : there.view.eye, *from = v ? request.view.target : request.view.eye;

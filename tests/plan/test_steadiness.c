@@ -140,7 +140,7 @@ static void compare(const struct eco_scene *s, const struct shot *a, const struc
 
 static void move_slowly(uint64_t seed, struct tally *tally)
 {
-	static struct random_scene r;
+	static struct scene_builder r;
 	random_scene_sized(&r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 4, .elements = 300, .places = 800, .cells = 4 });
 	double far = random_real(&r, 60, 400), around = random_real(&r, 0, 6.28), up = random_real(&r, 0.1, 1);
 	struct eco_request request = { .view = { .target = { 50, 50, 3 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 640, .height = 480 },
@@ -181,7 +181,7 @@ static void few_of_like_plants_switch_at_once(void **state)
 
 static void a_still_camera_has_one_plan(void **state)
 {
-	static struct random_scene r;
+	static struct scene_builder r;
 	struct eco_plan first, again;
 	struct shot a, b;
 	(void)state;

@@ -8,12 +8,14 @@
 #include <libgen.h>
 #include <limits.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
 #include "tests/support/http_client.h"
-#include "tests/support/sample_pack.h"
+#include "tests/support/scene_packs.h"
 
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"

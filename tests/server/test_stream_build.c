@@ -5,10 +5,13 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "server/describe.h"
 #include "server/emit.h"
 #include "server/stream.h"
-#include "tests/support/pack_random.h"
+#include "tests/support/scene_random.h"
 #include "tests/support/stream_reader.h"
 
 #define ROUNDS 24u
@@ -73,7 +76,7 @@ static void read_all(struct stream_reader *reader, const struct body *body, uint
 	assert_int_equal(reader->plans, body->steps);
 }
 
-static struct eco_request random_request(struct random_scene *r)
+static struct eco_request random_request(struct scene_builder *r)
 {
 	static const uint64_t budgets[] = { 0, 1, 100, 1000, 10000, 100000, 100000000 };
 	return (struct eco_request){ .view = random_view(r), .vertices = budgets[random_below(r, 7)] + random_below(r, 50),

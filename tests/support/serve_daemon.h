@@ -15,7 +15,7 @@
 #include "server/daemon.h"
 #include "server/query.h"
 #include "tests/support/http_client.h"
-#include "tests/support/sample_pack.h"
+#include "tests/support/scene_packs.h"
 
 #define BASE "/v1/scenes/sample"
 #define VIEW "eye=50,-30,12&target=50,30,2&width=400&height=300"

@@ -1,0 +1,67 @@
+#include "tests/support/plan_twin.h"
+
+#include "lod/eye.h"
+
+#define ANCHORS_MOST 64
+
+static uint32_t gate_of(const struct eco_plan *plan, uint32_t plant)
+{
+	for (uint32_t i = 0; i < plan->gate_count; i++)
+		if (plan->gates[i].plant == plant)
+			return plan->gates[i].end;
+	return 0;
+}
+
+static uint64_t anchor_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct lod_anchor_band *at, uint32_t hash)
+{
+	uint64_t vertices = 0;
+	for (uint32_t c = 0; c < plan->cut_count; c++) {
+		const struct eco_cut *cut = &plan->cuts[c];
+		if (cut->anchor == at->anchor && cut->band_first <= at->band && at->band < cut->band_end && cut->share_first <= hash
+				&& hash < cut->share_end)
+			vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&scene->lists[cut->list]);
+	}
+	return vertices;
+}
+
+/* All plants of one list in one placement. */
+static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct lod_eye *eye, const struct eco_run *run,
+	const struct eco_group *group, uint64_t *plants)
+{
+	const struct eco_placement *placement = &plan->placements[run->placement];
+	const struct eco_plant *plant = &scene->plants[group->plant];
+	const struct eco_list *list = &scene->lists[group->list];
+	uint64_t vertices = 0;
+	for (uint32_t i = 0; i < list->primitive_count; i++) {
+		struct eco_place stored = eco_place_read(scene, group->place_first + i);
+		struct lod_anchor_band seen[ANCHORS_MOST];
+		struct lod_place place;
+		uint32_t hash = lod_share_hash(placement->path, group->list, i);
+		if (lod_open_hash(hash) < run->left)
+			continue;
+		lod_place_instance(&place, placement, list, &stored);
+		uint32_t count = lod_instance_anchors(eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count,
+			gate_of(plan, group->plant), hash, seen);
+		*plants += count != 0;
+		for (uint32_t a = 0; a < count; a++)
+			vertices += anchor_vertices(scene, plan, &seen[a], hash);
+	}
+	return vertices;
+}
+
+uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct eco_view *view, uint64_t *plants)
+{
+	uint64_t vertices = 0, seen = 0;
+	struct lod_eye eye;
+	lod_eye_make(&eye, view);
+	for (uint32_t c = 0; c < plan->cut_count; c++)
+		if (plan->cuts[c].anchor == ECO_NONE && scene->lists[plan->cuts[c].list].kind != ECO_LIST_GROUND)
+			vertices += plan->cuts[c].end - plan->cuts[c].first;
+	for (uint32_t r = 0; r < plan->run_count; r++)
+		for (uint32_t g = 0; g < scene->group_count; g++)
+			if (plan->runs[r].list_first <= scene->groups[g].list && scene->groups[g].list < plan->runs[r].list_end)
+				vertices += group_vertices(scene, plan, &eye, &plan->runs[r], &scene->groups[g], &seen);
+	if (plants)
+		*plants = seen;
+	return vertices;
+}

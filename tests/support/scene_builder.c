@@ -1,0 +1,262 @@
+#include "tests/support/scene_builder.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "lod/build/ground_tree.h"
+#include "tests/support/ground_tiles.h"
+
+/* ---- Tables ---- */
+
+/* Room for one row more: it doubles whenever their count is a power of two. */
+static void *room_for(void *rows, uint64_t count, size_t size)
+{
+	if (count & (count - 1))
+		return rows;
+	rows = realloc(rows, (count ? 2 * count : 1) * size);
+	if (!rows)
+		abort();
+	return rows;
+}
+
+#define ADD(table, counter, row) \
+	(b->scene.table = b->table = room_for(b->table, b->scene.counter, sizeof *b->table), b->table[b->scene.counter] = (row), b->scene.counter++)
+
+uint32_t scene_add_plant(struct scene_builder *b, struct eco_plant row)
+{
+	row.anchor_first = b->scene.anchor_count;
+	row.ladder_first = b->scene.ladder_count;
+	row.anchor_count = row.ladder_count = 0;
+	return ADD(plants, plant_count, row);
+}
+
+uint32_t scene_add_anchor(struct scene_builder *b, struct eco_anchor row)
+{
+	b->plants[b->scene.plant_count - 1].anchor_count++;
+	return ADD(anchors, anchor_count, row);
+}
+
+uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row)
+{
+	b->plants[row.plant].ladder_count++;
+	return ADD(ladders, ladder_count, row);
+}
+
+uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row) { return ADD(curves, curve_count, row); }
+
+uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row) { return ADD(tiles, tile_count, row); }
+
+uint32_t scene_add_group(struct scene_builder *b, struct eco_group row)
+{
+	if (row.tile < b->scene.tile_count) {
+		struct eco_tile *tile = &b->tiles[row.tile];
+		tile->group_first = tile->group_count++ ? tile->group_first : b->scene.group_count;
+	}
+	return ADD(groups, group_count, row);
+}
+
+uint32_t scene_add_child(struct scene_builder *b, uint32_t parent, struct eco_child row)
+{
+	struct eco_tile *tile = &b->tiles[parent];
+	tile->child_first = tile->child_count++ ? tile->child_first : b->scene.child_count;
+	return ADD(children, child_count, row);
+}
+
+uint32_t scene_add_list(struct scene_builder *b, struct eco_list row)
+{
+	b->elements = room_for(b->elements, b->scene.list_count, sizeof *b->elements);
+	b->elements[b->scene.list_count] = (struct eco_elements){ 0 };
+	return ADD(lists, list_count, row);
+}
+
+uint32_t scene_add_chunk(struct scene_builder *b, struct eco_chunk row)
+{
+	b->payloads = room_for(b->payloads, b->scene.chunk_count, sizeof *b->payloads);
+	b->payloads[b->scene.chunk_count] = NULL;
+	return ADD(chunks, chunk_count, row);
+}
+
+uint32_t scene_add_ground(struct scene_builder *b, struct eco_ground_tile row) { return ADD(ground, ground_count, row); }
+
+void scene_add_colors(struct scene_builder *b, const uint8_t (*colors)[3], uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		b->palette = room_for(b->palette, b->scene.palette_count, sizeof *b->palette);
+		memcpy(b->palette[b->scene.palette_count++], colors[i], sizeof *colors);
+	}
+	b->scene.palette = (const uint8_t(*)[3])b->palette;
+}
+
+void scene_add_place(struct scene_builder *b, struct eco_place place)
+{
+	eco_place_write(&b->places, &place);
+	b->scene.places = b->places.bytes;
+	b->scene.place_count++;
+}
+
+struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ)
+{
+	return (struct eco_ladder){ .plant = plant, .anchor = anchor, .organ = (uint8_t)organ, .points = ECO_NONE, .lines = ECO_NONE,
+		.simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+}
+
+/* ---- Lists ---- */
+
+struct eco_list scene_list(const struct scene_builder *b, const struct scene_row *row)
+{
+	struct eco_list list = b->like;
+	list.kind = row->kind;
+	list.coder = row->coder;
+	list.attributes = row->attributes;
+	list.owner = row->owner;
+	list.plant = list.image = list.partner = ECO_NONE;
+	*(row->coder == ECO_CODER_FORM ? &list.partner : row->kind == ECO_LIST_INSTANCES ? &list.plant : &list.image) = row->other;
+	list.palette_count = row->attributes & ECO_ATTR_COLOR ? list.palette_count : 0;
+	return list;
+}
+
+uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, uint32_t count)
+{
+	uint32_t first = b->scene.list_count;
+	for (uint32_t i = 0; i < count; i++) {
+		scene_add_list(b, scene_list(b, &rows[i]));
+		if (rows[i].count)
+			scene_elements(b, first + i, rows[i].count, rows[i].corners);
+	}
+	return first;
+}
+
+struct eco_elements elements_make(const struct eco_list *list, uint32_t count, uint8_t corners)
+{
+	struct eco_elements e = { .element_count = count, .corner_count = count * corners,
+		.primitive_count = corners < 3 ? count : count * (corners - 2u), .extra_count = eco_list_extra_count(list) };
+	e.corners = malloc(count);
+	e.position = calloc(3 * (size_t)e.corner_count, sizeof *e.position);
+	e.uv = list->attributes & ECO_ATTR_UV ? calloc(2 * (size_t)e.corner_count, sizeof *e.uv) : NULL;
+	e.extra = e.extra_count ? calloc((size_t)e.extra_count * count, sizeof *e.extra) : NULL;
+	memset(e.corners, corners, count);
+	return e;
+}
+
+void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint8_t corners)
+{
+	b->elements[list] = elements_make(&b->lists[list], count, corners);
+}
+
+void scene_add_instances(struct scene_builder *b, uint32_t list)
+{
+	const struct eco_elements *e = &b->elements[list];
+	scene_add_group(b, (struct eco_group){ b->lists[list].owner, b->lists[list].plant, list, b->scene.place_count });
+	for (uint32_t i = 0; i < e->element_count; i++)
+		scene_add_place(b, eco_place_of(e, i));
+}
+
+enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground, struct eco_error *error)
+{
+	struct lod_ground_tree tree;
+	enum eco_code code = lod_ground_build(&tree, ground, GROUND_TILES_STEP_M, GROUND_TILES_STEP_M, error);
+	for (uint32_t i = 0; i < tree.count && !code; i++) {
+		tree.tiles[i].list = scene_add_list(b, ground_list(ground, &tree.tiles[i]));
+		b->elements[tree.tiles[i].list] = ground_elements(ground, &tree.tiles[i], tree.shifts[i]);
+		scene_add_ground(b, tree.tiles[i]);
+	}
+	b->scene.ground_columns = ground->columns;
+	b->scene.ground_rows = ground->rows;
+	lod_ground_tree_free(&tree);
+	return code;
+}
+
+/* ---- Chunks ---- */
+
+static uint32_t ends_of(const struct scene_builder *b, uint32_t id, uint32_t *ends)
+{
+	const struct eco_list *list = &b->lists[id];
+	uint32_t count = b->elements[list->coder == ECO_CODER_FORM ? list->partner : id].element_count;
+	if (b->split && list->kind != ECO_LIST_GROUND)
+		return b->split(count, ends);
+	ends[0] = count;
+	return 1;
+}
+
+static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, size_t size, uint32_t primitives, uint32_t elements)
+{
+	uint32_t id = scene_add_chunk(b, (struct eco_chunk){ eco_chunk_hash(payload, size), 0, (uint32_t)size, primitives, elements });
+	b->payloads[id] = payload;
+	b->lists[list].chunk_count++;
+	b->lists[list].primitive_count += primitives;
+	b->lists[list].element_count += elements;
+}
+
+static void encode_list(struct scene_builder *b, uint32_t id)
+{
+	static uint32_t ends[SCENE_CHUNKS_MAX];
+	const struct eco_list *list = &b->lists[id];
+	const struct eco_elements *e = &b->elements[id];
+	uint32_t like = list->coder == ECO_CODER_FORM ? list->partner : id, count = ends_of(b, id, ends);
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_chunk_input input = { &b->lists[like], &b->elements[like], i ? ends[i - 1] : 0, ends[i], i };
+		uint32_t elements = ends[i] - input.first;
+		uint8_t *payload;
+		size_t size;
+		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL, NULL) : eco_chunk_encode_form(&input, list, e, &payload, &size, NULL))
+			abort();
+		put_chunk(b, id, payload, size, e->corners[0] > 2 ? elements * (e->corners[0] - 2u) : elements, elements);
+	}
+}
+
+void scene_encode(struct scene_builder *b)
+{
+	for (uint32_t id = 0; id < b->scene.list_count; id++) {
+		b->lists[id].chunk_first = b->scene.chunk_count;
+		b->lists[id].chunk_count = b->lists[id].primitive_count = b->lists[id].element_count = 0;
+		if (b->lists[id].kind != ECO_LIST_IMAGE)
+			encode_list(b, id);
+		else if (b->image)
+			put_chunk(b, id, memcpy(malloc(b->image_size), b->image, b->image_size), b->image_size, 1, 1);
+	}
+}
+
+enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta, struct eco_pack_writer **keep, struct eco_error *error)
+{
+	static uint32_t ends[SCENE_CHUNKS_MAX];
+	struct eco_pack_writer *w;
+	enum eco_code code = eco_pack_create(&w, path, error);
+	if (code)
+		return code;
+	for (uint32_t id = 0, stored; id < b->scene.list_count && !code; id++) {
+		const struct eco_list *list = &b->lists[id];
+		if (list->kind == ECO_LIST_IMAGE)
+			code = eco_pack_add_bytes(w, list, b->image, b->image_size, &stored, error);
+		else
+			code = eco_pack_add_list(w, list, &b->elements[id], ends, ends_of(b, id, ends),
+				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored, error);
+	}
+	if (code)
+		eco_pack_abort(w);
+	else if (keep)
+		*keep = w;
+	else
+		code = eco_pack_commit(w, &b->scene, meta, error);
+	return code;
+}
+
+void scene_free(struct scene_builder *b)
+{
+	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children, b->lists, b->chunks, b->ground,
+		b->palette, b->elements, b->payloads };
+	for (uint32_t i = 0; i < b->scene.list_count; i++)
+		eco_elements_free(&b->elements[i]);
+	for (uint32_t i = 0; i < b->scene.chunk_count; i++)
+		free(b->payloads[i]);
+	for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+		free(tables[i]);
+	eco_writer_free(&b->places);
+	*b = (struct scene_builder){ 0 };
+}
+
+uint32_t lcg_bits(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (uint32_t)(*state >> 33);
+}
