@@ -323,7 +323,7 @@ static int set_up(void **state)
 {
 	(void)state;
 	scratch_open("link");
-	snprintf(cache, sizeof cache, "%s/cache", root);
+	snprintf(cache, sizeof cache, "%s/cache", scratch_root);
 	main_progress_quiet(true);
 	write_model("a.obj", 4, 60);
 	write_model("b.obj", 1.5, 25);
@@ -335,7 +335,7 @@ static int clean_up(void **state)
 {
 	(void)state;
 	scratch_remove(cache);
-	scratch_remove(root);
+	scratch_remove(scratch_root);
 	return 0;
 }
 

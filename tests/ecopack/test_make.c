@@ -44,8 +44,8 @@ static void write_model(const char *name, double height, int leaves)
 static enum eco_code make(const char *scene, const char *pack, uint32_t jobs, struct eco_error *error)
 {
 	char from[512], to[512];
-	snprintf(from, sizeof from, "%s/%s", root, scene);
-	snprintf(to, sizeof to, "%s/%s", root, pack);
+	snprintf(from, sizeof from, "%s/%s", scratch_root, scene);
+	snprintf(to, sizeof to, "%s/%s", scratch_root, pack);
 	return make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = jobs }, error);
 }
 
@@ -307,7 +307,7 @@ static void test_every_triangle_is_accounted_for(void **state)
 
 static uint32_t files_with(const char *part)
 {
-	DIR *folder = opendir(root);
+	DIR *folder = opendir(scratch_root);
 	struct dirent *entry;
 	uint32_t count = 0;
 	while ((entry = readdir(folder)))
@@ -476,7 +476,7 @@ static int prepare(void **state)
 static int clean_up(void **state)
 {
 	(void)state;
-	scratch_remove(root);
+	scratch_remove(scratch_root);
 	return 0;
 }
 

@@ -6,23 +6,23 @@ static void what_goes_in_comes_out(void **state)
 	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct kind *k = &kinds[i];
-		const struct eco_list list = list_of(k);
-		struct eco_elements in = make(k, k->count + 7, i + 1), out;
+		const struct eco_list list = kind_list(k);
+		struct eco_elements in = kind_elements(k, k->count + 7, i + 1), out;
 		uint32_t first = k->count > 10 ? 5 : 0, end = first + k->count;
 		const struct eco_chunk_input input = { &list, &in, first, end, (uint32_t)i };
-		uint32_t *order = ordered(k) ? malloc((end - first) * sizeof *order) : NULL;
+		uint32_t *order = kind_ordered(k) ? malloc((end - first) * sizeof *order) : NULL;
 		struct eco_error error = { 0 };
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
 
-		if (encode(&input, &bytes, &size, order, &error) != ECO_OK)
+		if (kind_encode(&input, &bytes, &size, order, &error) != ECO_OK)
 			fail_msg("%s: %s", k->name, error.text);
-		chunk = describe(&in, first, end, size);
+		chunk = kind_chunk(&in, first, end, size);
 		if (eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, &error) != ECO_OK)
 			fail_msg("%s: %s", k->name, error.text);
 		assert_int_equal(out.primitive_count, chunk.primitive_count);
-		assert_same(k, &in, first, end, &out, order);
+		assert_same_elements(k, &in, first, end, &out, order);
 		free(order);
 		free(bytes);
 		eco_elements_free(&in);
@@ -34,14 +34,14 @@ static void the_same_elements_give_the_same_bytes(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
-		const struct eco_list list = list_of(&kinds[i]);
-		struct eco_elements in = make(&kinds[i], kinds[i].count, 3);
+		const struct eco_list list = kind_list(&kinds[i]);
+		struct eco_elements in = kind_elements(&kinds[i], kinds[i].count, 3);
 		const struct eco_chunk_input input = { &list, &in, 0, kinds[i].count, 1 };
 		uint8_t *bytes[2];
 		size_t size[2];
 
 		for (int pass = 0; pass < 2; pass++)
-			assert_int_equal(encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
+			assert_int_equal(kind_encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
 		assert_int_equal(size[0], size[1]);
 		assert_memory_equal(bytes[0], bytes[1], size[0]);
 		free(bytes[0]);
@@ -65,8 +65,8 @@ static void forms_follow_their_elements(void **state)
 		const struct kind form = { "forms", cases[i].form == 1 ? ECO_LIST_POINTS : ECO_LIST_TRIANGLES, ECO_CODER_FORM,
 			cases[i].form == 1 ? ECO_ATTR_COLOR | ECO_ATTR_SIZE : ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0,
 			4095, SCATTERED };
-		const struct eco_list fans = list_of(&fan), forms = list_of(&form);
-		struct eco_elements in = make(&fan, COUNT, i), other = make(&form, COUNT, i + 50), out;
+		const struct eco_list fans = kind_list(&fan), forms = kind_list(&form);
+		struct eco_elements in = kind_elements(&fan, COUNT, i), other = kind_elements(&form, COUNT, i + 50), out;
 		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
 		uint32_t order[END - FIRST];
 		struct eco_error error = { 0 };
@@ -78,10 +78,10 @@ static void forms_follow_their_elements(void **state)
 		free(bytes);
 		if (eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error) != ECO_OK)
 			fail_msg("%s", error.text);
-		chunk = describe(&other, FIRST, END, size);
+		chunk = kind_chunk(&other, FIRST, END, size);
 		if (eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error) != ECO_OK)
 			fail_msg("%s", error.text);
-		assert_same(&form, &other, FIRST, END, &out, order);
+		assert_same_elements(&form, &other, FIRST, END, &out, order);
 		eco_elements_free(&out);
 		free(bytes);
 		/* one form too few, one of another shape */
@@ -105,8 +105,8 @@ static void first_chunks_keep_their_order(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
-		const struct eco_list list = list_of(&k);
-		struct eco_elements in = make(&k, 300, i), out;
+		const struct eco_list list = kind_list(&k);
+		struct eco_elements in = kind_elements(&k, 300, i), out;
 		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end, (uint32_t)i };
 		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
 		uint8_t *bytes;
@@ -120,9 +120,9 @@ static void first_chunks_keep_their_order(void **state)
 			*before = order[e];
 		}
 		assert_true(cases[i].kept ? falls == 0 : falls > 10);
-		struct eco_chunk chunk = describe(&in, cases[i].first, cases[i].end, size);
+		struct eco_chunk chunk = kind_chunk(&in, cases[i].first, cases[i].end, size);
 		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL), ECO_OK);
-		assert_same(&k, &in, cases[i].first, cases[i].end, &out, order);
+		assert_same_elements(&k, &in, cases[i].first, cases[i].end, &out, order);
 		eco_elements_free(&out);
 		eco_elements_free(&in);
 		free(bytes);
@@ -163,7 +163,7 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 static void equal_texture_coordinates_are_free(void **state)
 {
 	const struct kind *k = &kinds[8];
-	struct eco_elements in = make(k, 300, 4);
+	struct eco_elements in = kind_elements(k, 300, 4);
 	size_t size[2];
 
 	(void)state;
@@ -262,9 +262,9 @@ static void a_small_chunk_is_the_golden_one(void **state)
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
 	assert_int_equal(size, sizeof golden);
 	assert_memory_equal(bytes, golden, size);
-	chunk = describe(&in, 0, 3, sizeof golden);
+	chunk = kind_chunk(&in, 0, 3, sizeof golden);
 	assert_int_equal(eco_chunk_decode(&list, &chunk, 0, golden, sizeof golden, &out, NULL), ECO_OK);
-	assert_same(&k, &in, 0, 3, &out, order);
+	assert_same_elements(&k, &in, 0, 3, &out, order);
 	free(bytes);
 	eco_elements_free(&out);
 }

@@ -6,16 +6,16 @@ static void every_truncation_is_refused(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
-		const struct eco_list list = list_of(&kinds[i]);
+		const struct eco_list list = kind_list(&kinds[i]);
 		uint32_t count = kinds[i].count < 60 ? kinds[i].count : 60;
-		struct eco_elements in = make(&kinds[i], count, 5), out;
+		struct eco_elements in = kind_elements(&kinds[i], count, 5), out;
 		const struct eco_chunk_input input = { &list, &in, 0, count, 1 };
 		struct eco_chunk chunk;
 		uint8_t *bytes, *copy;
 		size_t size;
 
-		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
-		chunk = describe(&in, 0, count, size);
+		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t cut = 0; cut < size; cut++) {
 			struct eco_chunk shorter = chunk;
 
@@ -49,16 +49,16 @@ static void every_flipped_bit_is_refused_or_bounded(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
-		const struct eco_list list = list_of(&kinds[i]);
+		const struct eco_list list = kind_list(&kinds[i]);
 		uint32_t count = kinds[i].count < 10 ? kinds[i].count : 10;
-		struct eco_elements in = make(&kinds[i], count, 6), out;
+		struct eco_elements in = kind_elements(&kinds[i], count, 6), out;
 		const struct eco_chunk_input input = { &list, &in, 0, count, 1 };
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
 
-		assert_int_equal(encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
-		chunk = describe(&in, 0, count, size);
+		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t bit = 0; bit < 8 * size; bit++) {
 			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
 			if (eco_chunk_decode(&list, &chunk, 1, bytes, size, &out, NULL) == ECO_OK)
@@ -75,8 +75,8 @@ static void every_flipped_bit_is_refused_or_bounded(void **state)
 static void counts_must_be_those_of_the_record(void **state)
 {
 	const struct kind *k = &kinds[2];
-	const struct eco_list list = list_of(k);
-	struct eco_elements in = make(k, 50, 6), out;
+	const struct eco_list list = kind_list(k);
+	struct eco_elements in = kind_elements(k, 50, 6), out;
 	const struct eco_chunk_input input = { &list, &in, 0, 50, 1 };
 	struct eco_list other;
 	struct eco_chunk chunk, wrong;
@@ -85,7 +85,7 @@ static void counts_must_be_those_of_the_record(void **state)
 
 	(void)state;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
-	chunk = describe(&in, 0, 50, size);
+	chunk = kind_chunk(&in, 0, 50, size);
 	wrong = chunk;
 	wrong.element_count++;
 	assert_int_equal(eco_chunk_decode(&list, &wrong, 1, bytes, size, &out, NULL), ECO_DAMAGED);
@@ -111,8 +111,8 @@ static void counts_must_be_those_of_the_record(void **state)
 static void impossible_input_is_refused(void **state)
 {
 	const struct kind *k = &kinds[11];
-	struct eco_list list = list_of(k);
-	struct eco_elements in = make(k, 50, 6);
+	struct eco_list list = kind_list(k);
+	struct eco_elements in = kind_elements(k, 50, 6);
 	struct eco_chunk_input input = { &list, &in, 10, 10, 1 };
 	struct eco_error error = { 0 };
 	uint8_t *bytes;

@@ -32,7 +32,7 @@ static struct eco_elements make_bark(uint32_t side)
 static void connected_wood_is_small_and_keeps_its_texture(void **state)
 {
 	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 0, 0, 0, SCATTERED };
-	const struct eco_list list = list_of(&k);
+	const struct eco_list list = kind_list(&k);
 	struct eco_elements in = make_bark(40), out;
 	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
 	struct eco_error error = { 0 };
@@ -45,9 +45,9 @@ static void connected_wood_is_small_and_keeps_its_texture(void **state)
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
 	assert_true(size < 41 * 41 * 4);
-	chunk = describe(&in, 0, in.element_count, size);
+	chunk = kind_chunk(&in, 0, in.element_count, size);
 	assert_int_equal(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &error), ECO_OK);
-	assert_same(&k, &in, 0, in.element_count, &out, NULL);
+	assert_same_elements(&k, &in, 0, in.element_count, &out, NULL);
 	free(bytes);
 	eco_elements_free(&in);
 	eco_elements_free(&out);
@@ -68,7 +68,7 @@ static void no_wood_triangle_is_lost(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		const struct kind k = { "tangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 0, 0, 0, SCATTERED };
-		const struct eco_list list = list_of(&k);
+		const struct eco_list list = kind_list(&k);
 		uint8_t threes[4] = { 3, 3, 3, 3 };
 		int32_t position[36], color[4] = { 5, 6, 7, 8 };
 		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
@@ -81,9 +81,9 @@ static void no_wood_triangle_is_lost(void **state)
 		for (int c = 0; c < 12; c++)
 			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
-		chunk = describe(&in, 0, 4, size);
+		chunk = kind_chunk(&in, 0, 4, size);
 		assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &error), ECO_OK);
-		assert_same(&k, &in, 0, 4, &out, NULL);
+		assert_same_elements(&k, &in, 0, 4, &out, NULL);
 		free(bytes);
 		eco_elements_free(&out);
 		memcpy(position + 3, position, 12);

@@ -72,7 +72,7 @@ static void map_coordinates_keep_their_detail(void **state)
 	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv 747376.125 4308510.250 312.5\n"
 		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"), &(struct eco_model_options){ .up = ECO_UP_Z,
 		.unit_m = 1 });
-	assert_true(near(m.foot[0], 747375.625, 1e-6) && near(m.foot[1], 4308510.25, 1e-6) && near(m.foot[2], 312.5, 1e-6));
+	assert_true(close_to(m.foot[0], 747375.625, 1e-6) && close_to(m.foot[1], 4308510.25, 1e-6) && close_to(m.foot[2], 312.5, 1e-6));
 	assert_true(has_place(&m, -0.499, 0, 1) && has_place(&m, 0.5, 0.002, 1));
 	eco_model_free(&m);
 }
@@ -189,7 +189,7 @@ static void ply_text_brings_colours_and_counts_bad_faces(void **state)
 		"3 0 1 2\r\n3 0 1 9\r\n"), &(struct eco_model_options){ .up = ECO_UP_Z });
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 1);
-	assert_true(near(eco_model_height(&m), 2, 1e-6));
+	assert_true(close_to(eco_model_height(&m), 2, 1e-6));
 	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
 	eco_model_free(&m);
 }
@@ -236,7 +236,7 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 				used += (size_t)snprintf(file + used, sizeof file - used, f == 0 ? "3 0 1 2\n" : "3 1 3 2\n");
 		}
 		import_file(&m, input_bytes("formats", "utm.ply", file, used), &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
-		if (!near(m.foot[0], 500000.625, 1e-6) || !near(m.foot[1], 4000000.25, 1e-6) || !has_place(&m, -0.499, 0, 3) || !has_place(&m, 0.5, 0.002, 3))
+		if (!close_to(m.foot[0], 500000.625, 1e-6) || !close_to(m.foot[1], 4000000.25, 1e-6) || !has_place(&m, -0.499, 0, 3) || !has_place(&m, 0.5, 0.002, 3))
 			fail_msg("%s: foot %.4f %.4f", formats[kind], m.foot[0], m.foot[1]);
 		eco_model_free(&m);
 	}
@@ -299,9 +299,9 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), NULL);
 		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT || m.source.unit_how != ECO_HOW_FORMAT
-			|| !near(m.scale, cases[i].unit_m, 1e-9) || !near(m.source.size[0], cases[i].wide, 1e-3) || !near(m.source.size[1], cases[i].deep, 1e-3)
-			|| !near(m.source.size[2], cases[i].high, 1e-3) || !near(m.foot[2], cases[i].foot[2], 1e-3)
-			|| (cases[i].high > 0 && (!near(m.foot[0], cases[i].foot[0], 1e-3) || !near(m.foot[1], cases[i].foot[1], 1e-3))))
+			|| !close_to(m.scale, cases[i].unit_m, 1e-9) || !close_to(m.source.size[0], cases[i].wide, 1e-3) || !close_to(m.source.size[1], cases[i].deep, 1e-3)
+			|| !close_to(m.source.size[2], cases[i].high, 1e-3) || !close_to(m.foot[2], cases[i].foot[2], 1e-3)
+			|| (cases[i].high > 0 && (!close_to(m.foot[0], cases[i].foot[0], 1e-3) || !close_to(m.foot[1], cases[i].foot[1], 1e-3))))
 			fail_msg("%s: %g x %g x %g of %g m, foot %g %g %g: %s", cases[i].name, m.source.size[0], m.source.size[1], m.source.size[2], m.scale,
 				m.foot[0], m.foot[1], m.foot[2], import_said);
 		assert_string_equal(m.materials[0].name, "Bark");
@@ -328,7 +328,7 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 		struct eco_model m;
 
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), &(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
-		if (!near(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5 || m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
+		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5 || m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
 			fail_msg("case %zu: %g high, scale %g", i, m.source.size[2], m.scale);
 		eco_model_free(&m);
 	}
@@ -352,13 +352,13 @@ static void a_unit_is_guessed_from_the_height_and_said(void **state)
 		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", cases[i].units);
 		import_file(&m, input_text("formats", "unit.obj", text), &(struct eco_model_options){ .up = ECO_UP_Y });
 		import_says(cases[i].says);
-		assert_true(near(eco_model_height(&m), cases[i].metres, 1e-4) && m.source.unit_how == ECO_HOW_GUESSED);
+		assert_true(close_to(eco_model_height(&m), cases[i].metres, 1e-4) && m.source.unit_how == ECO_HOW_GUESSED);
 		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
-		assert_true(near(eco_model_height(&m), 7, 1e-5) && strstr(import_said, "taken for") == NULL && m.source.unit_how == ECO_HOW_HEIGHT);
+		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && strstr(import_said, "taken for") == NULL && m.source.unit_how == ECO_HOW_HEIGHT);
 		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
-		assert_true(near(eco_model_height(&m) / (cases[i].units * 0.3048), 1, 1e-5));
+		assert_true(close_to(eco_model_height(&m) / (cases[i].units * 0.3048), 1, 1e-5));
 		if (cases[i].units * 0.3048 > 120)
 			import_says("high by the given unit");
 		eco_model_free(&m);
@@ -417,7 +417,7 @@ static void formats_without_axes_follow_their_convention(void **state)
 	used = chunk(bytes, 0x3d3d, bytes, used);
 	used = chunk(bytes, 0x4d4d, bytes, used);
 	import_file(&m, input_bytes("formats", "tree.3ds", bytes, used), NULL);
-	assert_true(near(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z && near(m.source.size[0], 2, 1e-6));
+	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z && close_to(m.source.size[0], 2, 1e-6));
 	eco_model_free(&m);
 	memset(bytes, 0, sizeof bytes);
 	memcpy(bytes, "binary STL", 10);
@@ -426,12 +426,12 @@ static void formats_without_axes_follow_their_convention(void **state)
 	for (at = 0; at < 2; at++) {
 		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50) : input_text("formats", "text.STL",
 			"solid oak\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\nendfacet\nendsolid oak\n"), NULL);
-		assert_true(near(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
+		assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
 		assert_int_equal(m.materials[0].rgb[0], 153);
 		eco_model_free(&m);
 	}
 	import_file(&m, input_text("formats", "tree.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 5 0\n3 0 1 2\n"), NULL);
-	assert_true(near(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Y);
+	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Y);
 	eco_model_free(&m);
 }
 
@@ -466,7 +466,7 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 				}
 				import_file(&m, input_bytes("formats", "first.ply", file, used), NULL);
 				assert_int_equal(m.triangle_count, 2);
-				assert_true(near(m.source.size[2], 3, 1e-5) && near(m.source.size[0], 1, 1e-4));
+				assert_true(close_to(m.source.size[2], 3, 1e-5) && close_to(m.source.size[0], 1, 1e-4));
 				eco_model_free(&m);
 				if (big)
 					break;
@@ -481,7 +481,7 @@ static void empty_solids_are_no_harm(void **state)
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
 		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
-	assert_true(near(m.source.size[2], 5, 1e-6));
+	assert_true(close_to(m.source.size[2], 5, 1e-6));
 	eco_model_free(&m);
 }
 
@@ -519,7 +519,7 @@ static void several_files_are_one_plant(void **state)
 	paths[1] = input_text("formats", "leaf.obj", "mtllib leaf.mtl\nusemtl same\nv 10 3 0\nv 11 5 0\nv 10 5 0\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2, .up = ECO_UP_Y, .height_m = 10 });
 	assert_int_equal(m.triangle_count, 2);
-	assert_true(near(m.foot[0], 10, 1e-6) && near(m.scale, 2, 1e-9) && has_place(&m, 0, 0, 8) && has_place(&m, 2, 0, 10));
+	assert_true(close_to(m.foot[0], 10, 1e-6) && close_to(m.scale, 2, 1e-9) && has_place(&m, 0, 0, 8) && has_place(&m, 2, 0, 10));
 	assert_string_equal(m.parts[m.part[0]].name, "wood.obj/Stem");
 	assert_string_equal(m.parts[m.part[1]].name, "leaf.obj");
 	assert_true(m.materials[m.material[0]].rgb[0] == 255 && m.materials[m.material[1]].rgb[1] == 255);
@@ -536,12 +536,12 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
-	assert_true(m.source.up == ECO_UP_Z && near(m.source.size[2], 140, 1e-3) && near(m.scale, 0.0254, 1e-9)
+	assert_true(m.source.up == ECO_UP_Z && close_to(m.source.size[2], 140, 1e-3) && close_to(m.scale, 0.0254, 1e-9)
 		&& strstr(import_said, "taken for") == NULL);
 	eco_model_free(&m);
 	paths[0] = input_text("formats", "metres.dae", DAE("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>"));
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
-	assert_true(near(m.source.size[2], 100 + 60 - 60 * 0.0254, 1e-3));
+	assert_true(close_to(m.source.size[2], 100 + 60 - 60 * 0.0254, 1e-3));
 	eco_model_free(&m);
 }
 
@@ -582,8 +582,8 @@ static void shared_models_agree_between_formats(void **state)
 	import_file(&fbx, path[1], NULL);
 	assert_int_equal(obj.triangle_count, fbx.triangle_count);
 	for (int k = 0; k < 3; k++)
-		assert_true(near(obj.source.size[k] * obj.scale, fbx.source.size[k] * fbx.scale, 1e-4));
-	assert_true(near(eco_model_height(&obj), eco_model_height(&fbx), 1e-4));
+		assert_true(close_to(obj.source.size[k] * obj.scale, fbx.source.size[k] * fbx.scale, 1e-4));
+	assert_true(close_to(eco_model_height(&obj), eco_model_height(&fbx), 1e-4));
 	for (uint32_t i = 0; i < obj.material_count; i++)
 		for (int k = 0; k < 3; k++)
 			assert_in_range(material_of(&fbx, obj.materials[i].name)->rgb[k] + 1, obj.materials[i].rgb[k], obj.materials[i].rgb[k] + 2);

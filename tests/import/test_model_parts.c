@@ -71,7 +71,7 @@ static void components_hang_together_by_place_within_a_material(void **state)
 	assert_int_equal(by_material.count, 6);
 	assert_int_equal(all.count, 4);              /* soil hangs together with pot and stem */
 	for (uint32_t i = 0; i < 6; i++)
-		assert_true(near(by_material.items[i].area, areas[i], 1e-4));
+		assert_true(close_to(by_material.items[i].area, areas[i], 1e-4));
 	assert_true(by_material.items[4].first < by_material.items[5].first);        /* as large as each other: as in the file */
 	for (uint32_t i = 0; i < m.triangle_count; i++)
 		assert_true(by_material.of[i] < 6 && strcmp(m.materials[m.material[i]].name,
@@ -92,7 +92,7 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 	assert_int_equal(m.triangles_in, 11);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 3);
 	assert_int_equal(m.triangle_count, 8);
-	assert_true(m.foot[2] == 6 && near(m.foot[0], 2, 1e-6) && near(m.scale, 1, 1e-9));
+	assert_true(m.foot[2] == 6 && close_to(m.foot[0], 2, 1e-6) && close_to(m.scale, 1, 1e-9));
 	assert_int_equal(m.material_count, 2);       /* clay and soil are gone */
 	assert_int_equal(m.part_count, 2);
 	for (uint32_t i = 0; i < m.triangle_count; i++)

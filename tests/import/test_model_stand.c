@@ -51,7 +51,7 @@ static void stand(struct eco_model *m, double height_m)
 
 static void expect_foot(struct eco_model *m, double x, double y, double z)
 {
-	if (!near(m->foot[0], x, 0.02) || !near(m->foot[1], y, 0.02) || !near(m->foot[2], z, 1e-5))
+	if (!close_to(m->foot[0], x, 0.02) || !close_to(m->foot[1], y, 0.02) || !close_to(m->foot[2], z, 1e-5))
 		fail_msg("the foot is at %g %g %g, not %g %g %g", m->foot[0], m->foot[1], m->foot[2], x, y, z);
 	eco_model_free(m);
 }
@@ -79,10 +79,10 @@ static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 		tube(4 * cos(i * 0.26), 4 * sin(i * 0.26), 4.2 + 0.03 * i, 0.2 * cos(i * 0.26), 0.2 * sin(i * 0.26), 14, 0.02, 4);
 	crown(0, 0, 13, 4);
 	stand(&m, 0);
-	assert_true(near(m.source.below, 0.8, 1e-5));
+	assert_true(close_to(m.source.below, 0.8, 1e-5));
 	expect_foot(&m, 0, 0, 5);
 	stand(&m, 20);                                       /* the height is what shows */
-	assert_true(near(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6) && near(eco_model_height(&m), 20, 1e-4));
+	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6) && close_to(eco_model_height(&m), 20, 1e-4));
 	eco_model_free(&m);
 }
 
@@ -132,7 +132,7 @@ static void what_is_below_the_files_zero_is_in_the_ground(void **state)
 	tube(0, 0, -0.6, 0, 0, 9, 0.3, 8);
 	crown(0, 0, 9, 3);
 	stand(&m, 0);
-	assert_true(near(m.source.below, 0.6, 1e-5));
+	assert_true(close_to(m.source.below, 0.6, 1e-5));
 	expect_foot(&m, 0, 0, 0);
 	begin();                                             /* not where the origin is anywhere else */
 	tube(0, 0, -4.5, 0, 0, 4.5, 0.3, 8);
@@ -158,7 +158,7 @@ static void several_stems_share_a_foot(void **state)
 	tube(0.5, 0.9, 0.05, 0.5, 2, 4, 0.1, 6);
 	crown(0.5, 0.5, 4, 2);
 	stand(&m, 0);
-	assert_true(near(m.foot[0], 0.5, 0.03) && near(m.foot[1], 0.3, 0.03) && m.foot[2] == 0);
+	assert_true(close_to(m.foot[0], 0.5, 0.03) && close_to(m.foot[1], 0.3, 0.03) && m.foot[2] == 0);
 	eco_model_free(&m);
 }
 
@@ -171,7 +171,7 @@ static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 	tube(5, 5, 0, 5, 5, 2, 1, 12);
 	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);     /* a tip at its rim */
 	stand(&m, 0);
-	assert_true(near(m.foot[0], 5, 0.15) && near(m.foot[1], 5, 0.15) && near(m.foot[2], -0.05, 1e-6));
+	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15) && close_to(m.foot[2], -0.05, 1e-6));
 	eco_model_free(&m);
 }
 
@@ -201,7 +201,7 @@ static void wood_by_rule_is_what_stands(void **state)
 	tube(6, 0, 0, 6, 0, 9, 0.05, 8);
 	path = input_text("stand", "rule.obj", text);
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
-	assert_true(near(m.foot[0], 0, 0.02));
+	assert_true(close_to(m.foot[0], 0, 0.02));
 	eco_model_free(&m);
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule, .rule_count = 1 });
 	expect_foot(&m, 6, 0, 0);

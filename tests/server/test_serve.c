@@ -360,5 +360,5 @@ int main(void)
 		cmocka_unit_test(a_connection_serves_many_requests),
 		cmocka_unit_test(every_route_is_described_and_every_description_is_served),
 	};
-	return cmocka_run_group_tests(tests, start, stop);
+	return cmocka_run_group_tests(tests, serve_start, serve_stop);
 }

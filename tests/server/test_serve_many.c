@@ -165,5 +165,5 @@ int main(void)
 		cmocka_unit_test(stopping_while_planning_is_clean),
 		cmocka_unit_test(a_taken_port_is_named),
 	};
-	return cmocka_run_group_tests(tests, start, stop);
+	return cmocka_run_group_tests(tests, serve_start, serve_stop);
 }

@@ -161,5 +161,5 @@ int main(void)
 		cmocka_unit_test(smuggling_is_refused_and_closed),
 		cmocka_unit_test(long_targets_and_heads_are_refused),
 	};
-	return cmocka_run_group_tests(tests, start, stop);
+	return cmocka_run_group_tests(tests, serve_start, serve_stop);
 }

@@ -50,5 +50,5 @@ int main(void)
 		cmocka_unit_test(files_give_names_that_can_be_asked_for),
 		cmocka_unit_test(scenes_are_named_and_checked),
 	};
-	return cmocka_run_group_tests(tests, start, stop);
+	return cmocka_run_group_tests(tests, serve_start, serve_stop);
 }

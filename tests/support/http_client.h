@@ -22,120 +22,18 @@ struct http_answer {
 	bool closed;                 /* the server closed the connection behind it */
 };
 
-static inline int http_connect(uint16_t port)
-{
-	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	struct timeval patience = { .tv_sec = 50 };      /* against hanging for ever, not a measurement */
-	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-	setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-	if (fd < 0 || connect(fd, (struct sockaddr *)&at, sizeof at) != 0) {
-		close(fd);
-		return -1;
-	}
-	return fd;
-}
-
-static inline bool http_send(int fd, const void *bytes, size_t size)
-{
-	for (const char *at = bytes; size;) {
-		ssize_t sent = send(fd, at, size, MSG_NOSIGNAL);
-		if (sent <= 0)
-			return false;
-		at += sent;
-		size -= (size_t)sent;
-	}
-	return true;
-}
-
+int http_connect(uint16_t port);
+bool http_send(int fd, const void *bytes, size_t size);
 /* Value of a header into `value`, or false. */
-static inline bool http_header(const struct http_answer *answer, const char *name, char *value, size_t size)
-{
-	size_t length = strlen(name);
-	for (const char *line = strstr(answer->head, "\r\n"); line; line = strstr(line + 2, "\r\n"))
-		if (strncasecmp(line + 2, name, length) == 0 && line[2 + length] == ':') {
-			const char *first = line + 3 + length + strspn(line + 3 + length, " ");
-			snprintf(value, size, "%.*s", (int)strcspn(first, "\r"), first);
-			return true;
-		}
-	return false;
-}
-
+bool http_header(const struct http_answer *answer, const char *name, char *value, size_t size);
 /* Reads one answer; `no_body` for HEAD. Reads to the end of the connection where `to_end` or no length is given. */
-static inline struct http_answer http_receive(int fd, bool no_body, bool to_end)
-{
-	struct http_answer answer = { 0 };
-	size_t capacity = 1 << 16, size = 0, head_size = 0, expected = SIZE_MAX;
-	char *bytes = malloc(capacity + 1), length[32];
-	for (;;) {
-		if (head_size && !to_end && size - head_size >= expected)
-			break;
-		if (size == capacity)
-			bytes = realloc(bytes, (capacity *= 2) + 1);
-		ssize_t got = recv(fd, bytes + size, capacity - size, 0);
-		if (got <= 0) {
-			answer.closed = got == 0;
-			break;
-		}
-		size += (size_t)got;
-		bytes[size] = 0;
-		char *blank = head_size ? NULL : strstr(bytes, "\r\n\r\n");
-		if (blank) {
-			head_size = (size_t)(blank - bytes) + 4;
-			answer.head = bytes;
-			answer.status = (unsigned)atoi(bytes + 9);
-			bool none = no_body || answer.status == 204 || answer.status == 304;
-			expected = none ? 0 : http_header(&answer, "Content-Length", length, sizeof length) ? strtoull(length, NULL, 10) : SIZE_MAX;
-		}
-	}
-	bytes[size] = 0;
-	answer.head = bytes;
-	answer.body = bytes + head_size;
-	answer.size = size - head_size;
-	if (head_size)
-		bytes[head_size - 2] = 0;
-	return answer;
-}
-
+struct http_answer http_receive(int fd, bool no_body, bool to_end);
 /* Sends raw bytes on a new connection and reads until the server closes it: `request` must make it do so. */
-static inline struct http_answer http_raw(uint16_t port, const char *request, size_t size)
-{
-	int fd = http_connect(port);
-	struct http_answer answer = { 0 };
-	if (fd < 0)
-		return answer;
-	http_send(fd, request, size);
-	answer = http_receive(fd, strncmp(request, "HEAD ", 5) == 0, true);
-	close(fd);
-	return answer;
-}
-
+struct http_answer http_raw(uint16_t port, const char *request, size_t size);
 /* One request on a new connection. `headers`: further header lines, each ended by \r\n. */
-static inline struct http_answer http_ask(uint16_t port, const char *method, const char *target, const char *headers,
-	const void *body, size_t body_size)
-{
-	char head[8192], length[64] = "";
-	if (body)
-		snprintf(length, sizeof length, "Content-Length: %zu\r\n", body_size);
-	int size = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: test\r\nConnection: close\r\n%s%s\r\n", method, target, headers,
-		length);
-	char *request = malloc((size_t)size + body_size + 1);
-	memcpy(request, head, (size_t)size);
-	if (body_size)
-		memcpy(request + size, body, body_size);
-	struct http_answer answer = http_raw(port, request, (size_t)size + body_size);
-	free(request);
-	return answer;
-}
-
-static inline struct http_answer http_get(uint16_t port, const char *target)
-{
-	return http_ask(port, "GET", target, "", NULL, 0);
-}
-
-static inline void http_free(struct http_answer *answer)
-{
-	free(answer->head);
-	*answer = (struct http_answer){ 0 };
-}
+struct http_answer http_ask(uint16_t port, const char *method, const char *target, const char *headers,
+	const void *body, size_t body_size);
+struct http_answer http_get(uint16_t port, const char *target);
+void http_free(struct http_answer *answer);
 
 #endif

@@ -1,0 +1,74 @@
+#include "tests/support/model_import.h"
+
+char import_said[8000];
+
+static void import_note(void *ctx, const char *text)
+{
+	size_t used = strlen(import_said);
+
+	(void)ctx;
+	snprintf(import_said + used, sizeof import_said - used, "%s\n", text);
+}
+
+void import_file(struct eco_model *model, const char *path, const struct eco_model_options *options)
+{
+	struct eco_model_options all = options != NULL ? *options : (struct eco_model_options){ .height_m = 0 };
+	struct eco_error error = { .code = ECO_OK };
+	uint64_t accounted;
+
+	if (path != NULL) {
+		all.paths = &path;
+		all.path_count = 1;
+	}
+	all.warn = import_note;
+	import_said[0] = 0;
+	if (eco_model_import(model, &all, &error) != ECO_OK)
+		fail_msg("%s", error.text);
+	accounted = model->triangle_count;
+	for (int i = 0; i < ECO_DROP_COUNT; i++)
+		accounted += model->dropped[i];
+	assert_int_equal(accounted, model->triangles_in);
+	for (uint32_t i = 0; i < model->triangle_count * 3; i++)
+		assert_true(model->index[i] < model->vertex_count);
+	for (uint32_t i = 0; i < model->triangle_count; i++)
+		assert_true(model->material[i] < model->material_count && model->part[i] < model->part_count);
+}
+
+void import_refuses(const char *path, enum eco_code wanted, const char *says)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_model model;
+	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, &error);
+
+	assert_null(model.position);
+	if (code != wanted || strstr(error.text, says) == NULL)
+		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
+}
+
+void import_says(const char *text)
+{
+	if (strstr(import_said, text) == NULL)
+		fail_msg("said: %s\n  wanted %s", import_said, text);
+}
+
+bool close_to(double a, double b, double most)
+{
+	return fabs(a - b) <= most;
+}
+
+bool has_place(const struct eco_model *m, double x, double y, double z)
+{
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		if (close_to(m->position[i * 3], x, 1e-5) && close_to(m->position[i * 3 + 1], y, 1e-5) && close_to(m->position[i * 3 + 2], z, 1e-5))
+			return true;
+	return false;
+}
+
+const struct eco_material *material_of(const struct eco_model *m, const char *name)
+{
+	for (uint32_t i = 0; i < m->material_count; i++)
+		if (strcmp(m->materials[i].name, name) == 0)
+			return &m->materials[i];
+	fail_msg("no material \"%s\"", name);
+	return NULL;
+}

@@ -1,0 +1,63 @@
+#include "tests/support/serve_daemon.h"
+
+struct srv_store store;
+struct srv_daemon *daemon_;
+uint16_t port;
+char pack_path[64];         /* tests run at the same time, each with a pack of its own */
+
+const struct eco_scene *scene(void)
+{
+	return &store.scenes[0].pack->scene;
+}
+
+int serve_start(void **state)
+{
+	struct eco_error error = { 0 };
+	const struct srv_config config = { .listen = "127.0.0.1:0" };
+	(void)state;
+	mkdir("build", 0777);
+	mkdir("build/tmp", 0777);
+	srv_store_init(&store);
+	snprintf(pack_path, sizeof pack_path, "build/tmp/serve-%d.eco", (int)getpid());
+	if (sample_pack_write(pack_path, &error) || srv_store_add(&store, NULL, pack_path, &error)
+		|| srv_daemon_start(&daemon_, &config, &store, &error)) {
+		fprintf(stderr, "%s\n", error.text);
+		return 1;
+	}
+	port = srv_daemon_port(daemon_);
+	return 0;
+}
+
+int serve_stop(void **state)
+{
+	(void)state;
+	srv_daemon_quiesce(daemon_);
+	srv_daemon_stop(daemon_);
+	srv_store_free(&store);
+	unlink(pack_path);
+	return 0;
+}
+
+void assert_header(const struct http_answer *answer, const char *name, const char *expected)
+{
+	char value[256];
+	if (!http_header(answer, name, value, sizeof value))
+		fail_msg("no %s in:\n%s", name, answer->head);
+	assert_string_equal(value, expected);
+}
+
+json_t *json_of(const struct http_answer *answer)
+{
+	json_error_t error;
+	json_t *json = json_loadb(answer->body, answer->size, 0, &error);
+	if (!json)
+		fail_msg("not JSON: %s\n%s", error.text, answer->body);
+	return json;
+}
+
+void chunk_target(char target[128], uint32_t chunk)
+{
+	char id[SRV_ID_TEXT_BYTES];
+	srv_format_id(id, &scene()->chunks[chunk].id);
+	snprintf(target, 128, BASE "/chunks/%s", id);
+}

@@ -1,0 +1,264 @@
+#include "tests/support/wire_random.h"
+
+/* The order in which C evaluates operands and initialisers is open: below, no expression draws twice. */
+static uint64_t wire_random_bits(struct wire_random *r)
+{
+	return eco_mix_next(&r->state);
+}
+
+uint32_t wire_random_below(struct wire_random *r, uint32_t n)
+{
+	return (uint32_t)(wire_random_bits(r) % n);
+}
+
+uint32_t wire_random_size(struct wire_random *r, uint32_t most)
+{
+	uint32_t shift = wire_random_below(r, 32), v = (uint32_t)wire_random_bits(r) >> shift;
+	return most == UINT32_MAX ? v : v % (most + 1);
+}
+
+static float wire_random_scale(struct wire_random *r)
+{
+	float s = (float)(wire_random_below(r, 1u << 20) + 1) / 1024;
+	switch (wire_random_below(r, 5)) {
+	case 0:
+		return 1;
+	case 1:
+		return s;
+	case 2:
+		return 0;
+	default:
+		return eco_wire_scale_round(s);
+	}
+}
+
+static struct eco_cut wire_random_cut(struct wire_random *r, const struct eco_cut *before, uint32_t placements, uint32_t lists,
+	bool summary)
+{
+	struct eco_cut cut = { .list = wire_random_below(r, lists) };
+	cut.anchor = wire_random_size(r, ECO_NONE - 1);
+	cut.scale = wire_random_scale(r);
+	if (before && wire_random_below(r, 3))
+		cut.list = before->list;
+	if (before && before->anchor != ECO_NONE && wire_random_below(r, 3))
+		cut.anchor = before->anchor;
+	cut.end = wire_random_size(r, UINT32_MAX);
+	cut.end += cut.end == 0;
+	cut.first = wire_random_below(r, 3) ? 0 : wire_random_below(r, cut.end);
+	if (before && wire_random_below(r, 4) == 0 && before->first < cut.end)
+		cut.first = before->first;
+	cut.band_first = (uint8_t)wire_random_below(r, ECO_BANDS);
+	cut.band_end = (uint8_t)(cut.band_first + 1 + wire_random_below(r, ECO_BANDS - cut.band_first));
+	if (before && before->band_end < ECO_BANDS && wire_random_below(r, 2)) {
+		cut.band_first = before->band_end;
+		cut.band_end = (uint8_t)(before->band_end + 1);
+	}
+	cut.share_end = ECO_SHARE_ONE;
+	if (wire_random_below(r, 3) == 0) {
+		cut.share_first = wire_random_below(r, ECO_SHARE_ONE);
+		cut.share_end = cut.share_first + 1 + wire_random_below(r, ECO_SHARE_ONE - cut.share_first);
+	}
+	if (summary) {
+		cut.anchor = ECO_NONE;
+		cut.placement = wire_random_below(r, placements);
+		cut.band_first = 0;
+		cut.band_end = ECO_BANDS;
+		cut.share_first = 0;
+		cut.share_end = ECO_SHARE_ONE;
+	}
+	return cut;
+}
+
+static struct eco_placement wire_random_placement(struct wire_random *r)
+{
+	struct eco_placement p = { .scale = 1 };
+	for (int i = 0; i < 3; i++) {
+		double v = (double)(int64_t)wire_random_bits(r) / 9223372036854775808.0;
+		switch (wire_random_below(r, 4)) {
+		case 0:
+			p.at[i] = 0;
+			break;
+		case 1:
+			p.at[i] = (double)(int32_t)wire_random_size(r, UINT32_MAX) / 1000.0;
+			break;
+		case 2:
+			p.at[i] = v * 1e12;
+			break;
+		default:
+			p.at[i] = v * 1000;
+		}
+	}
+	p.turn = wire_random_below(r, 2) ? (uint16_t)wire_random_bits(r) : 0;
+	p.path = wire_random_below(r, 2) ? (uint32_t)wire_random_bits(r) : 0;
+	p.scale = wire_random_below(r, 2) ? 1 : wire_random_below(r, 2) ? 0.75f : 1.1;
+	return p;
+}
+
+bool wire_same_cut(const struct eco_cut *a, const struct eco_cut *b)
+{
+	return a->list == b->list && a->first == b->first && a->end == b->end && a->scale == b->scale && a->placement == b->placement &&
+		a->anchor == b->anchor && a->band_first == b->band_first && a->band_end == b->band_end &&
+		a->share_first == b->share_first && a->share_end == b->share_end;
+}
+
+/* What sorting leaves to do: identical cuts, overlapping runs and second gates go. */
+static void wire_random_prune(struct eco_plan *plan)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < plan->run_count; i++)
+		if (!kept || plan->runs[i].placement != plan->runs[kept - 1].placement ||
+			plan->runs[i].list_first >= plan->runs[kept - 1].list_end)
+			plan->runs[kept++] = plan->runs[i];
+	plan->run_count = kept;
+	kept = 0;
+	for (uint32_t i = 0; i < plan->gate_count; i++)
+		if (!kept || plan->gates[i].plant != plan->gates[kept - 1].plant)
+			plan->gates[kept++] = plan->gates[i];
+	plan->gate_count = kept;
+	kept = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (!kept || !wire_same_cut(&plan->cuts[i], &plan->cuts[kept - 1]))
+			plan->cuts[kept++] = plan->cuts[i];
+	plan->cut_count = kept;
+}
+
+struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants)
+{
+	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 1e5 / 3, 12, 0 } };
+	plan.vertices >>= wire_random_below(r, 63);
+	plan.visible_plants = wire_random_size(r, UINT32_MAX);
+	plan.sample_distance = wire_random_below(r, 2) ? 0.00123 : 0;
+	plan.placement_count = 1 + wire_random_below(r, most);
+	plan.run_count = wire_random_below(r, most + 1);
+	plan.gate_count = wire_random_below(r, most + 1);
+	plan.cut_count = wire_random_below(r, most + 1);
+	plan.placements = calloc(most + 1, sizeof *plan.placements);
+	plan.runs = calloc(most + 1, sizeof *plan.runs);
+	plan.gates = calloc(most + 1, sizeof *plan.gates);
+	plan.cuts = calloc(most + 1, sizeof *plan.cuts);
+	for (uint32_t i = 0; i < plan.placement_count; i++)
+		plan.placements[i] = i ? wire_random_placement(r) : (struct eco_placement){ .scale = 1 };
+	for (uint32_t i = 0; i < plan.run_count; i++) {
+		uint32_t first = wire_random_below(r, lists), placement = wire_random_below(r, plan.placement_count);
+		plan.runs[i] = (struct eco_run){ placement, first, first + 1 + wire_random_size(r, lists - first - 1),
+			wire_random_below(r, 3) ? 0 : wire_random_below(r, ECO_SHARE_ONE) };
+	}
+	for (uint32_t i = 0; i < plan.gate_count; i++) {
+		plan.gates[i].plant = wire_random_below(r, plants);
+		plan.gates[i].end = wire_random_below(r, ECO_BANDS + 1) * ECO_SHARE_ONE;
+		if (plan.gates[i].end < ECO_GATE_OPEN && wire_random_below(r, 2))
+			plan.gates[i].end += wire_random_below(r, ECO_SHARE_ONE);
+	}
+	uint32_t summaries = wire_random_below(r, plan.cut_count + 1);
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		plan.cuts[i] = wire_random_cut(r, i ? &plan.cuts[i - 1] : NULL, plan.placement_count, lists, i < summaries);
+	eco_plan_sort(&plan);
+	wire_random_prune(&plan);
+	return plan;
+}
+
+void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
+{
+	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND, .ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
+		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
+	struct eco_chunk_id id = { { 1, 2, 3 } };
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_SCENE, (*number)++);
+	size_t at = w->size;
+	eco_wire_write_scene(w, &scene, &id);
+	if (!w->failed)
+		w->bytes[at] = (uint8_t)version;
+	eco_frame_end(w, mark);
+}
+
+void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
+	uint32_t anchor_count)
+{
+	struct eco_plant plants[WIRE_RANDOM_PLANTS] = { { .name = "oak", .height_m = 18 }, { .name = "ash", .height_m = 11.5f } };
+	struct eco_scene scene = { .plants = plants, .plant_count = WIRE_RANDOM_PLANTS, .anchors = anchors, .anchor_count = anchor_count };
+	plants[plant].anchor_count = anchor_count;
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLANT, (*number)++);
+	eco_wire_write_plant(w, &scene, plant);
+	eco_frame_end(w, mark);
+}
+
+struct eco_list wire_random_list(uint32_t id)
+{
+	static const uint8_t kinds[WIRE_RANDOM_LISTS] = { ECO_LIST_TRIANGLES, ECO_LIST_POINTS, ECO_LIST_LINES, ECO_LIST_INSTANCES,
+		ECO_LIST_IMAGE, ECO_LIST_GROUND };
+	static const uint8_t coders[WIRE_RANDOM_LISTS] = { ECO_CODER_ELEMENTS, ECO_CODER_FORM, ECO_CODER_ELEMENTS, ECO_CODER_ROWS,
+		ECO_CODER_BYTES, ECO_CODER_ROWS };
+	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH, ECO_ATTR_COLOR | ECO_ATTR_SIZE,
+		ECO_ATTR_COLOR };
+	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id], .plant = id == 3 ? 1 : ECO_NONE,
+		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0, .image = ECO_NONE,
+		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 1 ? 900 : 1000, .element_count = 900,
+		.chunk_count = id == 4 ? 1 : 9 };
+}
+
+static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, const struct eco_list *list)
+{
+	static const uint8_t palette[2][3] = { { 10, 100, 20 }, { 90, 80, 30 } };
+	struct eco_list lists[WIRE_RANDOM_LISTS];
+	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette, .palette_count = 2 };
+	lists[id] = *list;
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_LIST, (*number)++);
+	eco_wire_write_list(w, &scene, id);
+	eco_frame_end(w, mark);
+}
+
+void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal, const void *payload,
+	size_t size, bool true_id)
+{
+	struct eco_list lists[WIRE_RANDOM_LISTS] = { 0 };
+	struct eco_chunk chunk = { .id = eco_chunk_hash(payload, size), .primitive_count = 100, .element_count = 90 };
+	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .chunks = &chunk };
+	chunk.id.bytes[0] ^= !true_id;
+	lists[list].chunk_first = 0u - ordinal;      /* the one chunk is number `ordinal` */
+	lists[list].chunk_count = ordinal + 1;
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_CHUNK, (*number)++);
+	eco_wire_write_chunk(w, &scene, list, ordinal);
+	eco_write_bytes(w, payload, size);
+	eco_frame_end(w, mark);
+}
+
+static void wire_put_plan(struct eco_writer *w, uint32_t *number, const struct eco_plan *plan)
+{
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
+	eco_wire_write_plan(w, plan);
+	eco_frame_end(w, mark);
+}
+
+void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off)
+{
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_END, (*number)++);
+	eco_wire_write_end(w, vertices, (uint64_t)((int64_t)mark.at + ECO_END_FRAME_BYTES + bytes_off));
+	eco_frame_end(w, mark);
+}
+
+void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps)
+{
+	static const struct eco_anchor anchors[3] = { { { 0, 0, 9 }, 10 }, { { 1, 1, 12 }, 3 }, { { -1, 2, 14 }, 2.5f } };
+	uint32_t number = 0, ordinals[WIRE_RANDOM_LISTS] = { 0 };
+	uint64_t vertices = 0;
+	wire_put_scene(w, &number, ECO_WIRE_VERSION);
+	wire_put_plant(w, &number, 0, anchors, 3);
+	wire_put_plant(w, &number, 1, anchors, 1);
+	for (uint32_t i = 0; i < WIRE_RANDOM_LISTS; i++) {
+		struct eco_list list = wire_random_list(i);
+		wire_put_list(w, &number, i, &list);
+	}
+	for (uint32_t step = 0; step < steps; step++) {
+		for (uint32_t n = wire_random_below(r, 4); n > 0; n--) {
+			uint8_t payload[128];
+			uint32_t list = wire_random_below(r, 4), size = 1 + wire_random_below(r, sizeof payload);
+			for (uint32_t i = 0; i < size; i++)
+				payload[i] = (uint8_t)wire_random_bits(r);
+			wire_put_chunk(w, &number, list, ordinals[list]++, payload, size, true);
+		}
+		struct eco_plan plan = wire_random_plan(r, 4 + 2 * step, WIRE_RANDOM_LISTS, WIRE_RANDOM_PLANTS);
+		wire_put_plan(w, &number, &plan);
+		vertices = plan.vertices;
+		eco_plan_free(&plan);
+	}
+	wire_put_end(w, &number, vertices, 0);
+}
