@@ -131,7 +131,7 @@ $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LI
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c))
+BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c tests/bench/extreme/*.c))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
 $(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/%,$(TEST_SOURCES))): $(BENCH_PARTS)
 # Floating-point traps around lod/: these functions are entered through tests/support/traps.c.

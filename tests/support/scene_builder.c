@@ -144,6 +144,17 @@ void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint
 	b->elements[list] = elements_make(&b->lists[list], count, corners);
 }
 
+uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives, uint32_t elements)
+{
+	struct eco_list list = scene_list(b, row);
+	list.primitive_count = primitives;
+	list.element_count = elements;
+	list.chunk_count = 1;
+	list.chunk_first = scene_add_chunk(b, (struct eco_chunk){ .size_bytes = 8 * elements, .primitive_count = primitives,
+		.element_count = elements });
+	return scene_add_list(b, list);
+}
+
 void scene_add_instances(struct scene_builder *b, uint32_t list)
 {
 	const struct eco_elements *e = &b->elements[list];

@@ -66,6 +66,8 @@ uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, u
 /* Elements of a list, all zero: positions, and what its attributes ask for. */
 struct eco_elements elements_make(const struct eco_list *list, uint32_t count, uint8_t corners);
 void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint8_t corners);
+/* A list of tables alone: one chunk, eight bytes an element. */
+uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives, uint32_t elements);
 /* The group and the places of a list of instances that has its elements. */
 void scene_add_instances(struct scene_builder *b, uint32_t list);
 /* All tiles of a ground, with their lists. */

@@ -1,7 +1,7 @@
-/* Numerical stability: cases at the edge of what numbers can say, each with what must hold there, told in one table.
+/* Numerical stability: cases at the edge of what numbers can say, each with what must hold there, in one table (extreme_cases.c).
  *
- *   a family is a file bench_extreme_NAME.c with one `const struct extreme_family`; a case is a row {name, what must hold, function}
- *   extreme_run(family, quick, told, ctx)     runs the cases one after the other and tells each; returns how many failed
+ *   a case is a row: its kind, its name, what must hold, a function and what that is to make
+ *   extreme_run(kind, quick, told, ctx)     runs the cases of a kind one after the other and tells each; returns how many failed
  *
  * `ecobench --extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`. A case that cannot run has failed. */
 #ifndef TESTS_BENCH_EXTREME_H
@@ -13,24 +13,24 @@
 #include "ecofiles/base/status.h"
 
 struct extreme {                     /* a case while it runs */
+	const void *made;            /* what the row names */
 	bool quick;                  /* in the tests: fewer repetitions of the same */
 	bool failed;
 	char measured[400];          /* what was found, in words; where it failed, what failed first comes first */
 };
 
+enum extreme_kind { EXTREME_PLACE, EXTREME_CAMERA, EXTREME_STIFF, EXTREME_GEOMETRY, EXTREME_QUANTIZATION, EXTREME_TIME, EXTREME_KINDS };
+extern const char *const extreme_kind_names[EXTREME_KINDS];
+
 struct extreme_case {
+	enum extreme_kind kind;
 	const char *name, *must;
-	bool lengthy;                /* seconds, or much memory */
 	void (*run)(struct extreme *x);
+	const void *made;            /* NULL where `run` makes one thing only */
+	bool lengthy;                /* seconds, or much memory */
 };
-
-struct extreme_family {
-	const char *name;
-	const struct extreme_case *cases;
-	uint32_t count;
-};
-
-extern const struct extreme_family *const extreme_families[];        /* ends with NULL */
+#define EXTREME_CASES 57u
+extern const struct extreme_case extreme_cases[EXTREME_CASES];
 
 /* Adds to what was measured. */
 void extreme_say(struct extreme *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -40,7 +40,7 @@ bool extreme_must(struct extreme *x, bool holds, const char *format, ...) __attr
 bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
 
 /* `told` hears of each case, also of those that were left to the bench (measured empty, not failed): then `ran` is false. */
-typedef void extreme_told(void *ctx, const struct extreme_family *family, const struct extreme_case *row, const struct extreme *x, bool ran);
-uint32_t extreme_run(const struct extreme_family *family, bool quick, extreme_told *told, void *ctx);
+typedef void extreme_told(void *ctx, const struct extreme_case *row, const struct extreme *x, bool ran);
+uint32_t extreme_run(enum extreme_kind kind, bool quick, extreme_told *told, void *ctx);
 
 #endif

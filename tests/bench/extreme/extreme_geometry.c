@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "lod/ladder.h"
-#include "tests/bench/bench_extreme_scene.h"
-#include "tests/support/plant_models.h"
+#include "tests/bench/extreme/extreme_cases.h"
+#include "tests/bench/extreme/extreme_scene.h"
 
 /* ---- Plants of a soup ---- */
 
@@ -57,49 +57,48 @@ static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
 /* Packs, plans and draws it, alone in its world. */
 static bool grows(struct extreme *x, struct extreme_stand *stand, const char *name, uint64_t *covered)
 {
-	const struct lod_plant *plant = &stand->plants[0];
+	const struct eco_anchor *whole = &stand->plants[0].anchors[0];
+	const float *c = whole->center;
 	struct extreme_world world = { 0 };
-	struct eco_error error = { 0 };
-	double r = plant->anchors[0].radius > 0 ? plant->anchors[0].radius : 1;
-	const float *c = plant->anchors[0].center;
+	struct view_picture picture = { 0 };
+	double r = whole->radius > 0 ? whole->radius : 1;
 	struct eco_request request = { .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45, 200, 200 },
 		.bytes = ECO_BYTES_UNBOUNDED };
-	bool good = extreme_must(x, extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 }), "no memory")
-		&& extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error);
-	*covered = 0;
+	extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 });
+	bool good = extreme_world_open(x, &world, stand, &(struct extreme_site){ 0 });
 	for (int i = 0; i < 4 && good; i++) {
 		struct eco_plan plan = { 0 };
 		request.vertices = (const uint64_t[]){ 1, 3, 100, ECO_VERTICES_MAX }[i];
-		good = extreme_plan_of(x, &world.scene->pack->scene, &request, &plan);
+		good = extreme_plan(x, extreme_tables(&world), &request, &plan);
 		eco_plan_free(&plan);
 	}
-	struct view_picture picture = { 0 };
-	good = good && extreme_good(x, extreme_draw(&world, &request, &picture, &error), &error);
-	for (size_t i = 0; good && i < (size_t)picture.width * picture.height; i++)
-		*covered += picture.cover[i] != 0;
+	good = good && extreme_draw(x, &world, &request, &picture);
+	*covered = good ? extreme_covered(&picture) : 0;
 	view_picture_free(&picture);
 	extreme_world_close(&world);
-	if (!good && x->failed && !strstr(x->measured, name)) {
+	if (!good && !strstr(x->measured, name)) {
 		size_t used = strlen(x->measured);
 		snprintf(x->measured + used, sizeof x->measured - used, " (%s)", name);
 	}
 	return good;
 }
 
-/* Builds what is in the soup, and frees it. `refused`: it must be, with a reason; else something of it must be seen where `seen`. */
-static void try_soup(struct extreme *x, struct soup *soup, const char *name, bool refused, bool seen)
+enum wanted { SEEN, REFUSED, ANSWERED };     /* ANSWERED: sound or refused */
+
+/* Builds what is in the soup, and frees it: it must be refused with a reason, or something of it must be seen. */
+static void try_soup(struct extreme *x, struct soup *soup, const char *name, enum wanted wanted)
 {
 	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
 	struct eco_error error = { 0 };
 	uint64_t covered = 0;
-	enum eco_code code = extreme_stand_add(&stand, &soup->model, name, &error);
-	soup_free(soup);
-	if (refused)
-		extreme_must(x, code == ECO_BAD_INPUT && strlen(error.text) > 10, "%s: status %d (%s)", name, code, error.text);
+	enum eco_code code = extreme_stand_add(&stand, soup, name, &error);
+	if (wanted == REFUSED || (wanted == ANSWERED && code))
+		extreme_must(x, (code == ECO_BAD_INPUT || (wanted == ANSWERED && code == ECO_TOO_LARGE)) && strlen(error.text) > 10, "%s: status %d (%s)",
+			name, code, error.text);
 	else if (extreme_good(x, code, &error) && numbers_sound(x, &stand.plants[0]) && grows(x, &stand, name, &covered))
-		extreme_must(x, !seen || covered > 0, "%s: nothing of it is seen", name);
-	if (!x->failed && refused)
-		extreme_say(x, "%s: refused", name);
+		extreme_must(x, wanted == ANSWERED || covered > 0, "%s: nothing of it is seen", name);
+	if (!x->failed && (code || wanted == ANSWERED))
+		extreme_say(x, "%s: %s", name, code ? "refused" : "built");
 	else if (!x->failed)
 		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name, stand.plants[0].triangles_stored, stand.plants[0].triangles_in,
 			(unsigned long long)covered);
@@ -108,7 +107,7 @@ static void try_soup(struct extreme *x, struct soup *soup, const char *name, boo
 
 /* ---- Triangles ---- */
 
-static void zero_area(struct extreme *x)
+void extreme_zero_area(struct extreme *x)
 {
 	for (int alone = 0; alone < 2; alone++) {
 		struct soup s;
@@ -121,11 +120,11 @@ static void zero_area(struct extreme *x)
 			corner_triangle(&s, m, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ i, 0, 1 }, (struct lod_v3){ i, 0, 2 });
 			corner_triangle(&s, m, a, a, a);
 		}
-		try_soup(x, &s, alone ? "nothing else" : "among leaves", alone, true);
+		try_soup(x, &s, alone ? "nothing else" : "among leaves", alone ? REFUSED : SEEN);
 	}
 }
 
-static void needles(struct extreme *x)
+void extreme_needles(struct extreme *x)
 {
 	static const double ratio[] = { 1e3, 1e6, 1e9 };
 	for (int i = 0; i < 3; i++) {
@@ -139,11 +138,11 @@ static void needles(struct extreme *x)
 			corner_triangle(&s, m, at, lod_v3_add(at, u), lod_v3_add(at, lod_v3_scale(v, 1 / ratio[i])));
 		}
 		snprintf(name, sizeof name, "%.0e:1", ratio[i]);
-		try_soup(x, &s, name, false, true);
+		try_soup(x, &s, name, SEEN);
 	}
 }
 
-static void coincident(struct extreme *x)
+void extreme_coincident(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s), other = soup_material(&s, 200, 40, 60, ECO_NONE, false);
@@ -152,30 +151,30 @@ static void coincident(struct extreme *x)
 	for (int copy = 0; copy < 4; copy++)
 		for (uint32_t t = 0; t < once; t++)
 			soup_triangle(&s, copy == 3 ? other : m, s.model.index[3 * t], s.model.index[3 * t + 1], s.model.index[3 * t + 2]);
-	try_soup(x, &s, "each five times; once in another colour", false, true);
+	try_soup(x, &s, "each five times; once in another colour", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
 		corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0, 1 });
-	try_soup(x, &s, "one triangle 300 times", false, true);
+	try_soup(x, &s, "one triangle 300 times", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
 		corner_triangle(&s, m, (struct lod_v3){ 1e-7 * i, 0, 0 }, (struct lod_v3){ 1, 1e-7 * i, 0 }, (struct lod_v3){ 0, 0, 1 + 1e-7 * i });
-	try_soup(x, &s, "nearly the same", false, true);
+	try_soup(x, &s, "nearly the same", SEEN);
 }
 
-static void non_manifold(struct extreme *x)
+void extreme_non_manifold(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s), foot = soup_vertex(&s, (struct lod_v3){ 0, 0, 0 }, 0, 0), top = soup_vertex(&s, (struct lod_v3){ 0, 0, 2 }, 0, 0);
 	for (int i = 0; i < 200; i++)
 		soup_triangle(&s, m, foot, top, soup_vertex(&s, (struct lod_v3){ cos(i), sin(i), 1 }, 0, 0));
-	try_soup(x, &s, "200 triangles at one edge", false, true);
+	try_soup(x, &s, "200 triangles at one edge", SEEN);
 	m = begin(&s);
 	uint32_t middle = soup_vertex(&s, (struct lod_v3){ 0, 0, 1 }, 0, 0);
 	for (int i = 0; i < 200; i++)
 		soup_triangle(&s, m, middle, soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0),
 			soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0));
-	try_soup(x, &s, "200 triangles at one corner", false, true);
+	try_soup(x, &s, "200 triangles at one corner", SEEN);
 	m = begin(&s);
 	enum { TURNS = 400 };
 	for (int i = 0; i < TURNS; i++)              /* a strip with half a twist: no side is out */
@@ -188,62 +187,49 @@ static void non_manifold(struct extreme *x)
 		soup_triangle(&s, m, p, p + 1, q);
 		soup_triangle(&s, m, p + 1, r, q);
 	}
-	try_soup(x, &s, "a strip with one side", false, true);
+	try_soup(x, &s, "a strip with one side", SEEN);
 }
 
-static void not_finite(struct extreme *x)
+void extreme_not_finite(struct extreme *x)
 {
 	static const struct { const char *name; float value; } rows[] = { { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY },
 		{ "denormal", 1e-42f },
 		{ "1e-30", 1e-30f }, { "3e38", 3e38f }, { "-1e30", -1e30f }, { "1e10", 1e10f } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		for (int alone = 0; alone < 2; alone++) {
-			struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
-			struct eco_error error = { 0 };
 			struct soup s;
-			uint64_t covered;
 			uint32_t m = begin(&s);
 			some_leaves(&s, m, 40);
 			for (uint32_t v = 0; v < s.model.vertex_count; v++)
 				if (alone || v % 7 == 3)
 					s.model.position[3 * v + v % 3] = rows[i].value;
-			enum eco_code code = extreme_stand_add(&stand, &s.model, rows[i].name, &error);
-			soup_free(&s);
-			/* sound or refused: both are answers */
-			if (code)
-				extreme_must(x, (code == ECO_BAD_INPUT || code == ECO_TOO_LARGE) && strlen(error.text) > 10, "%s: status %d (%s)", rows[i].name, code,
-					error.text);
-			else if (numbers_sound(x, &stand.plants[0]))
-				grows(x, &stand, rows[i].name, &covered);
-			if (!x->failed)
-				extreme_say(x, "%s: %s", rows[i].name, code ? "refused" : "built");
-			extreme_stand_free(&stand);
+			try_soup(x, &s, rows[i].name, ANSWERED);
 		}
 }
 
-static void few(struct extreme *x)
+void extreme_few(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s);
 	(void)m;
-	try_soup(x, &s, "empty", true, false);
+	try_soup(x, &s, "empty", REFUSED);
 	m = begin(&s);
 	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.5, 1 });
-	try_soup(x, &s, "one triangle", false, true);
+	try_soup(x, &s, "one triangle", SEEN);
 	m = begin(&s);
 	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.3, 1 });
-	try_soup(x, &s, "one leaf", false, true);
+	try_soup(x, &s, "one leaf", SEEN);
 	m = begin(&s);
 	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e-5, 0, 0 }, (struct lod_v3){ 0, 0, 1e-5 });
-	try_soup(x, &s, "one of 10 micrometres", false, true);
+	try_soup(x, &s, "one of 10 micrometres", SEEN);
 	m = begin(&s);
 	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e5, 0, 0 }, (struct lod_v3){ 0, 0, 1e5 });
-	try_soup(x, &s, "one of 100 km", false, true);
+	try_soup(x, &s, "one of 100 km", SEEN);
 }
 
 /* ---- Many ---- */
 
-static void materials(struct extreme *x)
+void extreme_materials(struct extreme *x)
 {
 	struct soup s;
 	uint32_t count = x->quick ? 5000 : 100000;
@@ -257,11 +243,11 @@ static void materials(struct extreme *x)
 		all[i] = (struct eco_material){ .rgb = { (uint8_t)i, (uint8_t)(i >> 8), (uint8_t)(i * 37) }, .image = ECO_NONE };
 		soup_leaf(&s, i, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(soup_direction(&s), 2)), 0.05, 0.05);
 	}
-	try_soup(x, &s, "a colour a leaf", false, true);
+	try_soup(x, &s, "a colour a leaf", SEEN);
 	free(all);
 }
 
-static void ten_million(struct extreme *x)
+void extreme_ten_million(struct extreme *x)
 {
 	struct soup s;
 	struct lod_plant plant = { 0 };
@@ -282,7 +268,7 @@ static void ten_million(struct extreme *x)
 
 /* ---- Orders and amounts ---- */
 
-static void orders(struct extreme *x)
+void extreme_orders(struct extreme *x)
 {
 	enum { MOST = 3000 };
 	static struct lod_v3 center[MOST], normal[MOST];
@@ -315,24 +301,20 @@ static void orders(struct extreme *x)
 				soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.1, 0, 0 }, (struct lod_v3){ 0, 1e-7 * i, 0.1 });
 			else
 				soup_leaf(&s, m, (struct lod_v3){ 0, 0, 1 }, 0.2, 0.1);
-		try_soup(x, &s, alike ? "200 leaves alike in one point" : "200 leaves in one point", false, true);
+		try_soup(x, &s, alike ? "200 leaves alike in one point" : "200 leaves in one point", SEEN);
 	}
 	extreme_say(x, "%zu arrangements by 4 orders at 3 heights: finite", sizeof rows / sizeof *rows);
 }
 
 /* Of the least that can be drawn: leaves grow, but not without end. */
-static void lambda_to_0(struct extreme *x)
+void extreme_lambda_to_0(struct extreme *x)
 {
-	const struct extreme_stand *stand = extreme_stand_shared(x);
-	struct extreme_world world = { 0 };
-	struct eco_error error = { 0 };
+	static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };
+	const struct extreme_world *world = extreme_world(x);
+	const struct eco_scene *s = world ? extreme_tables(world) : &(struct eco_scene){ .name = "" };
 	double largest = 0;
 	uint32_t tried = 0;
-	if (!stand || !extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error))
-		return;
-	const struct eco_scene *s = &world.scene->pack->scene;
 	for (uint32_t i = 0; i < s->ladder_count; i++) {
-		static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };
 		const struct eco_ladder *l = &s->ladders[i];
 		for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
 			struct eco_curve c = lod_ladder_curve(s, l, shares[k]);
@@ -351,23 +333,4 @@ static void lambda_to_0(struct extreme *x)
 		}
 	}
 	extreme_say(x, "%u ladders, %u cuts: the largest area factor is %.0f", s->ladder_count, tried, largest);
-	extreme_world_close(&world);
 }
-
-#define SOUND "built, packed, planned, drawn, or refused with a reason; triangles in = stored + dropped; all numbers finite"
-
-static const struct extreme_case cases[] = {
-	{ "triangles of no area", SOUND, false, zero_area },
-	{ "needles of 1e3:1 to 1e9:1", SOUND, false, needles },
-	{ "coincident and duplicate triangles", SOUND, false, coincident },
-	{ "non-manifold surfaces", SOUND, false, non_manifold },
-	{ "NaN, infinite, denormal and huge corners", SOUND, false, not_finite },
-	{ "empty plants, one triangle", SOUND, false, few },
-	{ "a plant of 1e7 triangles", SOUND "; stochastic order", true, ten_million },
-	{ "1e5 materials", SOUND, false, materials },
-	{ "orders of one leaf and of all in one point", "every order is finite, whatever the arrangement; such plants are built and drawn", false,
-		orders },
-	{ "lambda to 0", "curves and area factors are finite and bounded down to one vertex", false, lambda_to_0 },
-};
-
-const struct extreme_family extreme_geometry = { "geometry", cases, sizeof cases / sizeof *cases };

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "lod/build/grid.h"
-#include "tests/bench/bench_extreme_scene.h"
-#include "tests/support/plant_models.h"
+#include "tests/bench/extreme/extreme_cases.h"
+#include "tests/bench/extreme/extreme_scene.h"
 
 /* ---- Stored corners ---- */
 
@@ -165,12 +165,6 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 	lod_plant_free(&plant);
 }
 
-static void scale_soup(struct soup *s, double factor, double shift)
-{
-	for (uint32_t i = 0; i < 3 * s->model.vertex_count; i++)
-		s->model.position[i] = (float)(factor * (double)s->model.position[i] + (i % 3 == 0 ? shift : 0));
-}
-
 static double extent_of(const struct eco_model *model)
 {
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, most = 0;
@@ -182,36 +176,26 @@ static double extent_of(const struct eco_model *model)
 	return most;
 }
 
-static void usual(struct extreme *x)
+/* Plants larger than what LOD_GRID_NEAR_M leaves to the coarsest grid get more bits, so that half a pixel is reached from there on. (A grid
+ * for each cell costs more bytes than the same steps for all: lod/build/grid.c.) */
+void extreme_rounded(struct extreme *x)
 {
-	static const struct { const char *name; double factor; uint32_t leaves; } rows[] = { { "moss", 1e-3, 200 }, { "herb", 0.03, 200 },
-		{ "tree", 1, 1500 },
-		{ "giant", 18, 3000 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	for (const struct extreme_tree *t = x->made; t->name; t++) {
 		struct soup s;
-		soup_tree(&s, rows[i].leaves, 0, false);
-		scale_soup(&s, rows[i].factor, 0);
-		measure(x, &s, rows[i].name, 0, 0);
-	}
-}
-
-/* Larger than what LOD_GRID_NEAR_M leaves to the coarsest grid, and divided into cells: all lists get more bits, so that half a pixel is reached from
- * there on. (A grid for each cell costs more bytes than the same steps for all: lod/build/grid.c.) */
-static void tall(struct extreme *x)
-{
-	static const struct { const char *name; double factor; } rows[] = { { "30 m", 5 }, { "60 m", 10 }, { "120 m", 20 }, { "600 m", 100 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct soup s;
-		soup_tree(&s, x->quick ? 2500 : 9000, 0, false);
-		scale_soup(&s, rows[i].factor, 0);
-		extreme_must(x, lod_grid_bits_least(&s.model) == (uint32_t)fmax(LOD_GRID_BITS_MIN, ceil(log2(extent_of(&s.model) * sqrt(3) / (LOD_GRID_NEAR_M
-			* LOD_GRID_PIXEL_RAD)))), "%s: %u bits at least", rows[i].name, lod_grid_bits_least(&s.model));
-		measure(x, &s, rows[i].name, 0, 0);
+		if (x->quick && !t->quick_leaves)
+			continue;
+		soup_tree(&s, x->quick ? t->quick_leaves : t->leaves, t->flowers, false);
+		for (uint32_t i = 0; i < 3 * s.model.vertex_count; i++)
+			s.model.position[i] = (float)(t->factor * (double)s.model.position[i] + (i % 3 == 0 ? t->shift_m : 0));
+		double bits = ceil(log2(extent_of(&s.model) * sqrt(3) / (LOD_GRID_NEAR_M * LOD_GRID_PIXEL_RAD)));
+		extreme_must(x, !t->cells || lod_grid_bits_least(&s.model) == (uint32_t)fmax(LOD_GRID_BITS_MIN, bits), "%s: %u bits at least", t->name,
+			lod_grid_bits_least(&s.model));
+		measure(x, &s, t->name, t->bits, (uint32_t)(t->lost * s.model.vertex_count));
 	}
 }
 
 /* Leaves stay as large as they are, the plant grows: the grid has to be finer, as much as the picture needs. */
-static void large(struct extreme *x)
+void extreme_large(struct extreme *x)
 {
 	struct soup s;
 	soup_begin(&s);
@@ -222,61 +206,24 @@ static void large(struct extreme *x)
 	measure(x, &s, "a giant with small leaves", 0, 0);
 }
 
-static void every_grid(struct extreme *x)
-{
-	for (uint32_t bits = LOD_GRID_BITS_MIN; bits <= LOD_GRID_BITS_MAX; bits += x->quick ? 3 : 1) {
-		struct soup s;
-		char name[24];
-		soup_tree(&s, 400, 20, false);
-		snprintf(name, sizeof name, "%u bits", bits);
-		measure(x, &s, name, bits, 0);
-	}
-}
-
-static void off_centre(struct extreme *x)
-{
-	struct soup s;
-	soup_tree(&s, 400, 0, false);
-	scale_soup(&s, 1, 1000);
-	measure(x, &s, "1 km from its own origin", 0, s.model.vertex_count / 50);
-}
-
 /* Nearer than stated the error grows as the picture does, and nothing tears: what is drawn is full detail on the same grid. */
-static void nearer(struct extreme *x)
+void extreme_nearer(struct extreme *x)
 {
-	const struct extreme_stand *stand = extreme_stand_shared(x);
-	struct extreme_world world = { 0 };
-	struct eco_error error = { 0 };
-	if (!stand || !extreme_good(x, extreme_world_open(&world, stand, &(struct extreme_site){ 0 }, &error), &error))
+	const struct extreme_world *world = extreme_world(x);
+	if (!world)
 		return;
-	double stated = lod_grid_nearest_m(&stand->plants[0].lists[0].list, LOD_GRID_PIXEL_RAD);
-	const struct extreme_place *tree = &stand->places[0];
+	double stated = lod_grid_nearest_m(&extreme_stand(x)->plants[0].lists[0].list, LOD_GRID_PIXEL_RAD);
+	const double *tree = extreme_stand(x)->places[0].at;
 	for (int k = 0; k < 4; k++) {
 		double away = stated * ldexp(1, -2 * k);
-		struct eco_request request = { .view = { { tree->at[0] - away - 0.2, tree->at[1], 1 }, { tree->at[0], tree->at[1], 1 }, { 0, 0, 1 }, 45,
-			320, 240 }, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+		struct eco_request request = { .view = extreme_view((double[3]){ tree[0] - away - 0.2, tree[1], 1 }, (double[3]){ tree[0], tree[1], 1 }),
+			.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
-		uint64_t covered = 0;
-		if (!extreme_good(x, extreme_draw(&world, &request, &picture, &error), &error))
+		if (!extreme_draw(x, world, &request, &picture))
 			break;
-		for (size_t i = 0; i < 320 * 240; i++)
-			covered += picture.cover[i] != 0;
+		double covered = (double)extreme_covered(&picture) / (320 * 240);
 		view_picture_free(&picture);
-		extreme_must(x, covered > 320 * 240 / 100, "%.3g m away nothing is seen of the trunk", away);
-		extreme_say(x, "%.2g m: up to %.1f px, %.0f %% covered", away, 0.5 * stated / away, 100 * (double)covered / (320 * 240));
+		extreme_must(x, covered > 0.01, "%.3g m away nothing is seen of the trunk", away);
+		extreme_say(x, "%.2g m: up to %.1f px, %.0f %% covered", away, 0.5 * stated / away, 100 * covered);
 	}
-	extreme_world_close(&world);
 }
-
-#define HALF "every corner of the source is stored, within half a pixel (1080 rows over 45 degrees) from the stated distance on, which is at most the plant's size"
-
-static const struct extreme_case cases[] = {
-	{ "plants of 6 mm to 108 m", HALF, false, usual },
-	{ "plants of 30 m to 600 m, with cells", HALF "; and is at most 20 m: all lists on one lattice, seams of cells closed", false, tall },
-	{ "a large plant with small leaves", HALF "; all its cells on one grid, so that seams stay closed", false, large },
-	{ "grids of 12 to 18 bits", HALF, false, every_grid },
-	{ "a model far from its own origin", HALF "; floats hold no more there: corners that meet in the source may", false, off_centre },
-	{ "nearer than stated", "error grows as 1 / distance; drawn in full, without holes", false, nearer },
-};
-
-const struct extreme_family extreme_quantization = { "quantization", cases, sizeof cases / sizeof *cases };

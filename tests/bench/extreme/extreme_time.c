@@ -1,0 +1,166 @@
+/* Time: a server that keeps nothing between requests must answer a camera that does not move with the same bytes for ever, and one that
+ * trembles by less than anyone can see with a plan that does not swing between two. */
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/format/wire.h"
+#include "lod/sort.h"
+#include "server/stream.h"
+#include "tests/bench/extreme/extreme_cases.h"
+#include "tests/bench/extreme/extreme_scene.h"
+
+/* ---- Still ---- */
+
+void extreme_still(struct extreme *x)
+{
+	const struct extreme_world *world = extreme_world(x);
+	struct eco_request request = extreme_request(5000);
+	struct eco_writer first = { 0 };
+	uint32_t count = x->quick ? 200 : 10000, asked = 0;
+	while (asked < count && world && extreme_again(x, extreme_tables(world), &request, &first, NULL))
+		asked++;
+	extreme_say(x, "%u requests, %zu bytes of plan, all the same", asked, first.size);
+	eco_writer_free(&first);
+}
+
+/* The whole body, payloads and all, when nothing is held. */
+static bool body_of(struct extreme *x, const struct extreme_world *world, const struct eco_request *request, struct eco_writer *out)
+{
+	struct srv_stream stream = { 0 };
+	struct srv_body body = { 0 };
+	struct eco_error error = { 0 };
+	bool good = extreme_good(x, srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = world->scene, .request = request }, &error), &error)
+		&& extreme_must(x, stream.fits, "no body fits") && extreme_good(x, srv_stream_write(&stream, &body, &error), &error);
+	for (uint32_t i = 0; i < body.piece_count && good; i++)
+		eco_write_bytes(out, body.pieces[i].bytes, body.pieces[i].size);
+	srv_body_free(&body);
+	srv_stream_free(&stream);
+	return good;
+}
+
+void extreme_still_streams(struct extreme *x)
+{
+	static const uint64_t most[] = { ECO_BYTES_UNBOUNDED, 100000, 20000 };
+	const struct extreme_world *world = extreme_world(x);
+	bool good = world != NULL;
+	for (int b = 0; b < 3 && good; b++) {
+		struct eco_request request = extreme_request(20000);
+		struct eco_writer first = { 0 };
+		request.bytes = most[b];
+		good = body_of(x, world, &request, &first);
+		for (uint32_t i = 1; i < (x->quick ? 5 : 100) && good; i++) {
+			struct eco_writer next = { 0 };
+			good = body_of(x, world, &request, &next) && extreme_must(x, extreme_same_bytes(&first, &next), "body %u differs", i);
+			eco_writer_free(&next);
+		}
+		extreme_must(x, !good || first.size <= most[b], "%zu bytes of at most %llu", first.size, (unsigned long long)most[b]);
+		extreme_say(x, "%zu bytes", first.size);
+		eco_writer_free(&first);
+	}
+}
+
+/* ---- Trembling ---- */
+
+static double unit(uint64_t *state) { return eco_mix_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
+
+struct swing { uint64_t least, most; double wrong[2]; uint32_t changes; };       /* vertices, predicted wrong pixels */
+
+static void swing_by(struct swing *s, const struct eco_plan *plan)
+{
+	double wrong = plan->prediction.fp + plan->prediction.fn;
+	s->least = plan->vertices < s->least ? plan->vertices : s->least;
+	s->most = plan->vertices > s->most ? plan->vertices : s->most;
+	s->wrong[0] = fmin(s->wrong[0], wrong);
+	s->wrong[1] = fmax(s->wrong[1], wrong);
+}
+
+/* Plans around one view, the eye moved by up to `reach_m` along so many axes. */
+static bool tremble(struct extreme *x, const struct eco_request *still, double reach_m, int axes, uint32_t count, uint64_t *state, struct swing *s)
+{
+	const struct extreme_world *world = extreme_world(x);
+	struct eco_writer last = { 0 };
+	bool good = world != NULL;
+	*s = (struct swing){ .least = UINT64_MAX, .wrong = { INFINITY, 0 } };
+	for (uint32_t i = 0; i < count && good; i++) {
+		struct eco_request request = *still;
+		struct eco_plan plan = { 0 };
+		struct eco_writer bytes = { 0 };
+		for (int k = 0; k < axes; k++)
+			request.view.eye[k] += reach_m * unit(state);
+		good = extreme_plan(x, extreme_tables(world), &request, &plan);
+		if (!good)
+			break;
+		swing_by(s, &plan);
+		plan.prediction = (struct eco_prediction){ 0 };      /* numbers that may differ in their last bits */
+		eco_wire_write_plan(&bytes, &plan);
+		s->changes += i && !extreme_same_bytes(&last, &bytes);
+		eco_writer_free(&last);
+		last = bytes;
+		eco_plan_free(&plan);
+	}
+	eco_writer_free(&last);
+	return good;
+}
+
+/* Views that differ by a nanometre: how many different plans there are, how often one follows another, and how far apart they are. */
+void extreme_jitter(struct extreme *x)
+{
+	enum { VIEWS = 4 };
+	uint32_t count = x->quick ? 50 : 1000, changes = 0;
+	uint64_t state = 5;
+	struct swing s;
+	for (int v = 0; v < VIEWS; v++) {
+		struct eco_request still = extreme_request(5000);
+		still.view.eye[0] += 3.7 * v;
+		still.view.eye[1] += 1.3 * v;
+		if (!tremble(x, &still, 1e-9, 3, count, &state, &s))
+			return;
+		changes += s.changes;
+		extreme_must(x, s.wrong[1] - s.wrong[0] <= 1e-4 * s.wrong[1], "predicted wrong pixels swing from %.6f to %.6f", s.wrong[0], s.wrong[1]);
+		extreme_must(x, s.most - s.least <= s.most / 1000, "vertices swing from %llu to %llu", (unsigned long long)s.least,
+			(unsigned long long)s.most);
+	}
+	extreme_must(x, changes <= VIEWS * count / 100, "%u of %u plans differ from the one before", changes, VIEWS * count);
+	extreme_say(x, "%u views, %u requests each: %u plans differ from the one before", VIEWS, count, changes);
+}
+
+/* An eye exactly on the border between two bands of a plant: trembling may change that plant's band, and hardly anything else. */
+void extreme_on_border(struct extreme *x)
+{
+	uint64_t state = 9;
+	double largest = 0;
+	struct swing s;
+	for (int v = 0; v < 6; v++) {
+		struct eco_request request = extreme_request(5000);
+		double away = 8 * exp2(v / 4.0);
+		memcpy(request.view.eye, (double[3]){ -away, -away, 3 }, sizeof request.view.eye);
+		if (!tremble(x, &request, 1e-3, 1, x->quick ? 40 : 200, &state, &s))
+			return;
+		largest = fmax(largest, s.wrong[1] / s.wrong[0] - 1);
+		extreme_must(x, s.wrong[1] <= 1.02 * s.wrong[0], "a millimetre to and fro: predicted wrong pixels from %.2f to %.2f", s.wrong[0],
+			s.wrong[1]);
+	}
+	extreme_say(x, "predicted wrong pixels move by %.2f %% at most", 100 * largest);
+}
+
+/* ---- Teleporting ---- */
+
+void extreme_teleport(struct extreme *x)
+{
+	static const double eyes[][3] = { { -26, -21, 6.5 }, { 0, 0, 1.7 }, { 1e6, 0, 1e5 }, { 5, 5, -2 }, { 1e9, 1e9, 1 }, { -26, -21, 6.5 + 1e-9 } };
+	enum { EYES = sizeof eyes / sizeof *eyes };
+	const struct extreme_world *world = extreme_world(x);
+	struct eco_writer first[EYES] = { { 0 } };
+	uint32_t count = x->quick ? 100 : 1000;
+	uint64_t state = 3;
+	bool good = world != NULL;
+	for (uint32_t i = 0; i < count + EYES && good; i++) {
+		uint32_t at = i < EYES ? i : (uint32_t)(lod_mix(state++) % EYES);
+		struct eco_request request = extreme_request(5000);
+		memcpy(request.view.eye, eyes[at], sizeof request.view.eye);
+		good = extreme_again(x, extreme_tables(world), &request, &first[at], NULL);
+	}
+	for (int i = 0; i < EYES; i++)
+		eco_writer_free(&first[i]);
+	extreme_say(x, "%u jumps between %d places, each answered as at first", count, EYES);
+}
