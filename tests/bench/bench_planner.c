@@ -192,10 +192,9 @@ static enum eco_code time_choice(struct bench *bench, uint32_t species, json_t *
 	snprintf(name, sizeof name, "planner-choice-%u", species);
 	if ((*unit = bench_recall(bench, name, NULL)))
 		return ECO_OK;
-	enum eco_code code = bench_choice_make(&choice, species, error);
+	bench_choice_make(&choice, species);
 	choice.request.vertices = (uint64_t)species * 4000;      /* 500 a plant */
-	if (!code)
-		code = bench_plan_time(&time, &choice.scene, &choice.request, 300, error);
+	enum eco_code code = bench_plan_time(&time, &choice.made.scene, &choice.request, 300, error);
 	bench_choice_free(&choice);
 	if (!code)
 		*unit = bench_keep(bench, name, NULL, json_of(&time));
@@ -314,4 +313,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's rule, against itself", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o", .alone = true };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o tests/support/scene_*.o", .alone = true };

@@ -78,149 +78,70 @@ double bench_copy_ms(void)
 
 #define PLANTS_EACH 8u
 #define TILE_PLACES 512u
+#define SIDE 23u                 /* places along a tile's side */
 #define PLACE_M 6.0              /* between neighbours */
 #define SAMPLES 12u
 
-struct maker {                           /* tables of the scene that is made: those of `scene`, to be written to */
-	struct eco_scene scene;
-	struct eco_plant *plants;
-	struct eco_anchor *anchors;
-	struct eco_ladder *ladders;
-	struct eco_curve *curves;
-	struct eco_tile *tiles;
-	struct eco_group *groups;
-	struct eco_child *children;
-	struct eco_list *lists;
-	struct eco_chunk *chunks;
-	uint8_t *places;
-	uint64_t state;
-	uint32_t across;
-};
-
-static double random_real(struct maker *m)
-{
-	return eco_mix_unit(eco_mix_next(&m->state));
-}
-
-static uint32_t add_list(struct maker *m, const struct eco_list *like, uint32_t elements)
-{
-	struct eco_list *list = &m->lists[m->scene.list_count];
-	*list = *like;
-	list->chunk_first = m->scene.chunk_count;
-	list->chunk_count = 1;
-	list->image = ECO_NONE;
-	list->unit_area = 1e-3f;
-	for (int i = 0; i < 3; i++)
-		list->grid_step[i] = 1e-3;
-	list->element_count = elements;
-	m->chunks[m->scene.chunk_count++] = (struct eco_chunk){ .primitive_count = list->primitive_count, .element_count = elements,
-		.size_bytes = 8 * elements };
-	return m->scene.list_count++;
-}
+static double unit(struct scene_builder *b) { return eco_mix_unit(eco_mix_next(&b->state)); }
 
 /* Points, then triangles in their order: errors that fall ever more slowly, from one leaf to all. */
-static void add_plant(struct maker *m)
+static void add_plant(struct scene_builder *b)
 {
-	struct eco_scene *s = &m->scene;
-	uint32_t id = s->plant_count++, leaves = 2000 + (uint32_t)(4000 * random_real(m));
-	float height = (float)(4 + 16 * random_real(m));
-	struct eco_plant *p = &m->plants[id];
-	*p = (struct eco_plant){ .height_m = height, .area = 3 * height * height, .anchor_first = s->anchor_count, .anchor_count = 1,
-		.ladder_first = s->ladder_count, .ladder_count = 1 };
-	m->anchors[s->anchor_count++] = (struct eco_anchor){ { 0, 0, height / 2 }, height / 2 };
-	struct eco_ladder *l = &m->ladders[s->ladder_count++];
-	*l = (struct eco_ladder){ .plant = id, .anchor = p->anchor_first, .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
-		.importance = 1, .area = p->area, .total = leaves, .curve_first = s->curve_count, .curve_count = SAMPLES };
-	l->triangles = add_list(m, &(struct eco_list){ .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .owner = id, .plant = ECO_NONE,
-		.partner = ECO_NONE, .primitive_count = 2 * leaves }, leaves);
-	l->points = add_list(m, &(struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .owner = id, .plant = ECO_NONE,
-		.partner = l->triangles, .primitive_count = leaves }, leaves);
-	double bend = 0.25 + 0.4 * random_real(m);
+	uint32_t id = b->scene.plant_count, leaves = 2000 + (uint32_t)(4000 * unit(b));
+	float height = (float)(4 + 16 * unit(b));
+	scene_add_plant(b, (struct eco_plant){ .height_m = height, .area = 3 * height * height });
+	struct eco_ladder l = scene_ladder(id, scene_add_anchor(b, (struct eco_anchor){ { 0, 0, height / 2 }, height / 2 }), ECO_ORGAN_FOLIAGE);
+	l.area = b->plants[id].area;
+	l.total = leaves;
+	l.curve_first = b->scene.curve_count;
+	l.curve_count = SAMPLES;
+	l.triangles = scene_add_bare(b, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, id, ECO_NONE, 0, 0 }, 2 * leaves, leaves);
+	l.points = scene_add_bare(b, &(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_FORM, 0, id, l.triangles, 0, 0 }, leaves, leaves);
+	scene_add_ladder(b, l);
+	double bend = 0.25 + 0.4 * unit(b);
 	for (uint32_t i = 0; i < SAMPLES; i++) {
 		float share = (float)ldexp(1, (int)i - (int)SAMPLES + 1), wrong = (float)(0.5 * (1 - pow(share, bend)));
-		m->curves[s->curve_count++] = (struct eco_curve){ share, 1, 1 - wrong, wrong, wrong };
+		scene_add_curve(b, (struct eco_curve){ share, 1, 1 - wrong, wrong, wrong });
 	}
 }
 
 /* A tile of places: groups of eight plants of one species after the other. */
-static void add_tile(struct maker *m, uint32_t tile, uint32_t first_species, uint32_t species)
+static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, uint32_t first_species, uint32_t species)
 {
-	struct eco_scene *s = &m->scene;
-	uint32_t column = (tile - 1) % m->across, row = (tile - 1) / m->across, side = 23;
-	double size = side * PLACE_M, x = column * size, y = row * size;
-	struct eco_tile *t = &m->tiles[tile];
-	*t = (struct eco_tile){ .low = { x - 30, y - 30, -1 }, .high = { x + size + 30, y + size + 30, 31 }, .summary = ECO_NONE,
-		.group_first = s->group_count, .group_count = species };
+	double size = SIDE * PLACE_M, x = (tile - 1) % across * size, y = (tile - 1) / across * size;
+	scene_add_tile(b, (struct eco_tile){ .low = { x - 30, y - 30, -1 }, .high = { x + size + 30, y + size + 30, 31 }, .summary = ECO_NONE,
+		.instance_count = (uint64_t)species * PLANTS_EACH });
 	for (uint32_t g = 0; g < species; g++) {
-		uint32_t list = add_list(m, &(struct eco_list){ .kind = ECO_LIST_INSTANCES, .owner = tile, .plant = first_species + g, .partner = ECO_NONE,
-			.primitive_count = PLANTS_EACH }, PLANTS_EACH);
-		m->lists[list].grid_origin[0] = x;
-		m->lists[list].grid_origin[1] = y;
-		m->groups[s->group_count++] = (struct eco_group){ tile, first_species + g, list, s->place_count };
+		uint32_t plant = first_species + g;
+		uint32_t list = scene_add_bare(b, &(struct scene_row){ ECO_LIST_INSTANCES, 0, 0, tile, plant, 0, 0 }, PLANTS_EACH, PLANTS_EACH);
+		b->lists[list].grid_origin[0] = x;
+		b->lists[list].grid_origin[1] = y;
+		scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
 		for (uint32_t i = 0; i < PLANTS_EACH; i++) {
-			uint32_t spot = (g * PLANTS_EACH + i) * 7919u % (side * side), scale = 49152 + (uint32_t)(32768 * random_real(m));
-			int32_t p[3] = { (int32_t)(1000 * PLACE_M * (spot % side)), (int32_t)(1000 * PLACE_M * (spot / side)), 0 };
-			uint8_t *at = m->places + ECO_PLACE_BYTES * s->place_count++;
-			for (int k = 0; k < 3; k++)
-				for (int b = 0; b < 4; b++)
-					at[4 * k + b] = (uint8_t)((uint32_t)p[k] >> (8 * b));
-			for (int b = 0; b < 4; b++)
-				at[16 + b] = (uint8_t)(scale >> (8 * b));
+			uint32_t spot = (g * PLANTS_EACH + i) * 7919u % (SIDE * SIDE), scale = 49152 + (uint32_t)(32768 * unit(b));
+			scene_add_place(b, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (spot % SIDE)), (int32_t)(1000 * PLACE_M * (spot / SIDE)), 0 }, 0,
+				scale });
 		}
-		t->instance_count += PLANTS_EACH;
-		t->area += PLANTS_EACH * (double)m->plants[first_species + g].area;
+		b->tiles[tile].area += PLANTS_EACH * (double)b->plants[plant].area;
 	}
-	m->children[s->child_count++] = (struct eco_child){ .tile = tile, .scale = 1 };
+	scene_add_child(b, 0, (struct eco_child){ .tile = tile, .scale = 1 });
+	b->tiles[0].instance_count += b->tiles[tile].instance_count;
+	b->tiles[0].area += b->tiles[tile].area;
 }
 
-static bool reserve(struct maker *m, uint32_t species, uint32_t tiles)
+void bench_choice_make(struct bench_choice *choice, uint32_t species)
 {
-	m->scene.plants = m->plants = calloc(species, sizeof *m->plants);
-	m->scene.anchors = m->anchors = calloc(species, sizeof *m->anchors);
-	m->scene.ladders = m->ladders = calloc(species, sizeof *m->ladders);
-	m->scene.curves = m->curves = calloc((size_t)SAMPLES * species, sizeof *m->curves);
-	m->scene.tiles = m->tiles = calloc(tiles + 1u, sizeof *m->tiles);
-	m->scene.groups = m->groups = calloc(species, sizeof *m->groups);
-	m->scene.children = m->children = calloc(tiles, sizeof *m->children);
-	m->scene.lists = m->lists = calloc(3 * (size_t)species, sizeof *m->lists);
-	m->scene.chunks = m->chunks = calloc(3 * (size_t)species, sizeof *m->chunks);
-	m->scene.places = m->places = calloc((size_t)species * PLANTS_EACH, ECO_PLACE_BYTES);
-	return m->plants && m->anchors && m->ladders && m->curves && m->tiles && m->groups && m->children && m->lists && m->chunks && m->places;
-}
-
-enum eco_code bench_choice_make(struct bench_choice *choice, uint32_t species, struct eco_error *error)
-{
-	uint32_t each = TILE_PLACES / PLANTS_EACH, tiles = (species + each - 1) / each;
-	struct maker m = { .scene = { .near_m = 0.1 }, .state = species, .across = (uint32_t)ceil(sqrt(tiles)) };
-	bool room = reserve(&m, species, tiles);
-	choice->scene = m.scene;
-	if (!room) {
-		bench_choice_free(choice);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a scene of %u species", species);
-	}
+	uint32_t each = TILE_PLACES / PLANTS_EACH, tiles = (species + each - 1) / each, across = (uint32_t)ceil(sqrt(tiles));
+	struct scene_builder *b = &choice->made;
+	double size = across * SIDE * PLACE_M;
+	*b = (struct scene_builder){ .scene.near_m = 0.1, .state = species, .like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
 	for (uint32_t i = 0; i < species; i++)
-		add_plant(&m);
-	double size = m.across * 23 * PLACE_M;
-	m.tiles[0] = (struct eco_tile){ .low = { -30, -30, -1 }, .high = { size + 30, size + 30, 31 }, .summary = ECO_NONE };
-	m.scene.tile_count = tiles + 1;
-	for (uint32_t i = 0; i < tiles; i++) {
-		uint32_t left = species - i * each;
-		add_tile(&m, i + 1, i * each, left < each ? left : each);
-		m.tiles[0].instance_count += m.tiles[i + 1].instance_count;
-		m.tiles[0].area += m.tiles[i + 1].area;
-	}
-	m.tiles[0].child_count = m.scene.child_count;
-	choice->scene = m.scene;
+		add_plant(b);
+	scene_add_tile(b, (struct eco_tile){ .low = { -30, -30, -1 }, .high = { size + 30, size + 30, 31 }, .summary = ECO_NONE });
+	for (uint32_t i = 0; i < tiles; i++)
+		add_tile(b, i + 1, across, i * each, species - i * each < each ? species - i * each : each);
 	choice->request = (struct eco_request){ .view = { .eye = { size / 2, -size, size }, .target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 },
 		.fov_y_deg = 50, .width = 1600, .height = 1200 }, .bytes = ECO_BYTES_UNBOUNDED };
-	return ECO_OK;
 }
 
-void bench_choice_free(struct bench_choice *choice)
-{
-	const struct eco_scene *s = &choice->scene;
-	const void *all[] = { s->plants, s->anchors, s->ladders, s->curves, s->tiles, s->groups, s->children, s->lists, s->chunks, s->places };
-	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-		free((void *)all[i]);
-	*choice = (struct bench_choice){ 0 };
-}
+void bench_choice_free(struct bench_choice *choice) { scene_free(&choice->made); }

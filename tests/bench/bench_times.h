@@ -5,6 +5,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/view.h"
 #include "lod/plan/planner.h"
+#include "tests/support/scene_builder.h"
 
 struct bench_plan_time {
 	double ms;                   /* median of the repetitions */
@@ -23,10 +24,10 @@ double bench_copy_ms(void);
  * each, spread over leaf tiles of 512 places: as many things to choose between as are asked for. Tables only, no chunks' payloads. The
  * same for the same number. Free with bench_choice_free. */
 struct bench_choice {
-	struct eco_scene scene;
+	struct scene_builder made;
 	struct eco_request request;          /* sees all of it; the caller sets vertices */
 };
-enum eco_code bench_choice_make(struct bench_choice *choice, uint32_t species, struct eco_error *error);
+void bench_choice_make(struct bench_choice *choice, uint32_t species);
 void bench_choice_free(struct bench_choice *choice);
 
 #endif

@@ -67,6 +67,8 @@ uint32_t scene_add_list(struct scene_builder *b, struct eco_list row)
 {
 	b->elements = room_for(b->elements, b->scene.list_count, sizeof *b->elements);
 	b->elements[b->scene.list_count] = (struct eco_elements){ 0 };
+	b->ends = room_for(b->ends, b->scene.list_count, sizeof *b->ends);
+	b->ends[b->scene.list_count] = (struct scene_ends){ NULL, 0 };
 	return ADD(lists, list_count, row);
 }
 
@@ -114,6 +116,15 @@ struct eco_list scene_list(const struct scene_builder *b, const struct scene_row
 	*(row->coder == ECO_CODER_FORM ? &list.partner : row->kind == ECO_LIST_INSTANCES ? &list.plant : &list.image) = row->other;
 	list.palette_count = row->attributes & ECO_ATTR_COLOR ? list.palette_count : 0;
 	return list;
+}
+
+uint32_t scene_add_made(struct scene_builder *b, struct eco_list list, struct eco_elements e)
+{
+	list.primitive_count = e.primitive_count;
+	list.element_count = e.element_count;
+	uint32_t id = scene_add_list(b, list);
+	b->elements[id] = e;
+	return id;
 }
 
 uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, uint32_t count)
@@ -180,14 +191,15 @@ enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground
 
 /* ---- Chunks ---- */
 
-static uint32_t ends_of(const struct scene_builder *b, uint32_t id, uint32_t *ends)
+static struct scene_ends ends_of(const struct scene_builder *b, uint32_t id)
 {
+	static uint32_t ends[SCENE_CHUNKS_MAX];
 	const struct eco_list *list = &b->lists[id];
 	uint32_t count = b->elements[list->coder == ECO_CODER_FORM ? list->partner : id].element_count;
-	if (b->split && list->kind != ECO_LIST_GROUND)
-		return b->split(count, ends);
+	if (b->ends[id].count)
+		return b->ends[id];
 	ends[0] = count;
-	return 1;
+	return (struct scene_ends){ ends, b->split && list->kind != ECO_LIST_GROUND ? b->split(count, ends) : 1 };
 }
 
 static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, size_t size, uint32_t primitives, uint32_t elements)
@@ -201,13 +213,13 @@ static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, 
 
 static void encode_list(struct scene_builder *b, uint32_t id)
 {
-	static uint32_t ends[SCENE_CHUNKS_MAX];
 	const struct eco_list *list = &b->lists[id];
 	const struct eco_elements *e = &b->elements[id];
-	uint32_t like = list->coder == ECO_CODER_FORM ? list->partner : id, count = ends_of(b, id, ends);
-	for (uint32_t i = 0; i < count; i++) {
-		struct eco_chunk_input input = { &b->lists[like], &b->elements[like], i ? ends[i - 1] : 0, ends[i], i };
-		uint32_t elements = ends[i] - input.first;
+	struct scene_ends ends = ends_of(b, id);
+	uint32_t like = list->coder == ECO_CODER_FORM ? list->partner : id;
+	for (uint32_t i = 0; i < ends.count; i++) {
+		struct eco_chunk_input input = { &b->lists[like], &b->elements[like], i ? ends.ends[i - 1] : 0, ends.ends[i], i };
+		uint32_t elements = ends.ends[i] - input.first;
 		uint8_t *payload;
 		size_t size;
 		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL, NULL) : eco_chunk_encode_form(&input, list, e, &payload, &size, NULL))
@@ -230,17 +242,17 @@ void scene_encode(struct scene_builder *b)
 
 enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta, struct eco_pack_writer **keep, struct eco_error *error)
 {
-	static uint32_t ends[SCENE_CHUNKS_MAX];
 	struct eco_pack_writer *w;
 	enum eco_code code = eco_pack_create(&w, path, error);
 	if (code)
 		return code;
 	for (uint32_t id = 0, stored; id < b->scene.list_count && !code; id++) {
 		const struct eco_list *list = &b->lists[id];
+		struct scene_ends ends = ends_of(b, id);
 		if (list->kind == ECO_LIST_IMAGE)
 			code = eco_pack_add_bytes(w, list, b->image, b->image_size, &stored, error);
 		else
-			code = eco_pack_add_list(w, list, &b->elements[id], ends, ends_of(b, id, ends),
+			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
 				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored, error);
 	}
 	if (code)
@@ -255,7 +267,7 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 void scene_free(struct scene_builder *b)
 {
 	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children, b->lists, b->chunks, b->ground,
-		b->palette, b->elements, b->payloads };
+		b->palette, b->elements, b->ends, b->payloads };
 	for (uint32_t i = 0; i < b->scene.list_count; i++)
 		eco_elements_free(&b->elements[i]);
 	for (uint32_t i = 0; i < b->scene.chunk_count; i++)

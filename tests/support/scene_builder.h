@@ -31,6 +31,7 @@ struct scene_builder {
 	uint8_t (*palette)[3];
 	struct eco_writer places;
 	struct eco_elements *elements;       /* of each list; empty where only tables are asked for */
+	struct scene_ends { const uint32_t *ends; uint32_t count; } *ends;       /* of each list: where its chunks end; NULL: see split */
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
 	const void *image;                   /* bytes of all image lists; NULL: they have no chunk */
 	size_t image_size;
@@ -61,6 +62,8 @@ struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ o
  * the texture. */
 struct scene_row { uint8_t kind, coder, attributes; uint32_t owner, other, count; uint8_t corners; };
 struct eco_list scene_list(const struct scene_builder *b, const struct scene_row *row);
+/* A list with these elements, which are the builder's from then on. */
+uint32_t scene_add_made(struct scene_builder *b, struct eco_list list, struct eco_elements e);
 /* Lists with elements that are all zero; returns the first. */
 uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, uint32_t count);
 /* Elements of a list, all zero: positions, and what its attributes ask for. */

@@ -16,6 +16,7 @@
 #include "tests/support/scene_builder.h"
 
 #define TILES 4u
+#define LISTS_MOST 256u          /* of a plant */
 #define STEP_M 0x1p-13           /* of instance grids */
 #define BODY_M 1.5               /* plants reach so many times their radius from their place */
 
@@ -31,7 +32,7 @@ enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, 
 		code = lod_plant_measure(plant, &soup->model, &options, error);
 	stand->plant_count += !code;
 	soup_free(soup);
-	return code;
+	return code ? code : plant->list_count <= LISTS_MOST ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "%u lists", plant->list_count);
 }
 
 void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place)
@@ -123,23 +124,10 @@ struct packing {                         /* a scene while it is written: its roo
 	const struct extreme_stand *stand;
 	const struct extreme_site *site;
 	struct scene_builder b;
-	struct eco_pack_writer *writer;
 	uint32_t palette_first[EXTREME_PLANTS];
-	struct eco_error *error;
 };
 
-static enum eco_code add_list(struct packing *p, const struct eco_list *list, const struct eco_elements *e, const struct lod_list_draft *like,
-	uint32_t *id)
-{
-	bool form = like && list->coder == ECO_CODER_FORM;
-	enum eco_code code = eco_pack_add_list(p->writer, list, e, like ? like->ends : &e->element_count, like ? like->end_count : 1,
-		form ? &like->elements : NULL, id, p->error);
-	if (!code)
-		scene_add_list(&p->b, *eco_pack_list(p->writer, *id));
-	return code;
-}
-
-static enum eco_code pack_list(struct packing *p, uint32_t id, uint32_t i, uint32_t *lists)
+static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint32_t *lists)
 {
 	const struct lod_plant *plant = &p->stand->plants[id];
 	const struct lod_list_draft *draft = &plant->lists[i], *like = draft->list.partner == ECO_NONE ? draft : &plant->lists[draft->list.partner];
@@ -148,29 +136,31 @@ static enum eco_code pack_list(struct packing *p, uint32_t id, uint32_t i, uint3
 	list.plant = list.image = ECO_NONE;
 	list.palette_first += list.palette_count ? p->palette_first[id] : 0;
 	list.partner = list.partner == ECO_NONE ? ECO_NONE : lists[list.partner];
-	return add_list(p, &list, &draft->elements, like, &lists[i]);
+	uint32_t added = scene_add_made(&p->b, list, draft->elements);
+	p->b.ends[added] = (struct scene_ends){ like->ends, like->end_count };
+	return added;
 }
 
 static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
 
-static enum eco_code pack_plant(struct packing *p, uint32_t id)
+/* Elements and ends of its lists stay the stand's. */
+static void add_plant(struct packing *p, uint32_t id)
 {
 	const struct lod_plant *plant = &p->stand->plants[id];
 	struct scene_builder *b = &p->b;
-	uint32_t *lists = calloc(plant->list_count + 1u, sizeof *lists), anchors = b->scene.anchor_count, curves = b->scene.curve_count;
-	enum eco_code code = lists ? ECO_OK : ECO_NO_MEMORY;
+	uint32_t lists[LISTS_MOST], anchors = b->scene.anchor_count, curves = b->scene.curve_count;
 	p->palette_first[id] = b->scene.palette_count;
 	scene_add_colors(b, plant->palette, plant->palette_count);
 	for (int forms = 0; forms < 2; forms++)
-		for (uint32_t i = 0; i < plant->list_count && !code; i++)
+		for (uint32_t i = 0; i < plant->list_count; i++)
 			if ((plant->lists[i].list.partner != ECO_NONE) == forms)
-				code = pack_list(p, id, i, lists);
+				lists[i] = add_list(p, id, i, lists);
 	scene_add_plant(b, plant->plant);
 	for (uint32_t i = 0; i < plant->plant.anchor_count; i++)
 		scene_add_anchor(b, plant->anchors[i]);
 	for (uint32_t i = 0; i < plant->curve_count; i++)
 		scene_add_curve(b, plant->curves[i]);
-	for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		struct eco_ladder l = plant->ladders[i];
 		l.plant = id;
 		l.anchor += anchors;
@@ -182,8 +172,6 @@ static enum eco_code pack_plant(struct packing *p, uint32_t id)
 		scene_add_ladder(b, l);
 	}
 	b->scene.needs |= plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
-	free(lists);
-	return code;
 }
 
 /* The tile grows by what is within these bounds. */
@@ -211,12 +199,12 @@ static void grow_by_plant(struct packing *p, uint32_t tile, const struct extreme
 }
 
 /* The plants of one species in one quarter, if there are any. */
-static enum eco_code pack_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32_t plant)
+static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32_t plant)
 {
 	struct eco_list list = scene_list(&p->b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, tile, plant, 0, 0 });
 	struct eco_elements e = elements_make(&list, p->stand->place_count, 1);
 	double corner = p->stand->side / 2;
-	uint32_t count = 0, id;
+	uint32_t count = 0;
 	for (int i = 0; i < 3; i++) {
 		list.grid_step[i] = STEP_M;
 		list.grid_origin[i] = (i < 2 ? -corner : 0) + (p->site->plain ? p->site->at[i] : 0);
@@ -233,30 +221,13 @@ static enum eco_code pack_group(struct packing *p, uint32_t quarter, uint32_t ti
 		count++;
 	}
 	e.element_count = e.corner_count = e.primitive_count = count;
-	enum eco_code code = count ? add_list(p, &list, &e, NULL, &id) : ECO_OK;
-	if (!code && count) {
-		p->b.elements[id] = e;
-		scene_add_instances(&p->b, id);
-	} else {
+	if (count)
+		scene_add_instances(&p->b, scene_add_made(&p->b, list, e));
+	else
 		eco_elements_free(&e);
-	}
-	return code;
 }
 
-static enum eco_code pack_tiles(struct packing *p)
-{
-	enum eco_code code = ECO_OK;
-	scene_add_tile(&p->b, (struct eco_tile){ .summary = ECO_NONE });
-	scene_add_tile(&p->b, (struct eco_tile){ .summary = ECO_NONE });
-	for (uint32_t t = 0; t < TILES && !code; t++) {
-		uint32_t tile = scene_add_tile(&p->b, (struct eco_tile){ .summary = ECO_NONE, .group_first = p->b.scene.group_count });
-		for (uint32_t plant = 0; plant < p->stand->plant_count && !code; plant++)
-			code = pack_group(p, t, tile, plant);
-	}
-	return code;
-}
-
-static void pack_root(struct packing *p)
+static void add_root(struct packing *p)
 {
 	const struct extreme_site *site = p->site;
 	double scale = site->scale > 0 ? site->scale : 1, far = 0;
@@ -283,53 +254,54 @@ static void pack_root(struct packing *p)
 	p->b.scene.near_m = fmax(p->stand->near_m * scale, 1e-9);
 }
 
-static enum eco_code pack_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile)
+static enum eco_code add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile, struct eco_error *error)
 {
 	struct lod_summary summary = { 0 };
 	struct eco_list list;
 	struct eco_elements e = { 0 };
 	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools, .tile = tile,
-		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 }, p->error);
+		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 }, error);
 	if (!code && summary.count)
-		code = lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e, p->error);
+		code = lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e, error);
 	if (!code && summary.count)
-		code = add_list(p, &list, &e, NULL, &p->b.tiles[tile].summary);
+		p->b.tiles[tile].summary = scene_add_made(&p->b, list, e);
 	free(summary.points);
-	eco_elements_free(&e);
 	return code;
 }
 
-static enum eco_code pack_summaries(struct packing *p)
+static enum eco_code add_summaries(struct packing *p, struct eco_error *error)
 {
 	struct lod_pool pools[EXTREME_PLANTS] = { { 0 } };
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < p->stand->plant_count && !code; i++)
-		code = lod_pool_make(&pools[i], &p->stand->plants[i], p->palette_first[i], 512, p->error);
+		code = lod_pool_make(&pools[i], &p->stand->plants[i], p->palette_first[i], 512, error);
 	for (uint32_t t = 1; t < p->b.scene.tile_count && !code; t++)
 		if (p->b.tiles[t].instance_count)
-			code = pack_summary(p, pools, t);
+			code = add_summary(p, pools, t, error);
 	for (uint32_t i = 0; i < p->stand->plant_count; i++)
 		lod_pool_free(&pools[i]);
 	return code;
 }
 
-static enum eco_code pack_all(struct packing *p, const char *path)
+static enum eco_code write_pack(const struct extreme_stand *stand, const struct extreme_site *site, const char *path, struct eco_error *error)
 {
-	enum eco_code code = eco_pack_create(&p->writer, path, p->error);
-	strcpy(p->b.scene.name, "extreme");
-	p->b.scene.needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES | ECO_NEED_PLACEMENTS
-		| (p->stand->summaries ? ECO_NEED_SUMMARIES : 0);
-	for (uint32_t i = 0; i < p->stand->plant_count && !code; i++)
-		code = pack_plant(p, i);
-	if (!code)
-		code = pack_tiles(p);
-	if (!code)
-		pack_root(p);
-	if (!code && p->stand->summaries)
-		code = pack_summaries(p);
-	if (!code)
-		return eco_pack_commit(p->writer, &p->b.scene, "{\"name\":\"extreme\"}", p->error);
-	eco_pack_abort(p->writer);
+	struct packing p = { .stand = stand, .site = site, .b.scene = { .name = "extreme", .needs = ECO_NEED_POINTS | ECO_NEED_LINES
+		| ECO_NEED_TRIANGLES | ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
+	for (uint32_t i = 0; i < stand->plant_count; i++)
+		add_plant(&p, i);
+	uint32_t borrowed = p.b.scene.list_count;
+	for (uint32_t t = 0; t < 2; t++)
+		scene_add_tile(&p.b, (struct eco_tile){ .summary = ECO_NONE });
+	for (uint32_t t = 0; t < TILES; t++) {
+		uint32_t tile = scene_add_tile(&p.b, (struct eco_tile){ .summary = ECO_NONE, .group_first = p.b.scene.group_count });
+		for (uint32_t plant = 0; plant < stand->plant_count; plant++)
+			add_group(&p, t, tile, plant);
+	}
+	add_root(&p);
+	enum eco_code code = stand->summaries ? add_summaries(&p, error) : ECO_OK;
+	code = code ? code : scene_write(&p.b, path, "{\"name\":\"extreme\"}", NULL, error);
+	memset(p.b.elements, 0, borrowed * sizeof *p.b.elements);
+	scene_free(&p.b);
 	return code;
 }
 
@@ -337,17 +309,15 @@ bool extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 {
 	char path[64];
 	struct eco_error error = { 0 };
-	struct packing p = { .stand = stand, .site = site, .error = &error };
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	snprintf(path, sizeof path, "build/tmp/extreme-%ld.eco", (long)getpid());
-	enum eco_code code = pack_all(&p, path);
+	enum eco_code code = write_pack(stand, site, path, &error);
 	srv_store_init(&world->store);
 	if (!code)
 		code = srv_store_add(&world->store, "extreme", path, &error);
 	unlink(path);                            /* what is mapped stays */
 	world->scene = code ? NULL : &world->store.scenes[0];
-	scene_free(&p.b);
 	return extreme_good(x, code, &error);
 }
 
