@@ -313,4 +313,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's rule, against itself", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o tests/support/scene_*.o", .alone = true };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o tests-support.a", .alone = true };
