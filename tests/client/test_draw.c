@@ -138,19 +138,15 @@ static void mask_does_not_depend_on_shading(void **state)
 	(void)state;
 	if (!gl)
 		skip();
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	struct view_picture plain = draw(gl, store, &view, true, VIEW_TINT_NONE), tinted = draw(gl, store, &view, true, VIEW_TINT_KIND);
+	struct scene_held h = scene_hold(&scene);
+	struct view_picture plain = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE), tinted = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
 	size_t pixels = (size_t)plain.width * plain.height;
 	assert_memory_equal(plain.cover, tinted.cover, pixels);
 	assert_memory_equal(plain.owner, tinted.owner, 8 * pixels);
 	assert_true(memcmp(plain.rgb, tinted.rgb, 3 * pixels) != 0);
 	view_picture_free(&plain);
 	view_picture_free(&tinted);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
@@ -159,12 +155,9 @@ static void tint_shows_all_four_kinds(void **state)
 	(void)state;
 	if (!gl)
 		skip();
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
+	struct scene_held h = scene_hold(&scene);
 	uint32_t green = 0, red = 0, blue = 0, yellow = 0;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	struct view_picture p = draw(gl, store, &view, true, VIEW_TINT_KIND);
+	struct view_picture p = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
 	for (uint32_t i = 0; i < p.width * p.height; i++) {
 		const uint8_t *c = p.rgb + 3 * (size_t)i;
 		if (!p.cover[i])
@@ -177,8 +170,7 @@ static void tint_shows_all_four_kinds(void **state)
 	print_message("pixels: triangles %u, lines %u, points %u, blends %u\n", green, red, blue, yellow);
 	assert_true(green > 500 && red > 20 && blue > 500 && yellow > 500);
 	view_picture_free(&p);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void held_stream(const struct view_store *store, const struct eco_plan *plan, struct eco_writer *w)
@@ -231,16 +223,12 @@ static void repeated_frames_are_the_same(void **state)
 	(void)state;
 	if (!gl)
 		skip();
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	struct view_picture a = draw(gl, store, &view, true, VIEW_TINT_NONE), b = draw(gl, store, &view, true, VIEW_TINT_NONE);
+	struct scene_held h = scene_hold(&scene);
+	struct view_picture a = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE), b = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
 	assert_same(&a, &b);
 	view_picture_free(&a);
 	view_picture_free(&b);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void wrong_size_is_refused(void **state)
@@ -263,20 +251,15 @@ static void wrong_size_is_refused(void **state)
 static void shadows_fall_to_the_north_east(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	struct lod_eye eye;
-	struct view_selection s;
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	const struct view_selection s = h.selection;
 	struct view_shade shade;
-	scene_plan(&scene, &view, 1, &plan);
-	lod_eye_make(&eye, &view);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
 	uint32_t tree = 0;
 	while (s.instances[tree].plant != 0)
 		tree++;
 	struct view_selection alone = { .instances = &s.instances[tree], .instance_count = 1 };
-	assert_int_equal(view_shade_make(&shade, store, &alone, NULL), ECO_OK);
+	assert_int_equal(view_shade_make(&shade, h.store, &alone, NULL), ECO_OK);
 	double sum = 0, x = 0, y = 0;
 	for (int j = 0; j < VIEW_SHADE_PIXELS; j++)
 		for (int i = 0; i < VIEW_SHADE_PIXELS; i++) {
@@ -289,13 +272,11 @@ static void shadows_fall_to_the_north_east(void **state)
 	assert_true(shade.low[1] + y / sum * texel > s.instances[tree].place.at[1] + 1);
 	view_shade_free(&shade);
 	alone.instance_count = 0;
-	assert_int_equal(view_shade_make(&shade, store, &alone, NULL), ECO_OK);
+	assert_int_equal(view_shade_make(&shade, h.store, &alone, NULL), ECO_OK);
 	for (size_t i = 0; i < 2u * VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS; i++)
 		assert_int_equal(shade.texels[i], 0);
 	view_shade_free(&shade);
-	view_select_free(&s);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 int main(void)

@@ -63,35 +63,14 @@ static int close_all(void **state)
 	return 0;
 }
 
-struct drawing { struct eco_plan plan; struct view_store *store; struct view_selection selection; struct lod_eye eye; };
-
-static void begin(struct drawing *d, const struct eco_view *view)
-{
-	struct eco_error error = { 0 };
-	scene_plan(&scene, view, 1, &d->plan);
-	lod_eye_make(&d->eye, view);
-	d->store = scene_store(&scene, &d->plan, &error);
-	if (!d->store)
-		print_message("%s\n", error.text);
-	assert_non_null(d->store);
-	assert_int_equal(view_select_make(&d->selection, d->store, &d->eye, NULL), ECO_OK);
-}
-
-static void end(struct drawing *d)
-{
-	view_select_free(&d->selection);
-	view_store_free(d->store);
-	eco_plan_free(&d->plan);
-}
-
-static void draw_software(const struct drawing *d, const struct eco_view *view, uint32_t threads, struct view_picture *picture)
+static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads, struct view_picture *picture)
 {
 	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
 
-static void draw_gl(const struct drawing *d, const struct eco_view *view, struct view_picture *picture)
+static void draw_gl(const struct scene_held *d, const struct eco_view *view, struct view_picture *picture)
 {
 	struct view_gl_job job = { d->store, &d->selection, &d->eye, 0.1, VIEW_TINT_NONE };
 	struct eco_error error = { 0 };
@@ -130,13 +109,13 @@ static void opengl_and_software_agree(void **state)
 		skip();
 	for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
 		struct eco_view view = scene_view();
-		struct drawing d;
 		struct view_picture soft, hard;
 		double masks, owners;
 		char name[32];
 		memcpy(view.eye, eyes[i], sizeof view.eye);
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
-		begin(&d, &view);
+		struct scene_held d = scene_hold_view(&scene, view, 1);
+		scene_select(&d);
 		draw_software(&d, &view, 2, &soft);
 		draw_gl(&d, &view, &hard);
 		compare(&soft, &hard, &masks, &owners);
@@ -150,7 +129,7 @@ static void opengl_and_software_agree(void **state)
 		assert_true(hard.vertices == d.plan.vertices && soft.vertices == d.plan.vertices);
 		view_picture_free(&soft);
 		view_picture_free(&hard);
-		end(&d);
+		scene_release(&d);
 	}
 }
 
@@ -158,10 +137,10 @@ static void threads_do_not_change_the_picture(void **state)
 {
 	(void)state;
 	struct eco_view view = scene_view();
-	struct drawing d;
 	struct view_picture one, many;
 	double masks, owners;
-	begin(&d, &view);
+	struct scene_held d = scene_hold_view(&scene, view, 1);
+	scene_select(&d);
 	draw_software(&d, &view, 1, &one);
 	for (uint32_t threads = 2; threads <= 5; threads++) {
 		draw_software(&d, &view, threads, &many);
@@ -170,18 +149,18 @@ static void threads_do_not_change_the_picture(void **state)
 		view_picture_free(&many);
 	}
 	view_picture_free(&one);
-	end(&d);
+	scene_release(&d);
 }
 
 static void something_is_seen_and_scores_as_itself(void **state)
 {
 	(void)state;
 	struct eco_view view = scene_view();
-	struct drawing d;
 	struct view_picture p;
 	struct lod_score score;
 	uint32_t kinds[2] = { 0 }, hidden = 0;
-	begin(&d, &view);
+	struct scene_held d = scene_hold_view(&scene, view, 1);
+	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
 	for (uint32_t i = 0; i < view.width * view.height; i++) {
 		kinds[p.cover[i] != 0]++;
@@ -191,22 +170,22 @@ static void something_is_seen_and_scores_as_itself(void **state)
 	lod_score(&score, &(struct lod_score_input){ view.width, view.height, p.cover, p.cover, p.owner, p.owner });
 	assert_true(score.q == 1 && score.owner_q == 1 && score.skill == 1);
 	view_picture_free(&p);
-	end(&d);
+	scene_release(&d);
 }
 
 static void software_stops_when_told(void **state)
 {
 	(void)state;
 	struct eco_view view = scene_view();
-	struct drawing d;
 	struct view_picture p;
 	static volatile sig_atomic_t stop = 1;
-	begin(&d, &view);
+	struct scene_held d = scene_hold_view(&scene, view, 1);
+	scene_select(&d);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop };
 	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_INTERRUPTED);
 	view_picture_free(&p);
-	end(&d);
+	scene_release(&d);
 }
 
 int main(void)

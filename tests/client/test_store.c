@@ -90,19 +90,15 @@ static void stream_fills_the_store(void **state)
 static void ground_and_instances_come_back_in_order(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct scene_held h = scene_hold(&scene);
 	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
-		const struct eco_elements *in = &scene.elements[id], *out = &view_store_list(store, id)->elements;
+		const struct eco_elements *in = &scene.elements[id], *out = &view_store_list(h.store, id)->elements;
 		assert_int_equal(in->element_count, out->element_count);
 		assert_memory_equal(in->position, out->position, 12 * (size_t)in->element_count);
 		if (in->extra_count)
 			assert_memory_equal(in->extra, out->extra, 4 * (size_t)in->element_count * in->extra_count);
 	}
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void holdings_of(const struct view_store *store, uint32_t held[L_COUNT])
@@ -324,11 +320,8 @@ static void forms_that_do_not_pair_are_refused(void **state)
 static void forms_pair_with_their_elements(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	const struct eco_elements *leaves = &view_store_list(store, L_LOW)->elements, *points = &view_store_list(store, L_LOW_POINTS)->elements;
+	struct scene_held h = scene_hold(&scene);
+	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements, *points = &view_store_list(h.store, L_LOW_POINTS)->elements;
 	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
 	for (uint32_t i = 0; i < leaves->element_count; i++) {
 		const int32_t *leaf = leaves->position + 12 * (size_t)i;
@@ -336,29 +329,24 @@ static void forms_pair_with_their_elements(void **state)
 			assert_int_equal(points->position[3 * i + k], (leaf[k] + leaf[6 + k]) / 2);
 		assert_int_equal(points->extra[2 * i], leaves->extra[2 * i]);
 	}
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void chunk_that_is_held_is_refused(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
+	struct scene_held h = scene_hold(&scene);
 	struct eco_error error = { 0 };
 	struct eco_writer w;
-	struct eco_plan plan;
 	uint32_t held[L_COUNT];
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	holdings_of(store, held);
+	holdings_of(h.store, held);
 	held[L_WOOD] = 0;
-	scene_stream(&scene, &plan, held, &w);
-	assert_int_equal(scene_feed(store, &w, &error), ECO_DAMAGED);
+	scene_stream(&scene, &h.plan, held, &w);
+	assert_int_equal(scene_feed(h.store, &w, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "sent again"));
-	assert_int_equal(view_store_stats(store)->chunks_twice, 1);
-	view_store_free(store);
+	assert_int_equal(view_store_stats(h.store)->chunks_twice, 1);
 	eco_writer_free(&w);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void memory_is_bounded(void **state)
@@ -435,24 +423,17 @@ static void selection_refuses_a_plan_that_miscounts(void **state)
 static void blends_are_recognised(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	struct lod_eye eye;
-	struct view_selection s;
-	scene_plan(&scene, &view, 1, &plan);
-	lod_eye_make(&eye, &view);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	const struct view_selection s = h.selection;
 	for (uint32_t c = 0; c < s.cut_count; c++) {
 		static const uint8_t roles[L_COUNT] = { [L_WOOD] = VIEW_ROLE_TRIANGLES, [L_LINES] = VIEW_ROLE_LINES,
 			[L_LEAVES] = VIEW_ROLE_TRIANGLES, [L_POINTS] = VIEW_ROLE_POINTS, [L_LOW] = VIEW_ROLE_BLEND_TRIANGLES,
 			[L_LOW_POINTS] = VIEW_ROLE_BLEND_POINTS, [L_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [L_HIGH_POINTS] = VIEW_ROLE_BLEND_POINTS,
 				[L_BUSH] = VIEW_ROLE_TRIANGLES, [L_SUMMARY] = VIEW_ROLE_SUMMARY };
-		assert_int_equal(s.roles[c], roles[view_store_plan(store)->cuts[c].list]);
+		assert_int_equal(s.roles[c], roles[view_store_plan(h.store)->cuts[c].list]);
 	}
-	view_select_free(&s);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 static void no_plan_selects_nothing(void **state)
@@ -475,11 +456,8 @@ static void no_plan_selects_nothing(void **state)
 static void summary_records_carry_owners(void **state)
 {
 	(void)state;
-	struct eco_view view = scene_view();
-	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	const struct view_list *list = view_store_list(store, L_SUMMARY);
+	struct scene_held h = scene_hold(&scene);
+	const struct view_list *list = view_store_list(h.store, L_SUMMARY);
 	uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);
 	assert_int_equal(view_record_texels(&list->list), 2);
 	assert_int_equal(view_record_write(list, 0, list->chunk_count, words, NULL), ECO_OK);
@@ -490,8 +468,7 @@ static void summary_records_carry_owners(void **state)
 			assert_true((t[0] | (uint64_t)high << 32) == view_summary_owner(list, i, key));
 		}
 	free(words);
-	view_store_free(store);
-	eco_plan_free(&plan);
+	scene_release(&h);
 }
 
 int main(void)

@@ -1,5 +1,6 @@
 #include "tests/support/view_scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -332,4 +333,33 @@ struct view_store *scene_store(const struct scene_builder *b, const struct eco_p
 	}
 	eco_writer_free(&w);
 	return store;
+}
+
+struct scene_held scene_hold_view(const struct scene_builder *b, struct eco_view view, double end_share)
+{
+	struct scene_held h = { .view = view };
+	struct eco_error error = { 0 };
+	lod_eye_make(&h.eye, &view);
+	scene_plan(b, &view, end_share, &h.plan);
+	h.store = scene_store(b, &h.plan, &error);
+	if (!h.store) {
+		fprintf(stderr, "%s\n", error.text);
+		abort();
+	}
+	return h;
+}
+
+struct scene_held scene_hold(const struct scene_builder *b) { return scene_hold_view(b, scene_view(), 1); }
+
+void scene_select(struct scene_held *h)
+{
+	if (view_select_make(&h->selection, h->store, &h->eye, NULL))
+		abort();
+}
+
+void scene_release(struct scene_held *h)
+{
+	view_select_free(&h->selection);
+	view_store_free(h->store);
+	eco_plan_free(&h->plan);
 }

@@ -4,11 +4,12 @@
  *
  *   scene_make(&b, png, size);                scene_free(&b)
  *   scene_plan(&b, &view, 1, &plan);          cuts of every kind
- *   store = scene_store(&b, &plan, &error);   what holds that plan, streamed */
+ *   store = scene_store(&b, &plan, &error);   what holds that plan, streamed
+ *   h = scene_hold(&b); scene_release(&h);    both at once */
 #ifndef TESTS_VIEW_SCENE_H
 #define TESTS_VIEW_SCENE_H
 
-#include "client-min/view_store.h"
+#include "client-min/view_select.h"
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
 
@@ -36,5 +37,19 @@ uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan,
 void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, const uint32_t *held, struct eco_writer *w);
 enum eco_code scene_feed(struct view_store *store, const struct eco_writer *w, struct eco_error *error);
 struct view_store *scene_store(const struct scene_builder *b, const struct eco_plan *plan, struct eco_error *error);
+
+/* A plan of a view and the store that holds it; `selection` is empty until scene_select. Without one the program ends. */
+struct scene_held {
+	struct eco_view view;
+	struct lod_eye eye;
+	struct eco_plan plan;
+	struct view_store *store;
+	struct view_selection selection;
+};
+struct scene_held scene_hold_view(const struct scene_builder *b, struct eco_view view, double end_share);
+/* From scene_view(), in full. */
+struct scene_held scene_hold(const struct scene_builder *b);
+void scene_select(struct scene_held *h);
+void scene_release(struct scene_held *h);
 
 #endif
