@@ -13,91 +13,66 @@
 #include "lod/plan/summary_curve.h"
 #include "lod/plan/visibility.h"
 #include "lod/build/summary.h"
+#include "tests/support/scene_builder.h"
 
 /* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one (area 1) with a pool near its
  * foot, a large one (area 8) with a pool two metres up. */
-enum { TILES = 4, LISTS = 4, PLACES = 40 };
+enum { TILES = 4 };
 
 struct world {
-	struct eco_scene scene;
-	struct eco_tile tiles[TILES];
-	struct eco_child children[4];
-	struct eco_group groups[LISTS];
-	struct eco_list lists[LISTS];
-	struct eco_plant plants[2];
-	uint8_t places[PLACES * ECO_PLACE_BYTES];
+	struct scene_builder b;
 	struct lod_pool pools[2];
 	float pool_at[2][16][3];
 	uint16_t pool_color[2][16];
 };
 
-static void put_place(struct world *w, uint32_t index, int32_t x, int32_t y, uint16_t turn, uint32_t scale)
+static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
 {
-	int32_t position[3] = { x, y, 0 };
-	uint8_t *at = w->places + ECO_PLACE_BYTES * index;
-	memset(at, 0, ECO_PLACE_BYTES);
-	memcpy(at, position, 12);                /* tests run on little-endian machines */
-	memcpy(at + 12, &turn, 2);
-	memcpy(at + 16, &scale, 4);
+	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile, .other = plant }, count, count);
+	b->lists[list].grid_origin[0] = x;
+	b->lists[list].grid_origin[1] = y;
+	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
+	for (uint32_t i = 0; i < count; i++)
+		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 }, (uint16_t)(i * 7000), 65536 });
+	b->tiles[tile].instance_count += count;
+	b->tiles[tile].area += count * (double)b->plants[plant].area;
 }
 
-static void put_group(struct world *w, uint32_t g, uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
+static void make_pool(struct world *to, int p)
 {
-	uint64_t first = w->scene.place_count;
-	w->lists[g] = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .primitive_count = count, .element_count = count, .owner = tile,
-		.plant = plant, .grid_origin = { x, y, 0 }, .grid_step = { 0.01, 0.01, 0.01 } };
-	w->groups[g] = (struct eco_group){ tile, plant, g, first };
-	for (uint32_t i = 0; i < count; i++)
-		put_place(w, (uint32_t)first + i, (int32_t)(i * 100), (int32_t)(i % 3 * 100), (uint16_t)(i * 7000), 65536);
-	w->scene.place_count += count;
-	w->tiles[tile].instance_count += count;
-	w->tiles[tile].area += count * (double)w->plants[plant].area;
+	for (int i = 0; i < 16; i++) {
+		to->pool_at[p][i][0] = (float)(i % 4) * 0.1f;
+		to->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
+		to->pool_color[p][i] = (uint16_t)(10 * p + i % 3);
+	}
+	to->pools[p] = (struct lod_pool){ 16, to->pool_at[p], to->pool_color[p], (uint8_t)(100 + p) };
 }
 
 static void make_world(struct world *w)
 {
-	memset(w, 0, sizeof *w);
-	w->plants[0].area = 1;
-	w->plants[1].area = 8;
-	for (uint32_t i = 0; i < TILES; i++)
-		w->tiles[i] = (struct eco_tile){ .summary = ECO_NONE, .group_first = i == 0 ? 0 : i - 1, .group_count = i == 0 ? 0 : 1 };
-	w->tiles[3].group_count = 2;
-	put_group(w, 0, 1, 0, 10, 0, 0);
-	put_group(w, 1, 2, 1, 10, 100, 0);
-	put_group(w, 2, 3, 0, 8, 0, 0);
-	put_group(w, 3, 3, 1, 1, 5, 5);
-	w->children[0] = (struct eco_child){ .tile = 1, .scale = 1 };
-	w->children[1] = (struct eco_child){ .tile = 2, .scale = 1 };
-	w->children[2] = (struct eco_child){ .tile = 3, .placed = true, .at = { 500, 0, 3 }, .turn = 16384, .scale = 1 };
-	w->children[3] = (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 }, .scale = 2 };
-	w->tiles[0].child_count = 4;
-	w->tiles[0].area = 10 + 80 + 16 + 16 * 4;
-	w->tiles[0].instance_count = 38;
-	for (int p = 0; p < 2; p++) {
-		for (int i = 0; i < 16; i++) {
-			w->pool_at[p][i][0] = (float)(i % 4) * 0.1f;
-			w->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
-			w->pool_color[p][i] = (uint16_t)(10 * p + i % 3);
-		}
-		w->pools[p] = (struct lod_pool){ 16, w->pool_at[p], w->pool_color[p], (uint8_t)(100 + p) };
-	}
-	w->scene.tiles = w->tiles;
-	w->scene.tile_count = TILES;
-	w->scene.children = w->children;
-	w->scene.child_count = 4;
-	w->scene.groups = w->groups;
-	w->scene.group_count = LISTS;
-	w->scene.lists = w->lists;
-	w->scene.list_count = LISTS;
-	w->scene.plants = w->plants;
-	w->scene.plant_count = 2;
-	w->scene.places = w->places;
+	struct scene_builder *b = &w->b;
+	b->like = (struct eco_list){ .grid_step = { 0.01, 0.01, 0.01 } };
+	scene_add_plant(b, (struct eco_plant){ .area = 1 });
+	scene_add_plant(b, (struct eco_plant){ .area = 8 });
+	scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE, .area = 10 + 80 + 16 + 16 * 4, .instance_count = 38 });
+	for (uint32_t i = 1; i < 4; i++)
+		scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE });
+	add_group(b, 1, 0, 10, 0, 0);
+	add_group(b, 2, 1, 10, 100, 0);
+	add_group(b, 3, 0, 8, 0, 0);
+	add_group(b, 3, 1, 1, 5, 5);
+	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .scale = 1 });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 2, .scale = 1 });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { 500, 0, 3 }, .turn = 16384, .scale = 1 });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 }, .scale = 2 });
+	for (int p = 0; p < 2; p++)
+		make_pool(w, p);
 }
 
 static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint32_t count)
 {
 	struct lod_summary s;
-	assert_int_equal(lod_summary_make(&s, &(struct lod_summary_input){ &w->scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
+	assert_int_equal(lod_summary_make(&s, &(struct lod_summary_input){ &w->b.scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
 	return s;
 }
 
@@ -181,7 +156,7 @@ static void test_keys_match_owners(void **state)
 	for (uint32_t i = 0; i < s.count; i++) {
 		const struct lod_summary_point *p = &s.points[i];
 		uint32_t leaf = p->at[0] > 300 || p->at[0] < -100 ? 3 : p->at[0] > 80 ? 2 : 1;
-		uint32_t path = p->at[0] > 300 ? eco_owner_step(&w.scene, 0, 2) : p->at[0] < -100 ? eco_owner_step(&w.scene, 0, 3) : 0;
+		uint32_t path = p->at[0] > 300 ? eco_owner_step(&w.b.scene, 0, 2) : p->at[0] < -100 ? eco_owner_step(&w.b.scene, 0, 3) : 0;
 		uint64_t plant = eco_owner_instance(eco_owner_leaf(leaf) + path, p->plant, 5);
 		uint64_t other = eco_owner_instance(eco_owner_leaf(leaf == 1 ? 2 : 1) + path, p->plant, 5);
 		assert_true(eco_owner_match(eco_owner_summary(p->key, p->plant), plant));
@@ -220,15 +195,15 @@ static void test_nested_summaries_stand_for_their_files(void **state)
 	struct lod_summary inner, outer;
 	struct lod_summary_root root = { 0 };
 	const struct lod_summary_root *roots[TILES] = { NULL };
-	struct lod_summary_input input = { .scene = &w.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
+	struct lod_summary_input input = { .scene = &w.b.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
 	(void)state;
 	make_world(&w);
-	w.tiles[0].child_first = w.tiles[0].child_count = 2;     /* both of tile 3 */
+	w.b.tiles[0].child_first = w.b.tiles[0].child_count = 2;     /* both of tile 3 */
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
 	assert_int_equal(outer.count, 0);
 	free(outer.points);
 	inner = summary_of(&w, 3, 200);
-	assert_int_equal(lod_summary_list(&inner, &w.scene, 3, 20, &root.list, &root.elements, NULL), ECO_OK);
+	assert_int_equal(lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements, NULL), ECO_OK);
 	roots[3] = &root;
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
 	assert_int_equal(outer.count, 100);
@@ -247,9 +222,9 @@ static void test_list_holds_the_points(void **state)
 	(void)state;
 	make_world(&w);
 	struct lod_summary s = summary_of(&w, 2, 256);
-	assert_int_equal(lod_summary_list(&s, &w.scene, 2, 40, &list, &e, NULL), ECO_OK);
+	assert_int_equal(lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e, NULL), ECO_OK);
 	assert_int_equal(e.element_count, 256);
-	assert_true(fabs((double)list.unit_area * 256 - w.tiles[2].area / 2) < 1e-3);
+	assert_true(fabs((double)list.unit_area * 256 - w.b.tiles[2].area / 2) < 1e-3);
 	assert_true(list.level >= 100 && list.level < 110);      /* between those of its plants */
 	for (uint32_t i = 0; i < s.count; i++) {
 		for (int a = 0; a < 3; a++) {
@@ -354,17 +329,17 @@ static void test_large_splats_do_not_fill_a_low_tile(void **state)
 static void test_large_splats_stand_out_around_their_tile(void **state)
 {
 	(void)state;
-	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .worth = 100 };
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .weight_px = 100 };
 	assert_true(lod_summary_outside(&view, 1) == 0);         /* where the tile lies in the picture is not known */
 	view.wide = 200;
 	view.high = 10;
 	double before = INFINITY;
 	for (double n = 1; n <= view.points; n *= 2) {
-		double outside = lod_summary_outside(&view, n) * view.worth;
+		double outside = lod_summary_outside(&view, n) * view.weight_px;
 		assert_true(outside < before && outside <= view.area);
 		before = outside;
 	}
-	assert_true(lod_summary_outside(&view, 1) * view.worth > 0.9 * (view.area - view.wide * view.high));
+	assert_true(lod_summary_outside(&view, 1) * view.weight_px > 0.9 * (view.area - view.wide * view.high));
 	assert_true(before < 0.1 * view.area);
 }
 
