@@ -36,7 +36,7 @@ const void *eco_module(enum eco_module module, struct eco_error *error);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 3u
+#define ECO_MODULE_VERSION 4u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -125,10 +125,7 @@ struct eco_image_module {                /* eco_image_module */
 
 struct eco_crs_request;
 struct eco_citygml_crs;
-struct eco_track;
-struct eco_track_frame;
 struct eco_crs_path;
-struct eco_track_path;
 
 struct eco_proj_module {                 /* eco_proj_module */
 	uint32_t version;
@@ -141,12 +138,6 @@ struct eco_proj_module {                 /* eco_proj_module */
 	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area of use, it is that; else as
 	 * the form of the srsName says. What is odd is written into note ("" if nothing). */
 	void (*citygml_settle)(struct eco_citygml_crs *crs, char *note, size_t size);
-	/* From a track's coordinates to the frame's: *path is NULL where they stay. convert is false where
-	 * PROJ knows no way. */
-	enum eco_code (*track_open)(struct eco_track_path **path, const struct eco_track *track, const struct eco_track_frame *frame,
-		struct eco_error *error);
-	bool (*track_convert)(struct eco_track_path *path, const double from[2], double to[2]);
-	void (*track_close)(struct eco_track_path *path);
 };
 
 #ifdef __cplusplus

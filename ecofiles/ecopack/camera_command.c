@@ -107,7 +107,7 @@ static void say_read(const struct eco_track *track, const char *path)
 	for (int i = 0; i < ECO_TRACK_SKIPS; i++)
 		if (track->skipped[i])
 			main_note("%" PRIu64 " records left out: %s (first: %s %u)", track->skipped[i], eco_track_skip_names[i],
-				track->format == ECO_TRACK_GEOJSON || track->format == ECO_TRACK_TRANSFORMS ? "number" : "line", track->skipped_line[i]);
+				track->format >= ECO_TRACK_GPX && track->format <= ECO_TRACK_GEOJSON ? "feature" : "line", track->skipped_line[i]);
 }
 
 static void say_flight(const struct camera_options *o, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r)
@@ -135,36 +135,14 @@ static void say_height(const struct place *place, const struct eco_track_report 
 		main_note("heights are above take-off%s (--height abs|ground)", place->has_raster ? ", which is on the scene's ground" : ", which is z = 0");
 }
 
-struct extent { double low[3], high[3], fastest; };
-
-static struct extent extent_of(const struct eco_flight *f)
-{
-	struct extent e = { .fastest = 0 };
-	memcpy(e.low, f->samples[0].eye, sizeof e.low);
-	memcpy(e.high, e.low, sizeof e.high);
-	for (uint32_t i = 0; i < f->count; i++) {
-		const double *eye = f->samples[i].eye;
-		for (int k = 0; k < 3; k++) {
-			e.low[k] = fmin(e.low[k], eye[k]);
-			e.high[k] = fmax(e.high[k], eye[k]);
-		}
-		if (i) {
-			const double *was = f->samples[i - 1].eye;
-			double d = sqrt(pow(eye[0] - was[0], 2) + pow(eye[1] - was[1], 2) + pow(eye[2] - was[2], 2));
-			e.fastest = fmax(e.fastest, d / f->step_s);
-		}
-	}
-	return e;
-}
-
 static void print_summary(const struct camera_options *o, const struct eco_track *track, const struct eco_track_report *r,
 	const struct eco_flight *f, const struct eco_script *s)
 {
-	struct extent e = extent_of(f);
-	double length_s = (f->count - 1) * f->step_s;
-	uint64_t skipped = 0;
-	for (int i = 0; i < ECO_TRACK_SKIPS; i++)
-		skipped += track->skipped[i];
+	double length_s = (f->count - 1) * f->step_s, low[3], high[3], fastest = 0;
+	uint64_t skipped = track->skipped[ECO_TRACK_NO_POSITION] + track->skipped[ECO_TRACK_BAD_NUMBER];
+	eco_flight_box(f, low, high);
+	for (uint32_t i = 1; i < f->count; i++)
+		fastest = fmax(fastest, eco_distance(f->samples[i].eye, f->samples[i - 1].eye) / f->step_s);
 	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept", o->input, track->records, r->kept);
 	if (r->repeated)
 		printf(", %" PRIu64 " repeated", r->repeated);
@@ -174,9 +152,8 @@ static void print_summary(const struct camera_options *o, const struct eco_track
 		printf(", %" PRIu64 " in other parts", r->other_parts);
 	if (skipped)
 		printf(", %" PRIu64 " without a usable one", skipped);
-	printf("\n  %.1f s, %.1f m long, %.2f m/s on average, at most %.2f\n", length_s, f->length_m,
-		length_s > 0 ? f->length_m / length_s : 0, e.fastest);
-	printf("  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", e.low[0], e.high[0], e.low[1], e.high[1], e.low[2], e.high[2]);
+	printf("\n  %.1f s, %.1f m long, %.2f m/s on average, at most %.2f\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", length_s,
+		f->length_m, length_s > 0 ? f->length_m / length_s : 0, fastest, low[0], high[0], low[1], high[1], low[2], high[2]);
 	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", o->output, s->count,
 		s->count == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);
 }
@@ -245,7 +222,7 @@ static enum eco_code make_flight(struct eco_flight *flight, struct eco_track *tr
 	struct eco_track_frame frame = { .crs = place->crs, .track_crs = o->track_crs, .local = o->to_given || o->centre_given };
 	struct eco_cleaning cleaning = { .height = o->height, .part = (uint32_t)o->part, .pace_m_s = o->pace, .pause_s = o->pause };
 	struct eco_smoothing smoothing = { .smooth_s = o->smooth_s, .pitch_deg = o->pitch_deg, .pitch_given_wins = !isnan(o->pitch_deg),
-		.fov_y_deg = o->fov_y_deg, .flies = track->format == ECO_TRACK_SRT || track->format == ECO_TRACK_IGC };
+		.fov_y_deg = o->fov_y_deg, .flies = track->format == ECO_TRACK_SRT };
 	memcpy(frame.origin, place->origin, sizeof frame.origin);
 	enum eco_code code = eco_track_place(track, &frame, error);
 	uint32_t notes = track->note_count;
@@ -268,7 +245,9 @@ static void lift_to_take_off(struct eco_flight *flight, const struct eco_track *
 /* Without a scene the ground is unknown: take it as z = 0, and keep the whole track above. */
 static void lift_all(struct eco_flight *flight, double clearance_m)
 {
-	double low = extent_of(flight).low[2], lacks = clearance_m - low;
+	double low[3], high[3], lacks;
+	eco_flight_box(flight, low, high);
+	lacks = clearance_m - low[2];
 	if (!(lacks > 0))
 		return;
 	for (uint32_t i = 0; i < flight->count; i++)
@@ -388,7 +367,7 @@ static enum eco_code camera_make(const struct camera_options *o, struct eco_erro
 
 /* ---- Options ---- */
 
-struct words { const char *format, *axes, *up, *height, *altitude, *order; };
+struct words { const char *axes, *up, *height, *order; };
 
 static enum eco_code choose(const char *option, const char *given, const char *const *words, int *value, struct eco_error *error)
 {
@@ -407,23 +386,19 @@ static enum eco_code choose(const char *option, const char *given, const char *c
 static enum eco_code read_words(struct camera_options *o, const struct words *w, struct eco_error *error)
 {
 	static const char *const axes[] = { "default", "opengl", "opencv", "ros", NULL }, *const ups[] = { "default", "z", "y", "-y", NULL },
-		*const heights[] = { "default", "abs", "rel", "ground", NULL }, *const altitudes[] = { "gnss", "pressure", NULL },
+		*const heights[] = { "default", "abs", "rel", "ground", NULL },
 		*const orders[] = { "lonlat", "latlon", NULL };
-	int axis = 0, up = 0, height = 0, altitude = 0, order = 0;
+	int axis = 0, up = 0, height = 0, order = 0;
 	enum eco_code code = choose("axes", w->axes, axes, &axis, error);
 	if (!code)
 		code = choose("up", w->up, ups, &up, error);
 	if (!code)
 		code = choose("height", w->height, heights, &height, error);
 	if (!code)
-		code = choose("altitude", w->altitude, altitudes, &altitude, error);
-	if (!code)
 		code = choose("order", w->order, orders, &order, error);
-	o->read.format = w->format;
 	o->read.axes = (enum eco_axes)axis;
 	o->read.world = (enum eco_world)up;
 	o->height = (enum eco_track_height)height;
-	o->read.pressure = altitude == 1;
 	o->read.latitude_first = order == 1;
 	return code;
 }
@@ -433,11 +408,11 @@ static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 	struct camera_options o = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .from_s = NAN, .to_s = NAN, .clearance_m = CLEARANCE_M };
 	struct words w = { 0 };
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &o.output, 0, 0, 0, NULL },
-		{ "format", 0, MAIN_TEXT, &w.format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &o.read.columns, 0, 0, 0, NULL },
+		{ "format", 0, MAIN_TEXT, &o.read.format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &o.read.columns, 0, 0, 0, NULL },
 		{ "yaw-from-x", 0, MAIN_FLAG, &o.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &w.order, 0, 0, 0, NULL },
-		{ "altitude", 0, MAIN_TEXT, &w.altitude, 0, 0, 0, NULL }, { "axes", 0, MAIN_TEXT, &w.axes, 0, 0, 0, NULL },
+		{ "axes", 0, MAIN_TEXT, &w.axes, 0, 0, 0, NULL },
 		{ "up", 0, MAIN_TEXT, &w.up, 0, 0, 0, NULL }, { "node", 0, MAIN_TEXT, &o.read.node, 0, 0, 0, NULL },
-		{ "rate", 0, MAIN_NUMBER, &o.read.rate, 0.001, 1000, 0, NULL }, { "pace", 0, MAIN_NUMBER, &o.pace, 0.001, 10000, 0, NULL },
+		{ "pace", 0, MAIN_NUMBER, &o.pace, 0.001, 10000, 0, NULL },
 		{ "scene", 0, MAIN_TEXT, &o.scene, 0, 0, 0, NULL }, { "crs", 0, MAIN_TEXT, &o.crs, 0, 0, 0, NULL },
 		{ "origin", 0, MAIN_NUMBERS, o.origin, -1e9, 1e9, 3, &o.origin_given }, { "track-crs", 0, MAIN_TEXT, &o.track_crs, 0, 0, 0, NULL },
 		{ "to", 0, MAIN_NUMBERS, o.to, -1e7, 1e7, 3, &o.to_given }, { "centre-to", 0, MAIN_NUMBERS, o.centre, -1e7, 1e7, 3, &o.centre_given },
@@ -460,18 +435,16 @@ static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 }
 
 const struct main_command main_command_camera = { "camera", "TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
-	"makes a camera script of a recorded track: a drone's SRT, IGC, GPX, KML, NMEA, CSV, poses, a glTF camera, ...",
+	"makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera",
 	"  -o, --output PATH     the camera script, which appears complete or not at all and replaces nothing but another\n"
 	"Reading\n"
-	"      --format NAME     srt igc nmea gpx kml tcx geojson csv transforms camera_path colmap tum kitti gltf; found by itself if not given\n"
+	"      --format NAME     srt gpx kml geojson csv gltf; found by itself if not given\n"
 	"      --columns LIST    of a table: t=NAME,lon=NAME,lat=NAME,alt=NAME:ft or east=,north=,up= and yaw=,pitch=,roll=,rel=,fov=,qx=..qw=\n"
 	"      --yaw-from-x      a table's yaw turns counter-clockwise from +X; else clockwise from north\n"
 	"      --order latlon    latitudes stand first in GPS(a, b)\n"
-	"      --altitude NAME   of IGC: gnss (the default) or pressure\n"
-	"      --axes NAME       of cameras in poses: opengl opencv ros\n"
+	"      --axes NAME       of cameras in poses (glTF; quaternions of a table): opengl opencv ros\n"
 	"      --up NAME         axis of poses that points up: z y -y\n"
 	"      --node NAME       the glTF camera, or its node\n"
-	"      --rate N          poses a second where none has a time\n"
 	"      --pace M          metres a second where no position has a time; 10 if not given\n"
 	"Placing\n"
 	"      --scene PATH      SCENE.json: its CRS, origin and ground\n"

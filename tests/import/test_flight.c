@@ -192,8 +192,8 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 
 static void still_cameras_are_one_keyframe(void **state)
 {
-	struct eco_track track = track_of("{\"camera_angle_x\": 0.8, \"frames\": [{\"transform_matrix\": [[1,0,0,5],[0,0,-1,6],[0,1,0,7],[0,0,0,1]]}]}",
-		"t.json", NULL);
+	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": [{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
+		"\"translation\": [5, 7, -6]}]}", "t.gltf", NULL);
 	struct eco_script script;
 	size_t size;
 	(void)state;
@@ -264,7 +264,9 @@ static void recordings_keep_near_their_positions(void **state)
 		if (length < 8 || strcmp(file->d_name + length - 4, ".csv") != 0)
 			continue;
 		snprintf(recording, sizeof recording, "%.*s", (int)length - 4, file->d_name);
-		compare_with_table(folder, recording);
+		/* of a format that is not read */
+		if (!strstr(recording, ".igc"))
+			compare_with_table(folder, recording);
 	}
 	closedir(files);
 }

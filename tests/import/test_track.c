@@ -15,8 +15,6 @@
 #include "tests/support/input_files.h"
 #include "tests/support/track_made.h"
 
-#define METRES_PER_DEGREE 111195.0
-
 static void fails(const char *text, const char *path, const struct eco_track_options *options, const char *says)
 {
 	struct eco_track track;
@@ -94,156 +92,141 @@ static void focal_lengths_are_fields_of_view(void **state)
 	}
 }
 
-/* ---- Logs ---- */
+/* ---- Through GDAL: files, in the child ---- */
 
-static void igc_passes_midnight_and_takes_heights_by_satellite(void **state)
+static struct eco_track track_in(const char *name, const char *text)
 {
-	static const char log[] = "AXGD000\nHFDTEDATE:270418,01\nI023636LAD3737LOD\nB2359554557816N01343411EA0059600583\nB2359584557815S01343412WV0059400000\n"
-		"B0000014557815N01343411EA0059400584123\nB000002XX57815N01343411EA0059400584\nE\n";
-	struct eco_track track = track_of(log, "a.txt", NULL);
-	(void)state;
-	assert_int_equal(track.format, ECO_TRACK_IGC);
-	assert_int_equal(track.count, 3);
-	assert_true(near(track.fixes[0].at[1], 45 + 57.816 / 60, 1e-9) && near(track.fixes[0].at[0], 13 + 43.411 / 60, 1e-9));
-	assert_true(track.fixes[0].time_s == 17648 * 86400.0 + 86395 && track.fixes[2].time_s - track.fixes[0].time_s == 6);
-	assert_true(track.fixes[0].at[2] == 583 && track.fixes[1].at[2] == 594 && track.fixes[1].at[0] < 0 && track.fixes[1].at[1] < 0);
-	assert_true(near(track.fixes[2].at[1], 45 + 57.8151 / 60, 1e-9) && near(track.fixes[2].at[0], 13 + 43.4112 / 60, 1e-9));
-	assert_int_equal(track.skipped[ECO_TRACK_BAD_NUMBER], 1);
-	eco_track_free(&track);
-	track = track_of(log, "a.igc", &(struct eco_track_options){ .pressure = true });
-	assert_true(track.fixes[0].at[2] == 596);
-	eco_track_free(&track);
+	struct eco_track track;
+	struct eco_error error = { 0 };
+	if (eco_track_read(&track, input_text("track", name, text), NULL, &error))
+		fail_msg("%s: %s", name, error.text);
+	return track;
 }
 
-static void nmea_checks_sums_and_dates(void **state)
+static void fails_in(const char *name, const char *text, const char *says)
 {
-	static const char log[] = "$GPRMC,235959.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W\n"
-		"$GPGGA,235959.00,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,\n$GPGGA,000000.50,4807.040,N,01131.000,W,1,08,0.9,546,M,46.9,M,,\n"
-		"$GPGGA,000001.00,4807.040,N,01131.000,W,1,08,0.9,546,M,46.9,M,,*00\n$GPGGA,000002.00,,,,,0,00,,,M,,M,,\n";
-	struct eco_track track = track_of(log, "a.log", NULL);
-	(void)state;
-	assert_int_equal(track.format, ECO_TRACK_NMEA);
-	assert_int_equal(track.count, 2);
-	assert_true(near(track.fixes[0].at[1], 48 + 7.038 / 60, 1e-9) && near(track.fixes[1].at[0], -(11 + 31.0 / 60), 1e-9));
-	assert_true(track.fixes[0].at[2] == 545.4 && track.fixes[0].time_s == 8847 * 86400.0 + 86399);
-	assert_true(near(track.fixes[1].time_s - track.fixes[0].time_s, 1.5, 1e-6));
-	assert_true(track.skipped[ECO_TRACK_BAD_CHECKSUM] == 1 && track.skipped[ECO_TRACK_NO_POSITION] == 1);
-	eco_track_free(&track);
+	struct eco_track track;
+	struct eco_error error = { 0 };
+	assert_int_not_equal(eco_track_read(&track, input_text("track", name, text), NULL, &error), ECO_OK);
+	assert_null(track.fixes);
+	if (!strstr(error.text, says) || !strstr(error.text, name))
+		fail_msg("%s\n  wanted ... %s", error.text, says);
 }
-
-/* ---- XML ---- */
 
 static void gpx_tracks_win_over_way_points(void **state)
 {
-	struct eco_track track = track_of("<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
+	struct eco_track track = track_in("a.gpx", "<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
 		"lon=\"4\"/></rte>"
 		"<trk><trkseg></trkseg><trkseg><trkpt lat=\"45.5\" lon=\"14.25\"><ele> 733.6 </ele></trkpt><trkpt lon=\"14.5\" lat=\"45.75\">"
-		"<time>2010-10-03T09:36:30Z</time></trkpt></trkseg><trkseg><trkpt lat='46' lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg>"
-		"</trk></gpx>", "a.gpx", NULL);
+		"<time>2010-10-03T09:36:30.25Z</time><extensions><heading>12.5</heading></extensions></trkpt></trkseg><trkseg>"
+		"<trkpt lat='46' lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg></trk></gpx>");
 	(void)state;
-	assert_int_equal(track.count, 3);
+	assert_int_equal(track.format, ECO_TRACK_GPX);
+	assert_true(track.count == 3 && track.degrees && track.timed);
 	assert_true(track.fixes[0].at[1] == 45.5 && track.fixes[0].at[0] == 14.25 && track.fixes[0].at[2] == 733.6 && isnan(track.fixes[0].time_s));
-	assert_true(track.fixes[1].time_s == 1286098590 && isnan(track.fixes[1].at[2]) && track.fixes[2].time_s == 1286098591);
+	assert_true(track.fixes[1].time_s == 1286098590.25 && isnan(track.fixes[1].at[2]) && track.fixes[2].time_s == 1286098591);
+	assert_true(track.fixes[1].yaw_deg == 12.5 && isnan(track.fixes[0].yaw_deg));
 	assert_true(track.fixes[0].segment == track.fixes[1].segment && track.fixes[1].segment != track.fixes[2].segment);
-	assert_true(says(&track, "other points"));
 	eco_track_free(&track);
-	track = track_of("<gpx><trk><trkseg><trkpt lat='1' lon='2'></trkpt><trkpt lat='1' lon='3'><ele>5", "cut.gpx", NULL);
-	assert_true(track.count == 1 && says(&track, "ends before its end"));
+	track = track_in("b.gpx", "<gpx><wpt lat='9' lon='9'/><rte><rtept lat='3' lon='4'><time>2010-10-03T09:36:30Z</time></rtept></rte></gpx>");
+	assert_true(track.count == 1 && track.fixes[0].at[0] == 4 && track.fixes[0].time_s == 1286098590);
 	eco_track_free(&track);
-	fails("<gpx><trk><trkseg><trkpt lat='1' lon='2'></trk>", "bad.gpx", NULL, "bad.gpx:1:4");
+	fails_in("bad.gpx", "<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trk>", "GDAL cannot read it");
+	fails_in("cut.gpx", "<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trkpt><trkpt lat='1' lon='3'><ele>5", "no element found at line 1");
+	fails_in("none.gpx", "<gpx></gpx>", "no fix found");
 }
 
-static void kml_tracks_lines_and_tours(void **state)
+/* A recorder whose battery died leaves a file without an end. */
+static void gpx_that_breaks_off_is_read_until_there(void **state)
 {
-	struct eco_track track = track_of("<kml xmlns:gx='x'><Placemark><gx:Track><when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when>"
-		"<gx:coord>-122.2 37.3 156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord><gx:angles>45 0 0</gx:angles><gx:angles>50 0 0</gx:angles>"
-		"</gx:Track></Placemark></kml>", "a.kml", NULL);
+	const size_t room = 1u << 20;
+	char *text = malloc(room);
+	size_t used = 0;
+	(void)state;
+	assert_non_null(text);
+	used += (size_t)snprintf(text, room, "<gpx><trk><trkseg>");
+	for (int i = 0; i < 5000; i++)
+		used += (size_t)snprintf(text + used, room - used, "<trkpt lat='1.%04d' lon='2'><time>2020-01-01T%02d:%02d:%02dZ</time></trkpt>\n", i, i / 3600,
+			i / 60 % 60, i % 60);
+	struct eco_track track = track_in("long.gpx", text);
+	assert_true(track.count > 4000 && track.fixes[track.count - 1].time_s - track.fixes[0].time_s == track.count - 1 && says(&track, "of its 5000 points"));
+	eco_track_free(&track);
+	free(text);
+}
+
+static void kml_points_have_times_and_lines_win_over_points_without(void **state)
+{
+	struct eco_track track = track_in("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Folder><name>way</name><Placemark><TimeStamp>"
+		"<when>2010-05-28T02:02:09.5Z</when></TimeStamp><Point><altitudeMode>absolute</altitudeMode><coordinates>-122.2,37.3,156</coordinates></Point>"
+		"</Placemark><Placemark><TimeStamp><when>2010-05-28T04:02:35+02:00</when></TimeStamp><Point><coordinates>-122.1,37.4,157</coordinates></Point>"
+		"</Placemark></Folder></Document></kml>");
 	(void)state;
 	assert_int_equal(track.format, ECO_TRACK_KML);
-	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157 && track.fixes[1].yaw_deg == 50);
-	assert_true(track.fixes[1].time_s - track.fixes[0].time_s == 26);
+	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157);
+	assert_true(track.fixes[0].time_s == 1275012129.5 && track.fixes[1].time_s - track.fixes[0].time_s == 25.5);
 	eco_track_free(&track);
-	track = track_of("<kml><Placemark><Point><coordinates>9,9,9</coordinates></Point></Placemark><LineString><altitudeMode>relativeToGround"
-		"</altitudeMode><coordinates>\n 1,2,3\n 1.5,2.5,4 </coordinates></LineString></kml>", "b.kml", NULL);
+	track = track_in("b.kml", "<kml><Document><Placemark><Point><coordinates>9,9,9</coordinates></Point></Placemark><Placemark><LineString><altitudeMode>"
+		"relativeToGround</altitudeMode><coordinates>\n 1,2,3\n 1.5,2.5,4 </coordinates></LineString></Placemark></Document></kml>");
 	assert_true(track.count == 2 && track.fixes[1].at[0] == 1.5 && track.fixes[1].above_m == 4 && isnan(track.fixes[1].at[2]) && !track.timed);
+	assert_true(says(&track, "positions beside them are left out"));
 	eco_track_free(&track);
-	track = track_of("<kml><gx:Tour><gx:Playlist><gx:FlyTo><gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude>"
-		"<altitude>100</altitude><heading>90</heading><tilt>80</tilt></Camera></gx:FlyTo><gx:FlyTo><gx:duration>3</gx:duration><LookAt>"
-		"<longitude>10</longitude><latitude>50</latitude><altitude>0</altitude><heading>0</heading><tilt>60</tilt><range>1000</range>"
-		"<altitudeMode>absolute</altitudeMode></LookAt></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "c.kml", NULL);
-	assert_int_equal(track.count, 2);
-	assert_true(track.fixes[0].time_s == 2 && track.fixes[0].pitch_deg == -10 && track.fixes[0].yaw_deg == 90);
-	assert_true(track.fixes[1].time_s == 5 && near(track.fixes[1].at[2], 500, 1e-9) && near(track.fixes[1].pitch_deg, -30, 1e-9));
-	assert_true(near((50 - track.fixes[1].at[1]) * METRES_PER_DEGREE, 866.03, 0.1));
-	eco_track_free(&track);
-	track = track_of("<TrainingCenterDatabase><Track><Trackpoint><Time>2010-05-28T02:02:09Z</Time><Position><LatitudeDegrees>37</LatitudeDegrees>"
-		"<LongitudeDegrees>-122</LongitudeDegrees></Position><AltitudeMeters>12</AltitudeMeters></Trackpoint></Track></TrainingCenterDatabase>",
-		"d.tcx", NULL);
-	assert_true(track.format == ECO_TRACK_TCX && track.count == 1 && track.fixes[0].at[2] == 12 && track.fixes[0].at[0] == -122);
-	eco_track_free(&track);
+	/* their times and angles do not arrive */
+	fails_in("gx.kml", "<kml xmlns='http://www.opengis.net/kml/2.2' xmlns:gx='http://www.google.com/kml/ext/2.2'><Placemark><gx:Track>"
+		"<when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when><gx:coord>-122.2 37.3 156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord>"
+		"</gx:Track></Placemark></kml>", "<when>, of a gx:Track), which do not arrive through GDAL; convert it to GPX or CSV");
+	fails_in("tour.kml", "<kml xmlns='http://www.opengis.net/kml/2.2' xmlns:gx='http://www.google.com/kml/ext/2.2'><gx:Tour><gx:Playlist><gx:FlyTo>"
+		"<gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude></Camera></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "gx:FlyTo");
 }
-
-/* ---- JSON ---- */
 
 static void geojson_lines_with_and_without_times(void **state)
 {
-	struct eco_track track = track_of("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"coordTimes\":"
-		"[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:02Z\"]},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50]]}}]}",
-		"a.json", NULL);
+	static const char *const lines[] = { "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"coordTimes\":"
+		"[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:02Z\"]},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50,4]]}}]}",
+		"{\"type\":\"Feature\",\"properties\":{\"coordinateProperties\":{\"times\":[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:02Z\"]}},"
+		"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50,4]]}}" };
 	(void)state;
-	assert_int_equal(track.format, ECO_TRACK_GEOJSON);
-	assert_true(track.count == 2 && track.fixes[1].time_s - track.fixes[0].time_s == 2 && track.fixes[0].at[2] == 3 && isnan(track.fixes[1].at[2]));
+	for (size_t i = 0; i < 2; i++) {
+		struct eco_track track = track_in("a.json", lines[i]);
+		assert_int_equal(track.format, ECO_TRACK_GEOJSON);
+		assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s == 1577836802);
+		assert_true(track.fixes[0].at[2] == 3 && track.fixes[1].at[2] == 4 && track.fixes[1].at[0] == 10.1 && track.degrees);
+		eco_track_free(&track);
+	}
+	struct eco_track track = track_in("b.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":"
+		"1577836800000,\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,50]}},{\"type\":\"Feature\",\"properties\":"
+		"{\"timestamp\":1577836801500,\"heading\":271,\"altitude\":8},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,51]}}]}");
+	assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s == 1577836801.5);
+	assert_true(track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
 	eco_track_free(&track);
-	track = track_of("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":1577836800000,"
-		"\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,50]}}]}", "b.geojson", NULL);
-	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800 && track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
+	track = track_in("t.geojson", "{\"type\":\"Feature\",\"properties\":{\"time\":\"2020-01-01T01:00:00.25+01:00\"},\"geometry\":{\"type\":\"Point\","
+		"\"coordinates\":[10,50]}}");
+	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800.25);
 	eco_track_free(&track);
-	track = track_of("{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,5500000]]}", "c.json", NULL);
+	track = track_in("c.json", "{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,5500000]]}");
 	assert_true(!track.degrees && track.count == 2 && says(&track, "--track-crs"));
 	eco_track_free(&track);
-	fails("{\"a\": 1}", "d.json", NULL, "no track that is known");
-	fails("{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json", NULL, "e.json:1:");
-	fails("{\"type\": \"Polygon\", \"coordinates\": []}", "f.json", NULL, "no fix found");
-}
-
-static void transforms_are_opengl_and_in_the_order_of_their_names(void **state)
-{
-	/* looks along -z of the camera: the identity looks down, a quarter turn about x looks north */
-	struct eco_track track = track_of("{\"fl_y\": 500, \"h\": 1000, \"frames\": ["
-		"{\"file_path\": \"images/frame_10.png\", \"transform_matrix\": [[1,0,0,5],[0,1,0,6],[0,0,1,7],[0,0,0,1]]},"
-		"{\"file_path\": \"images/frame_9.png\", \"transform_matrix\": [[1,0,0,1],[0,0,-1,2],[0,1,0,3],[0,0,0,1]]},"
-		"{\"file_path\": \"images/frame_11.png\", \"transform_matrix\": [[1,0],[0,1]]}]}", "transforms.json", NULL);
-	(void)state;
-	assert_int_equal(track.format, ECO_TRACK_TRANSFORMS);
-	assert_true(track.count == 2 && track.posed && track.skipped[ECO_TRACK_BAD_NUMBER] == 1);
-	assert_true(track.fixes[0].at[0] == 1 && track.fixes[0].at[2] == 3 && near(track.fixes[0].yaw_deg, 0, 1e-9)
-		&& near(track.fixes[0].pitch_deg, 0, 1e-9));
-	assert_true(near(track.fixes[1].pitch_deg, -90, 1e-9) && near(track.fixes[1].yaw_deg, 0, 1e-9));
-	assert_true(near(track.fixes[0].fov_y_deg, 90, 1e-9) && track.fixes[1].time_s == 0.5);
-	assert_true(says(&track, "order of their pictures' names") && says(&track, "--rate"));
-	eco_track_free(&track);
-	track = track_of("{\"fps\": 24, \"camera_path\": [{\"camera_to_world\": [1,0,0,1, 0,0,-1,2, 0,1,0,3, 0,0,0,1], \"fov\": 50},"
-		"{\"camera_to_world\": [1,0,0,2, 0,0,-1,2, 0,1,0,3, 0,0,0,1], \"fov\": 51}]}", "camera_path.json", NULL);
-	assert_true(track.format == ECO_TRACK_CAMERA_PATH && track.count == 2 && track.fixes[1].fov_y_deg == 51
-		&& near(track.fixes[1].time_s, 1 / 24.0, 1e-9));
-	eco_track_free(&track);
+	fails_in("nested.json", "{\"type\":\"Feature\",\"properties\":{\"coordTimes\":[[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:01Z\"]]},\"geometry\":"
+		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "coordTimes");
+	fails_in("short.json", "{\"type\":\"Feature\",\"properties\":{\"coordTimes\":[\"2020-01-01T00:00:00Z\"]},\"geometry\":{\"type\":\"LineString\","
+		"\"coordinates\":[[10,50],[11,50]]}}", "coordTimes");
+	fails_in("d.json", "{\"a\": 1}", "no track that is known");
+	fails_in("e.json", "{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json:1:");
+	fails_in("f.json", "{\"type\": \"Polygon\", \"coordinates\": [[[0,0],[1,0],[1,1],[0,0]]]}", "no usable fix");
 }
 
 /* ---- Poses ---- */
 
-static void poses_have_the_axes_of_their_formats(void **state)
+static void quaternions_have_the_axes_that_are_stated(void **state)
 {
 	static const struct { const char *name, *text; struct eco_track_options options; enum eco_track_format format; double at[3], yaw,
 		pitch; } rows[] = {
 		/* z ahead, y down, world Z up: a quarter turn about x brings z to the north */
-		{ "tum", "# t x y z qx qy qz qw\n1305031449.5 1 2 3 -0.70710678 0 0 0.70710678\n", { 0 }, ECO_TRACK_TUM, { 1, 2, 3 }, 0, 0 },
-		{ "tum, ros", "1305031449.5 1 2 3 0 0 0 1\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_TUM, { 1, 2, 3 }, 90, 0 },
-		{ "kitti", "1 0 0 4 0 1 0 5 0 0 1 6\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
-		{ "kitti, sixteen", "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
-		{ "kitti, numbered", "7 1 0 0 4 0 1 0 5 0 0 1 6\n", { 0 }, ECO_TRACK_KITTI, { 4, 6, -5 }, 0, 0 },
-		{ "kitti, z up", "1 0 0 4 0 1 0 5 0 0 1 6\n", { .world = ECO_WORLD_Z }, ECO_TRACK_KITTI, { 4, 5, 6 }, 180, 90 },
-		{ "colmap", "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n1 1 0 0 0 -4 -5 -6 "
-			"1 a b.jpg\n\n", { 0 }, ECO_TRACK_COLMAP, { 4, 6, -5 }, 0, 0 },
+		{ "quaternions", "t,x,y,z,qx,qy,qz,qw\n1305031449.5,1,2,3,-0.70710678,0,0,0.70710678\n", { 0 }, ECO_TRACK_CSV, { 1, 2, 3 }, 0, 0 },
+		{ "TUM, by number", "1305031449.5 1.0 2.0 3.0 -0.70710678 0 0 0.70710678\n", { .columns = "t=1,east=2,north=3,up=4,qx=5,qy=6,qz=7,qw=8" },
+			ECO_TRACK_CSV, { 1, 2, 3 }, 0, 0 },
+		{ "ros", "t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_CSV, { 1, 2, 3 }, 90, 0 },
+		{ "y down", "t,x,y,z,qx,qy,qz,qw\n0,4,5,6,0,0,0,1\n", { .world = ECO_WORLD_MINUS_Y }, ECO_TRACK_CSV, { 4, 6, -5 }, 0, 0 },
+		{ "z up", "t,x,y,z,qx,qy,qz,qw\n0,4,5,6,0,0,0,1\n", { .world = ECO_WORLD_Z }, ECO_TRACK_CSV, { 4, 5, 6 }, 180, 90 },
 		{ "euroc", "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n"
 			"1403636580838555648,4,5,6,1,0,0,0\n", { .axes = ECO_AXES_ROS }, ECO_TRACK_CSV, { 4, 5, 6 }, 90, 0 },
 	};
@@ -258,9 +241,6 @@ static void poses_have_the_axes_of_their_formats(void **state)
 			fail_msg("%s: %u at %g %g %g yaw %g pitch %g", rows[i].name, track.count, f->at[0], f->at[1], f->at[2], f->yaw_deg, f->pitch_deg);
 		eco_track_free(&track);
 	}
-	struct eco_track track = track_of("1403636580838555648,4,5,6,1,0,0,0\n1403636581838555648 5,5,6,1,0,0,0\n", "p.txt", NULL);
-	assert_true(track.format == ECO_TRACK_TUM && near(track.fixes[0].time_s, 1403636580.838555648, 1e-3));
-	eco_track_free(&track);
 }
 
 static void gltf_cameras_move_with_their_parents(void **state)
@@ -343,7 +323,7 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "a,b,c\n1,2,3\n", "a.csv", "must be ROLE=COLUMN", { .columns = "nonsense" } },
 		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "no usable fix", { 0 } }, { "t,lon,lat\n", "a.csv", "no fix found", { 0 } },
 		{ "1\n", "a.srt", "no fix found", { 0 } }, { "x", "a", "no format is called fit", { .format = "fit" } },
-		{ "<html></html>", "a.kml", "no fix found", { 0 } },
+		{ "<html></html>", "a.kml", "neither GPX nor KML", { 0 } },
 		{ "{\"fps\": 1, \"keyframes\": []}", "a.json", "no keyframes", { 0 } },
 	};
 	(void)state;
@@ -354,6 +334,23 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 	assert_int_equal(eco_track_read(&track, "tests", NULL, &error), ECO_BAD_INPUT);
 	error = (struct eco_error){ 0 };
 	assert_int_equal(eco_track_read(&track, "no/such/file.srt", NULL, &error), ECO_IO);
+}
+
+static void formats_that_are_not_read_are_refused_by_name(void **state)
+{
+	static const struct { const char *text, *path, *says; } rows[] = {
+		{ "AXGD000\nHFDTEDATE:270418,01\nB2359554557816N01343411EA0059600583\n", "a.txt", "(IGC), which is not read; convert it to GPX or CSV" },
+		{ "$GPRMC,235959.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W\n", "a.log", "NMEA" },
+		{ "<?xml version=\"1.0\"?>\n<TrainingCenterDatabase><Track/></TrainingCenterDatabase>", "d.tcx", "TCX, which is not read" },
+		{ "{\"frames\": [{\"transform_matrix\": [[1,0,0,5]]}]}", "transforms.json", "transforms.json), which is not read" },
+		{ "{\"fps\": 24, \"camera_path\": []}", "camera_path.json", "nerfstudio" },
+		{ "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n", "images.txt", "COLMAP" },
+		{ "1 0 0 4 0 1 0 5 0 0 1 6\n", "00.txt", "--columns" }, { "<osm/>", "a.xml", "neither GPX nor KML" },
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		fails(rows[i].text, rows[i].path, NULL, rows[i].says);
+	fails("x", "a", &(struct eco_track_options){ .format = "igc" }, "srt, gpx, kml, geojson, csv, gltf and script");
 }
 
 static void files_are_read_in_a_child_to_the_same_track(void **state)
@@ -376,12 +373,12 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(subtitles_of_every_drone_are_read), cmocka_unit_test(focal_lengths_are_fields_of_view),
-		cmocka_unit_test(igc_passes_midnight_and_takes_heights_by_satellite), cmocka_unit_test(nmea_checks_sums_and_dates),
-		cmocka_unit_test(gpx_tracks_win_over_way_points), cmocka_unit_test(kml_tracks_lines_and_tours),
+		cmocka_unit_test(gpx_tracks_win_over_way_points), cmocka_unit_test(gpx_that_breaks_off_is_read_until_there),
+		cmocka_unit_test(kml_points_have_times_and_lines_win_over_points_without),
 		cmocka_unit_test(geojson_lines_with_and_without_times),
-		cmocka_unit_test(transforms_are_opengl_and_in_the_order_of_their_names),
-		cmocka_unit_test(poses_have_the_axes_of_their_formats), cmocka_unit_test(gltf_cameras_move_with_their_parents),
+		cmocka_unit_test(quaternions_have_the_axes_that_are_stated), cmocka_unit_test(gltf_cameras_move_with_their_parents),
 		cmocka_unit_test(tables_are_read_by_the_names_of_their_columns), cmocka_unit_test(what_is_no_track_is_said_to_be_none),
+		cmocka_unit_test(formats_that_are_not_read_are_refused_by_name),
 		cmocka_unit_test(files_are_read_in_a_child_to_the_same_track),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

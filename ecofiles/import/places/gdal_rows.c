@@ -29,13 +29,15 @@ struct ogr_rows {
 	GDALDatasetH data;
 	OGRLayerH layer;
 	OGRFeatureH feature;
-	OGRGeometryH points;             /* the feature's geometry, if it has several points; owned by the feature */
+	OGRGeometryH points;             /* of the feature, if it has several: a multipoint or a line; owned by it */
 	int point;
-	bool areas;
+	OGRGeometryH lines;              /* of the feature, if it has several lines; points is number `line` of them */
+	int line;
+	bool areas, vertices;
 	char *path;
 	uint8_t *wkb; size_t wkb_capacity;
 	char *text; size_t text_capacity;        /* the row's fields that are not texts */
-	bool copied[ECO_COLUMNS_MAX];
+	bool copied[ECO_COLUMNS_MAX], own[ECO_COLUMNS_MAX];
 };
 
 static void quiet(void)
@@ -96,6 +98,29 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 		OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
 }
 
+/* The layer whose geometries are longest, as bytes. */
+static int longest_layer(struct ogr_rows *r, int count)
+{
+	int longest = 0;
+	uint64_t most = 0;
+
+	for (int i = 0; i < count; i++) {
+		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
+		OGRFeatureH feature;
+		uint64_t bytes = 0;
+
+		while ((feature = OGR_L_GetNextFeature(layer)) != NULL) {
+			OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
+
+			bytes += geometry != NULL ? (uint64_t)OGR_G_WkbSize(geometry) : 0;
+			OGR_F_Destroy(feature);
+		}
+		longest = bytes > most ? i : longest;
+		most = bytes > most ? bytes : most;
+	}
+	return longest;
+}
+
 /* Chooses the layer asked for, or the only one, or the only one whose geometries fit. */
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
@@ -106,6 +131,11 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	if (wanted != NULL) {
 		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
 		return r->layer != NULL ? ECO_OK : ask_for_layer(r, wanted, error);
+	}
+	if (r->vertices && count > 1) {
+		r->layer = GDALDatasetGetLayer(r->data, longest_layer(r, count));
+		eco_rows_note(&r->rows, "of its %d layers the longest is taken, \"%.60s\"", count, OGR_L_GetName(r->layer));
+		return ECO_OK;
 	}
 	for (int i = 0; i < count; i++) {
 		OGRwkbGeometryType type = OGR_L_GetGeomType(GDALDatasetGetLayer(r->data, i));
@@ -272,6 +302,40 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 	return code;
 }
 
+/* Point number r->point of a line or a multipoint. */
+static void take_vertex(struct ogr_rows *r)
+{
+	struct eco_rows_place *place = &r->rows.place;
+
+	if (wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint) {
+		take_point(place, OGR_G_GetGeometryRef(r->points, r->point));
+		return;
+	}
+	place->kind = ECO_PLACE_POINT;
+	place->at[0] = OGR_G_GetX(r->points, r->point);
+	place->at[1] = OGR_G_GetY(r->points, r->point);
+	place->at[2] = OGR_G_Is3D(r->points) ? OGR_G_GetZ(r->points, r->point) : NAN;
+	strcpy(place->what, r->point == 0 ? "line" : "vertex");
+}
+
+/* To the next point of the feature; false after its last. */
+static bool next_vertex(struct ogr_rows *r)
+{
+	int count = r->points == NULL ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint ? OGR_G_GetGeometryCount(r->points)
+		: OGR_G_GetPointCount(r->points);
+
+	if (r->points == NULL)
+		return false;
+	for (r->point++; r->point >= count; r->point = 0) {
+		if (r->lines == NULL || ++r->line >= OGR_G_GetGeometryCount(r->lines))
+			return false;
+		r->points = OGR_G_GetGeometryRef(r->lines, r->line);
+		count = OGR_G_GetPointCount(r->points);
+	}
+	take_vertex(r);
+	return true;
+}
+
 static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 {
 	struct eco_rows_place *place = &r->rows.place;
@@ -279,7 +343,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
 
 	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE, .yaw_deg = NAN, .scale = NAN };
-	r->points = NULL;
+	r->points = r->lines = NULL;
 	if (geometry == NULL || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
 	if (r->areas)
@@ -289,12 +353,33 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	} else if (type == wkbMultiPoint) {
 		r->points = geometry;
 		r->point = 0;
-		take_point(place, OGR_G_GetGeometryRef(geometry, 0));
+		take_vertex(r);
+	} else if (r->vertices && (type == wkbLineString || type == wkbMultiLineString)) {
+		r->lines = type == wkbMultiLineString ? geometry : NULL;
+		r->points = r->lines != NULL ? OGR_G_GetGeometryRef(geometry, 0) : geometry;
+		r->line = 0;
+		r->point = -1;
+		next_vertex(r);
 	} else {
 		place->kind = ECO_PLACE_OTHER;
 		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
 	}
 	return ECO_OK;
+}
+
+/* A list with a value for each vertex of a line gives each its own. The lists belong to the feature. */
+static bool has_own(const struct ogr_rows *r, int field)
+{
+	return r->vertices && r->points != NULL && r->lines == NULL && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
+		&& wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbLineString
+		&& CSLCount(OGR_F_GetFieldAsStringList(r->feature, field)) == OGR_G_GetPointCount(r->points);
+}
+
+static void take_own(struct ogr_rows *r)
+{
+	for (uint32_t i = 0; i < r->rows.column_count; i++)
+		if (r->own[i])
+			r->rows.fields[i] = OGR_F_GetFieldAsStringList(r->feature, (int)i)[r->point];
 }
 
 /* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied, one
@@ -305,9 +390,11 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 
 	for (int i = 0; i < (int)r->rows.column_count; i++) {
 		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
-		const char *text = OGR_F_IsFieldSetAndNotNull(r->feature, i) ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		bool there = OGR_F_IsFieldSetAndNotNull(r->feature, i) != 0, own = there && has_own(r, i);
+		const char *text = there && !own ? OGR_F_GetFieldAsString(r->feature, i) : "";
 		size_t size = strlen(text) + 1;
 
+		r->own[i] = own;
 		r->rows.fields[i] = text;
 		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
 		if (!r->copied[i])
@@ -329,6 +416,7 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 			r->rows.fields[i] = r->text + used;
 			used += strlen(r->text + used) + 1;
 		}
+	take_own(r);
 	r->rows.field_count = r->rows.column_count;
 	return ECO_OK;
 }
@@ -339,14 +427,14 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	enum eco_code code;
 
 	*more = true;
-	if (r->points != NULL && ++r->point < OGR_G_GetGeometryCount(r->points)) {
-		take_point(&rows->place, OGR_G_GetGeometryRef(r->points, r->point));
+	if (next_vertex(r)) {
+		take_own(r);
 		rows->row++;
 		return ECO_OK;
 	}
 	if (r->feature != NULL)
 		OGR_F_Destroy(r->feature);
-	r->points = NULL;
+	r->points = r->lines = NULL;
 	CPLErrorReset();
 	r->feature = OGR_L_GetNextFeature(r->layer);
 	if (r->feature == NULL) {
@@ -355,8 +443,8 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	}
 	rows->row++;
 	rows->line++;
-	code = take_fields(r, error);
-	return code == ECO_OK ? take_geometry(r, error) : code;
+	code = take_geometry(r, error);
+	return code == ECO_OK ? take_fields(r, error) : code;
 }
 
 static void close_ogr(struct eco_rows *rows)
@@ -394,7 +482,8 @@ static bool lacks_part(const char *path, const char *extension)
 
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
 {
-	const char *options[] = { "AUTODETECT_TYPE=NO", NULL };
+	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES" : NULL,
+		"NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
 
 	quiet();
 	CPLErrorReset();
@@ -406,7 +495,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (r->data == NULL)
-		return gdal_says(r->path, ECO_BAD_INPUT, "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
+		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it" : "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
 			"glTF)", error);
 	return ECO_OK;
 }
@@ -426,6 +515,7 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	r->rows.close = close_ogr;
 	r->rows.where = "feature";
 	r->areas = source->areas;
+	r->vertices = source->vertices;
 	code = open_data(r, source, error);
 	if (code == ECO_OK)
 		code = find_layer(r, source->layer, error);

@@ -3,6 +3,5 @@
 
 ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
 	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert, .crs_close = proj_crs_close,
-	.citygml_settle = proj_citygml_settle, .track_open = proj_track_open, .track_convert = proj_track_convert,
-	.track_close = proj_track_close,
+	.citygml_settle = proj_citygml_settle,
 };

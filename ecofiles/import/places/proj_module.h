@@ -14,10 +14,6 @@ enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_req
 enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
 void proj_crs_close(struct eco_crs_path *path);
 void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size);
-enum eco_code proj_track_open(struct eco_track_path **path, const struct eco_track *track, const struct eco_track_frame *frame,
-	struct eco_error *error);
-bool proj_track_convert(struct eco_track_path *path, const double from[2], double to[2]);
-void proj_track_close(struct eco_track_path *path);
 
 extern const struct eco_proj_module eco_proj_module;
 

@@ -30,10 +30,8 @@
 
 enum eco_track_format {
 	ECO_TRACK_SRT,               /* subtitles of a drone's film */
-	ECO_TRACK_IGC, ECO_TRACK_NMEA, ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_TCX, ECO_TRACK_GEOJSON, ECO_TRACK_CSV,
-	ECO_TRACK_TRANSFORMS,        /* transforms.json of nerfstudio and instant-ngp */
-	ECO_TRACK_CAMERA_PATH,       /* a path drawn in nerfstudio's viewer */
-	ECO_TRACK_COLMAP, ECO_TRACK_TUM, ECO_TRACK_KITTI, ECO_TRACK_GLTF,
+	ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_GEOJSON,     /* through GDAL, which opens the file itself */
+	ECO_TRACK_CSV, ECO_TRACK_GLTF,
 	ECO_TRACK_SCRIPT,            /* a camera script of our own: no fixes, to be taken as it is */
 	ECO_TRACK_FORMATS
 };
@@ -53,17 +51,17 @@ struct eco_fix {
 enum eco_track_skip {            /* records without a fix, by reason */
 	ECO_TRACK_NO_POSITION,       /* none, "n/a", 0/0 before the GPS knew */
 	ECO_TRACK_BAD_NUMBER,        /* a coordinate that is no number, or impossible */
-	ECO_TRACK_BAD_CHECKSUM,
 	ECO_TRACK_SKIPS
 };
 extern const char *const eco_track_skip_names[ECO_TRACK_SKIPS];
 
 struct eco_track {
 	enum eco_track_format format;
-	bool degrees;                /* at[0], at[1] are degrees east and north, WGS 84 */
-	bool timed;                  /* some fixes have a time */
-	bool posed;                  /* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
-	double home[3]; bool has_home;       /* take-off, as at[]; z may be NaN */
+	unsigned degrees : 1;        /* at[0], at[1] are degrees east and north, WGS 84 */
+	unsigned timed : 1;          /* some fixes have a time */
+	unsigned posed : 1;          /* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
+	unsigned has_home : 1;       /* take-off, as at[]; z may be NaN */
+	double home[3];
 	double still_m;              /* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	double still_z_m;
 	struct eco_fix *fixes;       uint32_t count;
@@ -79,18 +77,16 @@ struct eco_track_options {       /* zero: all defaults */
 	const char *format;          /* name of a kind; NULL: found by content, then by extension */
 	const char *columns;         /* of a CSV: "t=GPS Time,lon=X,lat=Y,alt=Z:ft,yaw=3": names or numbers from 1, a unit behind ':' */
 	bool latitude_first;         /* GPS(a, b) and columns without names are latitude, longitude */
-	bool pressure;               /* IGC: height by air pressure instead of by satellites */
 	bool yaw_from_x;             /* CSV: yaw is counter-clockwise from +X */
-	enum eco_axes axes;          /* of the camera in poses; default: what the format says, OpenCV's (z ahead, y down) for TUM */
+	enum eco_axes axes;          /* of the camera in poses; default: glTF's, and OpenCV's (z ahead, y down) for quaternions of a CSV */
 	enum eco_world world;        /* which axis of poses points up */
 	const char *node;            /* glTF: name of the camera or its node; NULL: the first */
-	double rate;                 /* poses a second where none has a time; 0: as the format's users have it */
 };
 
 /* Reads a file in a child process with limits (guard.h). A file without a usable fix is an error that says what was found instead.
  * format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes a zeroed one too. */
 enum eco_code eco_track_read(struct eco_track *track, const char *path, const struct eco_track_options *options, struct eco_error *error);
-/* The same from memory, in this process. Files that a glTF names are looked for beside `path`. */
+/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; GDAL opens `path` itself. */
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
 	const struct eco_track_options *options, struct eco_error *error);
 void eco_track_free(struct eco_track *track);
@@ -150,7 +146,9 @@ enum eco_code eco_track_clean(struct eco_track *track, const struct eco_cleaning
 
 /* ---- Smooth ---- */
 
-struct eco_sample { double eye[3], look[3], up[3], fov_y_deg; };         /* look and up: units, at right angles */
+/* look and up: units, at right angles; all of it as numbers, for what treats them alike */
+#define ECO_SAMPLE_NUMBERS 10
+struct eco_sample { union { struct { double eye[3], look[3], up[3], fov_y_deg; }; double n[ECO_SAMPLE_NUMBERS]; }; };
 
 struct eco_flight {
 	double step_s;               /* sample i is at i * step_s */
@@ -172,6 +170,10 @@ struct eco_smoothing {
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing,
 	struct eco_error *error);
 void eco_flight_free(struct eco_flight *flight);
+/* The least and the greatest of its eyes. */
+void eco_flight_box(const struct eco_flight *flight, double low[3], double high[3]);
+double eco_distance(const double a[3], const double b[3]);
+double eco_angle_deg(const double a[3], const double b[3]);
 
 /* ---- Move ---- */
 

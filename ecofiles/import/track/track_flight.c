@@ -17,64 +17,60 @@
 #define SAMPLES_MAX 200000u
 #define STEP_LEAST_S 0.004
 #define SPAN 4.0                         /* of the filter, in standard deviations */
+#define SIGMA_MAX 250.0                  /* in samples */
 #define GPS_NOISE_M 2.0                  /* of fixes against each other */
 #define SMOOTH_MOST_S 15.0
 #define LOOK_S 1.0                       /* directions of motion are smoothed over at least this */
 #define FOV_DEG 60.0
 #define FLIGHT_PITCH_DEG (-15.0)
 
-/* Values over time; `wide` numbers each. */
-struct series { double *time_s, *value; uint32_t count, wide; };
+enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
 
 struct work {
 	struct eco_flight *flight;
 	const struct eco_track *track;
 	const struct eco_smoothing *smoothing;
-	struct series place, height, attitude, fov;          /* attitude: look, up */
-	double *x[3], *yaw, *scratch;        /* per sample */
-	bool follows;                        /* the path says where it looks, somewhere */
+	struct eco_sample *known;            /* what each fix says, NaN where it says nothing */
+	double *time_s, *value; uint32_t count;      /* of one number, where it is known */
+	double *column, *scratch;            /* one a sample; two */
+	double *yaw;                         /* of the motion, one a sample */
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
-/* ---- Series ---- */
+/* ---- Between fixes ---- */
 
-static enum eco_code series_open(struct series *s, uint32_t room, uint32_t wide, struct eco_error *error)
+/* Number n wherever it is known: w->time_s, w->value. Returns the median step, 0 if there is none. */
+static double collect(struct work *w, int n)
 {
-	s->time_s = malloc(((size_t)room + 1) * (wide + 1) * sizeof *s->time_s);
-	s->value = s->time_s ? s->time_s + room + 1 : NULL;
-	s->wide = wide;
-	return s->time_s ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", room);
+	w->count = 0;
+	for (uint32_t i = 0; i < w->track->count; i++)
+		if (!isnan(w->known[i].n[n])) {
+			w->time_s[w->count] = w->track->fixes[i].time_s;
+			w->value[w->count++] = w->known[i].n[n];
+		}
+	for (uint32_t i = 1; i < w->count; i++)
+		w->scratch[i - 1] = w->time_s[i] - w->time_s[i - 1];
+	return track_quantile(w->scratch, w->count ? w->count - 1 : 0, 0.5);
 }
 
-static void series_add(struct series *s, double time_s, const double *value)
+static double slope(const struct work *w, uint32_t i, double chord)
 {
-	s->time_s[s->count] = time_s;
-	memcpy(s->value + (size_t)s->wide * s->count++, value, s->wide * sizeof *value);
-}
-
-static double slope(const struct series *s, uint32_t i, uint32_t n)
-{
-	if (i == 0 || i + 1 >= s->count)
-		return NAN;
-	double h0 = s->time_s[i] - s->time_s[i - 1], h1 = s->time_s[i + 1] - s->time_s[i];
-	double a = (s->value[(size_t)i * s->wide + n] - s->value[(size_t)(i - 1) * s->wide + n]) / h0;
-	double b = (s->value[(size_t)(i + 1) * s->wide + n] - s->value[(size_t)i * s->wide + n]) / h1;
+	if (i == 0 || i + 1 >= w->count)
+		return chord;
+	double h0 = w->time_s[i] - w->time_s[i - 1], h1 = w->time_s[i + 1] - w->time_s[i];
+	double a = (w->value[i] - w->value[i - 1]) / h0, b = (w->value[i + 1] - w->value[i]) / h1;
 	return a * b <= 0 ? 0 : 3 * (h0 + h1) / ((2 * h1 + h0) / a + (h1 + 2 * h0) / b);
 }
 
-/* Number n at time_s, which does not descend from call to call: *at is where the last one was found, 0 before. */
-static double series_at(const struct series *s, double time_s, uint32_t n, uint32_t *at)
+/* What was collected, at time_s, which does not descend from call to call: *at is where the last one was found, 0 before. */
+static double value_at(const struct work *w, double time_s, uint32_t *at)
 {
-	while (*at + 1 < s->count && s->time_s[*at + 1] <= time_s)
+	while (*at + 1 < w->count && w->time_s[*at + 1] <= time_s)
 		++*at;
-	double a = s->value[(size_t)*at * s->wide + n];
-	if (*at + 1 >= s->count || time_s <= s->time_s[*at])
-		return a;
-	double h = s->time_s[*at + 1] - s->time_s[*at], t = (time_s - s->time_s[*at]) / h, r = 1 - t;
-	double b = s->value[(size_t)(*at + 1) * s->wide + n], chord = (b - a) / h, m0 = slope(s, *at, n), m1 = slope(s, *at + 1, n);
-	m0 = isnan(m0) ? chord : m0;
-	m1 = isnan(m1) ? chord : m1;
-	return a + t * t * (3 - 2 * t) * (b - a) + h * t * r * (r * m0 - t * m1);
+	if (*at + 1 >= w->count || time_s <= w->time_s[*at])
+		return w->value[*at];
+	double a = w->value[*at], b = w->value[*at + 1], h = w->time_s[*at + 1] - w->time_s[*at], t = (time_s - w->time_s[*at]) / h, r = 1 - t;
+	return a + t * t * (3 - 2 * t) * (b - a) + h * t * r * (r * slope(w, *at, (b - a) / h) - t * slope(w, *at + 1, (b - a) / h));
 }
 
 /* ---- Smoothing of evenly spaced values ---- */
@@ -82,21 +78,15 @@ static double series_at(const struct series *s, double time_s, uint32_t n, uint3
 static double reflected(const double *v, uint32_t count, int64_t i)
 {
 	int64_t last = (int64_t)count - 1;
-	if (last == 0)
-		return v[0];
 	if (i < 0)
 		return 2 * v[0] - v[-i > last ? last : -i];
-	if (i > last)
-		return 2 * v[last] - v[2 * last - i < 0 ? 0 : 2 * last - i];
-	return v[i];
+	return i > last ? 2 * v[last] - v[2 * last - i < 0 ? 0 : 2 * last - i] : v[i];
 }
 
 static void gauss(const double *v, uint32_t count, double sigma, double *out)
 {
 	int64_t radius = (int64_t)ceil(SPAN * sigma);
-	double weight[1024], sum = 0;
-	if (radius > 1023)
-		radius = 1023;
+	double weight[1024], sum = 0;     /* SPAN * SIGMA_MAX and one */
 	for (int64_t k = 0; k <= radius; k++) {
 		weight[k] = exp(-0.5 * (double)(k * k) / (sigma * sigma));
 		sum += weight[k] * (k ? 2 : 1);
@@ -109,10 +99,10 @@ static void gauss(const double *v, uint32_t count, double sigma, double *out)
 	}
 }
 
-/* In place; scratch holds 2 count. */
-static void smooth(double *v, uint32_t count, double sigma, double *scratch)
+static void smooth(const struct work *w, double *v, double sigma_s)
 {
-	double *once = scratch, *rest = scratch + count;
+	uint32_t count = w->flight->count;
+	double *once = w->scratch, *rest = once + count, sigma = fmin(sigma_s / w->flight->step_s, SIGMA_MAX);
 	if (!(sigma > 0.2) || count < 3)
 		return;
 	gauss(v, count, sigma, once);
@@ -123,78 +113,76 @@ static void smooth(double *v, uint32_t count, double sigma, double *scratch)
 		v[i] = once[i] + rest[i];
 }
 
-/* ---- What the recording is like ---- */
-
-static double median_step(const struct series *s, double *scratch)
+/* Number n of all samples, of what was collected. */
+static void sample(struct work *w, int n, double sigma_s)
 {
-	for (uint32_t i = 1; i < s->count; i++)
-		scratch[i - 1] = s->time_s[i] - s->time_s[i - 1];
-	return track_quantile(scratch, s->count ? s->count - 1 : 0, 0.5);
+	uint32_t at = 0;
+	for (uint32_t i = 0; i < w->flight->count; i++)
+		w->column[i] = value_at(w, i * w->flight->step_s, &at);
+	smooth(w, w->column, sigma_s);
+	for (uint32_t i = 0; i < w->flight->count; i++)
+		w->flight->samples[i].n[n] = w->column[i];
 }
+
+/* ---- What the recording is like ---- */
 
 static double default_smoothing(const struct work *w, double step_s)
 {
-	double v = w->slow_m_s, rounding_s, noise_s;
+	double v = w->slow_m_s, rounding_s = 1.5 * w->track->still_m / v;
 	if (w->track->posed || !(v > 0))
 		return 0;
-	rounding_s = 1.5 * w->track->still_m / v;
 	/* where each fix is off by a part of the way to the next, several are needed to know better */
 	if (w->track->still_m > 0.1 * w->speed_m_s * step_s)
 		rounding_s = fmax(rounding_s, fmin(4 * step_s, 1));
-	noise_s = fmin(GPS_NOISE_M / v, 2);
-	return fmin(fmax(0.4 * step_s, fmax(rounding_s, noise_s)), SMOOTH_MOST_S);
+	return fmin(fmax(0.4 * step_s, fmax(rounding_s, fmin(GPS_NOISE_M / v, 2))), SMOOTH_MOST_S);
 }
 
-static double length_s(const struct eco_track *track)
+/* Fine enough for what is recorded and for the filter, coarse enough to be few. Returns whether the path says where it looks, somewhere. */
+static bool choose_samples(struct work *w, double place_s)
 {
-	return track->count ? track->fixes[track->count - 1].time_s : 0;
-}
-
-/* Fine enough for what is recorded and for the filter, coarse enough to be few. */
-static void choose_samples(struct work *w, double place_s, double attitude_s)
-{
-	double length = length_s(w->track), step = place_s > 0 ? place_s / 4 : length;
-	if (attitude_s > 0)
-		step = fmin(step, attitude_s);
-	step = fmax(step, fmax(w->flight->smooth_s / 20, w->follows ? LOOK_S / 50 : STEP_LEAST_S));
+	const struct eco_fix *f = w->track->fixes, *last = NULL;
+	double length = f[w->track->count - 1].time_s, step = place_s > 0 ? place_s / 4 : length;
+	bool follows = false;
+	for (uint32_t i = 0; i < w->track->count; i++)
+		if (!isnan(f[i].yaw_deg) || !isnan(f[i].pitch_deg)) {
+			step = last ? fmin(step, f[i].time_s - last->time_s) : step;
+			follows |= isnan(f[i].yaw_deg);
+			last = &f[i];
+		}
+	follows |= !last;
+	step = fmax(step, fmax(w->flight->smooth_s / 20, follows ? LOOK_S / 50 : STEP_LEAST_S));
 	step = fmax(step, length / (SAMPLES_MAX - 1));
-	if (!(length > 0) || !(step > 0)) {
-		w->flight->step_s = 1;
-		w->flight->count = 1;
-		return;
-	}
-	double pieces = ceil(length / step - 1e-9);
-	w->flight->count = (uint32_t)fmax(pieces, 1) + 1;
-	w->flight->step_s = length / (w->flight->count - 1);
+	bool moves = length > 0 && step > 0;
+	w->flight->count = moves ? (uint32_t)fmax(ceil(length / step - 1e-9), 1) + 1 : 1;
+	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
+	return follows;
 }
 
 /* ---- Directions ---- */
 
-static void axes_of(double yaw_deg, double pitch_deg, double roll_deg, double look[3], double up[3])
+static void axes_of(double yaw_deg, double pitch_deg, double roll_deg, struct eco_sample *s)
 {
 	double sy = sin(yaw_deg / DEG), cy = cos(yaw_deg / DEG), sp = sin(pitch_deg / DEG), cp = cos(pitch_deg / DEG), sr = sin(roll_deg / DEG),
 		cr = cos(roll_deg / DEG);
-	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
-	look[0] = cp * sy;
-	look[1] = cp * cy;
-	look[2] = sp;
+	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp }, look[3] = { cp * sy, cp * cy, sp };
+	memcpy(s->look, look, sizeof look);
 	for (int i = 0; i < 3; i++)
-		up[i] = cr * level[i] + sr * right[i];
+		s->up[i] = cr * level[i] + sr * right[i];
 }
 
 /* Yaw of the motion at each sample; where it stands, from before to after. */
 static void follow_path(struct work *w)
 {
-	struct eco_flight *f = w->flight;
+	const struct eco_flight *f = w->flight;
 	uint32_t n = f->count, last = n;
-	double sigma = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s) / f->step_s, *vx = w->scratch + 2 * (size_t)n, *vy = vx + n;
+	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s), *vx = w->column, *vy = w->scratch + 2 * (size_t)n;
 	for (uint32_t i = 0; i < n; i++) {
-		uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
-		vx[i] = b > a ? (w->x[0][b] - w->x[0][a]) / ((b - a) * f->step_s) : 0;
-		vy[i] = b > a ? (w->x[1][b] - w->x[1][a]) / ((b - a) * f->step_s) : 0;
+		const struct eco_sample *a = &f->samples[i ? i - 1 : 0], *b = &f->samples[i + 1 < n ? i + 1 : i];
+		vx[i] = b > a ? (b->eye[0] - a->eye[0]) / ((double)(b - a) * f->step_s) : 0;
+		vy[i] = b > a ? (b->eye[1] - a->eye[1]) / ((double)(b - a) * f->step_s) : 0;
 	}
-	smooth(vx, n, fmin(sigma, 250), w->scratch);
-	smooth(vy, n, fmin(sigma, 250), w->scratch);
+	smooth(w, vx, sigma_s);
+	smooth(w, vy, sigma_s);
 	for (uint32_t i = 0; i < n; i++) {
 		if (!(hypot(vx[i], vy[i]) > 0.15 * w->speed_m_s))
 			continue;
@@ -207,14 +195,29 @@ static void follow_path(struct work *w)
 	}
 	for (uint32_t k = last < n ? last + 1 : 0; k < n; k++)
 		w->yaw[k] = last < n ? w->yaw[last] : 0;
-	smooth(w->yaw, n, fmin(sigma / 2, 250), w->scratch);
+	smooth(w, w->yaw, sigma_s / 2);
 }
 
-static double yaw_at(const struct work *w, double time_s)
+/* Recorded looks, what they lack taken from the path and the options; without any, along the path. */
+static void set_looks(struct work *w)
 {
-	double at = time_s / w->flight->step_s;
-	uint32_t i = at > 0 ? (uint32_t)fmin(at, w->flight->count - 1) : 0, k = i + 1 < w->flight->count ? i + 1 : i;
-	return w->yaw[i] + (w->yaw[k] - w->yaw[i]) * fmin(fmax(at - i, 0), 1);
+	struct eco_flight *f = w->flight;
+	for (uint32_t i = 0; i < w->track->count; i++) {
+		const struct eco_fix *fix = &w->track->fixes[i];
+		double at = fmin(fmax(fix->time_s / f->step_s, 0), f->count - 1), pitch = w->smoothing->pitch_given_wins ? NAN : fix->pitch_deg;
+		uint32_t k = (uint32_t)at, next = k + 1 < f->count ? k + 1 : k;
+		double along = w->yaw[k] + (w->yaw[next] - w->yaw[k]) * (at - k);
+		if (!isnan(fix->yaw_deg) || !isnan(fix->pitch_deg))
+			axes_of(isnan(fix->yaw_deg) ? along : fix->yaw_deg, isnan(pitch) ? f->pitch_deg : pitch, isnan(fix->roll_deg) ? 0 : fix->roll_deg,
+				&w->known[i]);
+	}
+	double step_s = collect(w, LOOK), sigma_s = w->track->posed && isnan(w->smoothing->smooth_s) ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1));
+	for (int n = LOOK; w->count && n < FOV; n++) {
+		collect(w, n);
+		sample(w, n, sigma_s);
+	}
+	for (uint32_t i = 0; !w->count && i < f->count; i++)
+		axes_of(w->yaw[i], f->pitch_deg, 0, &f->samples[i]);
 }
 
 static void set_unit(double v[3], const double otherwise[3])
@@ -227,180 +230,92 @@ static void set_unit(double v[3], const double otherwise[3])
 /* Units at right angles again, after each number was interpolated by itself. */
 static void straighten(struct eco_sample *s, const struct eco_sample *before)
 {
-	static const double north[3] = { 0, 1, 0 }, z[3] = { 0, 0, 1 };
-	double dot = 0;
-	set_unit(s->look, before ? before->look : north);
-	for (int i = 0; i < 3; i++)
-		dot += s->up[i] * s->look[i];
+	static const struct eco_sample first = { .look = { 0, 1, 0 }, .up = { 0, 0, 1 } };
+	set_unit(s->look, before ? before->look : first.look);
+	double dot = s->up[0] * s->look[0] + s->up[1] * s->look[1] + s->up[2] * s->look[2];
 	for (int i = 0; i < 3; i++)
 		s->up[i] -= dot * s->look[i];
-	set_unit(s->up, before ? before->up : z);
-}
-
-/* Recorded looks, what they lack taken from the path and the options. */
-static void add_attitudes(struct work *w)
-{
-	for (uint32_t i = 0; i < w->track->count; i++) {
-		const struct eco_fix *fix = &w->track->fixes[i];
-		double axes[6];
-		if (isnan(fix->yaw_deg) && isnan(fix->pitch_deg))
-			continue;
-		bool own_pitch = !isnan(fix->pitch_deg) && !w->smoothing->pitch_given_wins;
-		axes_of(isnan(fix->yaw_deg) ? yaw_at(w, fix->time_s) : fix->yaw_deg, own_pitch ? fix->pitch_deg : w->flight->pitch_deg,
-			isnan(fix->roll_deg) ? 0 : fix->roll_deg, axes, axes + 3);
-		series_add(&w->attitude, fix->time_s, axes);
-	}
-}
-
-static void sample_attitudes(struct work *w, double sigma_s)
-{
-	struct eco_flight *f = w->flight;
-	double *column = w->scratch + 2 * (size_t)f->count;
-	for (uint32_t n = 0; n < 6; n++) {
-		uint32_t at = 0;
-		for (uint32_t i = 0; i < f->count; i++)
-			column[i] = series_at(&w->attitude, i * f->step_s, n, &at);
-		smooth(column, f->count, sigma_s / f->step_s, w->scratch);
-		for (uint32_t i = 0; i < f->count; i++)
-			(n < 3 ? f->samples[i].look : f->samples[i].up)[n % 3] = column[i];
-	}
-}
-
-static void look_along_path(struct work *w)
-{
-	for (uint32_t i = 0; i < w->flight->count; i++)
-		axes_of(w->yaw[i], w->flight->pitch_deg, 0, w->flight->samples[i].look, w->flight->samples[i].up);
+	set_unit(s->up, before ? before->up : first.up);
 }
 
 /* ---- All of it ---- */
 
-static enum eco_code collect(struct work *w, struct eco_error *error)
-{
-	const struct eco_track *t = w->track;
-	enum eco_code code = series_open(&w->place, t->count, 2, error);
-	if (!code)
-		code = series_open(&w->height, t->count, 1, error);
-	if (!code)
-		code = series_open(&w->attitude, t->count, 6, error);
-	if (!code)
-		code = series_open(&w->fov, t->count, 1, error);
-	for (uint32_t i = 0; !code && i < t->count; i++) {
-		const struct eco_fix *fix = &t->fixes[i];
-		if (!isnan(fix->at[0]))
-			series_add(&w->place, fix->time_s, fix->at);
-		if (!isnan(fix->at[2]))
-			series_add(&w->height, fix->time_s, &fix->at[2]);
-		if (!isnan(fix->fov_y_deg) && isnan(w->smoothing->fov_y_deg))
-			series_add(&w->fov, fix->time_s, &fix->fov_y_deg);
-		w->flight->yaw_recorded |= !isnan(fix->yaw_deg);
-		w->flight->pitch_recorded |= !isnan(fix->pitch_deg) && !w->smoothing->pitch_given_wins;
-	}
-	if (!code && !w->place.count)
-		code = eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
-	return code;
-}
-
-static void sample_places(struct work *w)
+static void make_samples(struct work *w, bool follows)
 {
 	struct eco_flight *f = w->flight;
-	for (int axis = 0; axis < 3; axis++) {
-		uint32_t at = 0;
-		const struct series *s = axis < 2 ? &w->place : &w->height;
-		for (uint32_t i = 0; i < f->count; i++)
-			w->x[axis][i] = s->count ? series_at(s, i * f->step_s, axis < 2 ? (uint32_t)axis : 0, &at) : 0;
+	for (int n = EYE; n < LOOK; n++) {
+		double step_s = collect(w, n), sigma_s = f->smooth_s;
 		/* rounded heights stay on a step for longer than positions */
-		double sigma_s = f->smooth_s;
-		if (axis == 2 && s->count > 2 && !w->track->posed && isnan(w->smoothing->smooth_s))
-			sigma_s = fmin(fmax(sigma_s, 0.6 * median_step(s, w->scratch)), SMOOTH_MOST_S);
-		smooth(w->x[axis], f->count, fmin(sigma_s / f->step_s, 250), w->scratch);
+		if (n == 2 && w->count > 2 && !w->track->posed && isnan(w->smoothing->smooth_s))
+			sigma_s = fmin(fmax(sigma_s, 0.6 * step_s), SMOOTH_MOST_S);
+		if (w->count)
+			sample(w, n, sigma_s);
 	}
-}
-
-static void finish(struct work *w)
-{
-	struct eco_flight *f = w->flight;
-	uint32_t at = 0;
-	for (uint32_t i = 0; i < f->count; i++) {
-		struct eco_sample *s = &f->samples[i];
-		for (int axis = 0; axis < 3; axis++)
-			s->eye[axis] = w->x[axis][i];
-		s->fov_y_deg = !isnan(w->smoothing->fov_y_deg) ? w->smoothing->fov_y_deg : w->fov.count ? series_at(&w->fov, i * f->step_s, 0, &at) : FOV_DEG;
-		straighten(s, i ? s - 1 : NULL);
-		if (i)
-			f->length_m += sqrt(pow(s->eye[0] - s[-1].eye[0], 2) + pow(s->eye[1] - s[-1].eye[1], 2) + pow(s->eye[2] - s[-1].eye[2], 2));
-	}
-	for (uint32_t i = 0; i < w->place.count; i++) {
-		const double *v = w->place.value + 2 * (size_t)i;
-		uint32_t k = (uint32_t)fmin(w->place.time_s[i] / f->step_s + 0.5, f->count - 1);
-		f->moved_m = fmax(f->moved_m, hypot(v[0] - f->samples[k].eye[0], v[1] - f->samples[k].eye[1]));
-	}
-}
-
-static enum eco_code make_samples(struct work *w, struct eco_error *error)
-{
-	struct eco_flight *f = w->flight;
-	size_t n = f->count;
-	f->samples = calloc(n, sizeof *f->samples);
-	double *rows = malloc(4 * n * sizeof *rows);
-	/* the filter's two, two velocities or a column, and the medians of series */
-	w->scratch = malloc((4 * n + w->track->count + 1) * sizeof *w->scratch);
-	if (!f->samples || !rows || !w->scratch) {
-		free(rows);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %zu samples", n);
-	}
-	for (int axis = 0; axis < 3; axis++)
-		w->x[axis] = rows + n * (size_t)axis;
-	w->yaw = rows + 3 * n;
-	sample_places(w);
-	if (w->follows)
+	if (follows)
 		follow_path(w);
-	add_attitudes(w);
-	if (w->attitude.count) {
-		double attitude_s = median_step(&w->attitude, w->scratch);
-		bool as_they_are = w->track->posed && isnan(w->smoothing->smooth_s);
-		sample_attitudes(w, as_they_are ? 0 : fmin(f->smooth_s, fmax(0.6 * attitude_s, 0.1)));
-	} else
-		look_along_path(w);
-	finish(w);
-	free(rows);
-	return ECO_OK;
+	set_looks(w);
+	collect(w, FOV);
+	for (uint32_t i = 0, at = 0; i < f->count; i++) {
+		f->samples[i].fov_y_deg = w->count ? value_at(w, i * f->step_s, &at) : isnan(w->smoothing->fov_y_deg) ? FOV_DEG : w->smoothing->fov_y_deg;
+		straighten(&f->samples[i], i ? &f->samples[i - 1] : NULL);
+		f->length_m += i ? eco_distance(f->samples[i].eye, f->samples[i - 1].eye) : 0;
+	}
+	for (uint32_t i = 0; i < w->track->count; i++) {
+		uint32_t k = (uint32_t)fmin(w->track->fixes[i].time_s / f->step_s + 0.5, f->count - 1);
+		f->moved_m = fmax(f->moved_m, hypot(w->known[i].eye[0] - f->samples[k].eye[0], w->known[i].eye[1] - f->samples[k].eye[1]));
+	}
+}
+
+static void learn(struct work *w)
+{
+	struct eco_flight *f = w->flight;
+	for (uint32_t i = 0; i < w->track->count; i++) {
+		const struct eco_fix *fix = &w->track->fixes[i];
+		for (int n = 0; n < ECO_SAMPLE_NUMBERS; n++)
+			w->known[i].n[n] = n < LOOK ? fix->at[n] : NAN;
+		w->known[i].fov_y_deg = isnan(w->smoothing->fov_y_deg) ? fix->fov_y_deg : NAN;
+		f->yaw_recorded |= !isnan(fix->yaw_deg);
+		f->pitch_recorded |= !isnan(fix->pitch_deg) && !w->smoothing->pitch_given_wins;
+	}
+	uint32_t speeds = track_speeds(w->track, true, w->scratch);
+	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
+	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
+	f->pitch_deg = !isnan(w->smoothing->pitch_deg) ? w->smoothing->pitch_deg : w->smoothing->flies ? FLIGHT_PITCH_DEG : 0;
 }
 
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing,
 	struct eco_error *error)
 {
-	struct work w = { .flight = flight, .track = track, .smoothing = smoothing };
-	uint32_t speeds;
+	size_t fixes = track->count, most = SAMPLES_MAX;
+	struct work w = { .flight = flight, .track = track, .smoothing = smoothing, .known = malloc((fixes + 1) * sizeof *w.known) };
+	/* two of fixes; five of samples, of which three, or one of fixes, serve as scratch */
+	double *rows = malloc((2 * fixes + 2 * most + (fixes > 3 * most ? fixes : 3 * most)) * sizeof *rows);
 	*flight = (struct eco_flight){ 0 };
-	enum eco_code code = collect(&w, error);
-	double *scratch = code ? NULL : malloc((track->count + 1) * sizeof *scratch), attitude_s = INFINITY, last_s = NAN;
-	if (!code && !scratch)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	if (!code) {
-		double step_s = median_step(&w.place, scratch);
-		track_speeds(track, true, scratch, &speeds);
-		w.speed_m_s = track_quantile(scratch, speeds, 0.5);
-		w.slow_m_s = track_quantile(scratch, speeds, 0.25);
-		flight->smooth_s = isnan(smoothing->smooth_s) ? default_smoothing(&w, step_s) : smoothing->smooth_s;
-		flight->pitch_deg = !isnan(smoothing->pitch_deg) ? smoothing->pitch_deg : smoothing->flies ? FLIGHT_PITCH_DEG : 0;
-		for (uint32_t i = 0; i < track->count; i++)
-			if (!isnan(track->fixes[i].yaw_deg) || !isnan(track->fixes[i].pitch_deg)) {
-				attitude_s = track->fixes[i].time_s - last_s < attitude_s ? track->fixes[i].time_s - last_s : attitude_s;
-				last_s = track->fixes[i].time_s;
-				w.follows |= isnan(track->fixes[i].yaw_deg);
-			}
-		w.follows |= isnan(last_s);
-		choose_samples(&w, step_s, isfinite(attitude_s) ? attitude_s : 0);
-		code = make_samples(&w, error);
+	if (!w.known || !rows) {
+		free(w.known);
+		free(rows);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
 	}
-	free(scratch);
-	free(w.scratch);
-	free(w.place.time_s);
-	free(w.height.time_s);
-	free(w.attitude.time_s);
-	free(w.fov.time_s);
-	if (code)
-		eco_flight_free(flight);
+	w.time_s = rows;
+	w.value = rows + fixes;
+	w.column = w.value + fixes;
+	w.yaw = w.column + most;
+	w.scratch = w.yaw + most;
+	learn(&w);
+	double step_s = collect(&w, EYE);
+	enum eco_code code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
+	if (!code) {
+		flight->smooth_s = isnan(smoothing->smooth_s) ? default_smoothing(&w, step_s) : smoothing->smooth_s;
+		bool follows = choose_samples(&w, step_s);
+		memset(w.yaw, 0, most * sizeof *w.yaw);
+		flight->samples = calloc(flight->count, sizeof *flight->samples);
+		if (flight->samples)
+			make_samples(&w, follows);
+		else
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u samples", flight->count);
+	}
+	free(w.known);
+	free(rows);
 	return code;
 }
 

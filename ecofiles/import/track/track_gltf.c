@@ -31,10 +31,11 @@ struct chain {
 	struct eco_gltf *doc;
 	struct link *links; uint32_t count;  /* [0] is the camera's node */
 	double fov_y_deg;
-	const char *name;
 };
 
 static const uint32_t components[PATHS] = { 3, 4, 3 };
+
+static struct channel *channel_at(const struct chain *chain, size_t i) { return &chain->links[i / PATHS].channels[i % PATHS]; }
 
 /* ---- Which camera ---- */
 
@@ -69,15 +70,8 @@ static enum eco_code make_chain(struct chain *chain, uint32_t node, struct eco_e
 	return ECO_OK;
 }
 
-static double camera_fov(const struct eco_gltf *doc, uint32_t camera)
-{
-	const json_t *json = eco_gltf_item(doc, "cameras", camera);
-	double fov = eco_gltf_number(json_object_get(json, "perspective"), "yfov", NAN) * DEG;
-	return fov;
-}
-
 /* The node with the camera that was asked for; *cameras counts all. */
-static uint32_t find_camera(struct eco_gltf *doc, const char *wanted, uint32_t *cameras)
+static uint32_t find_camera(const struct eco_gltf *doc, const char *wanted, uint32_t *cameras)
 {
 	const json_t *nodes = json_object_get(eco_gltf_json(doc), "nodes");
 	uint32_t found = ECO_NONE;
@@ -122,24 +116,24 @@ static enum eco_code read_channel(struct chain *chain, struct link *link, enum p
 	return code;
 }
 
+/* The channels of this animation that move the camera. */
 static enum eco_code read_animation(struct chain *chain, const json_t *animation, bool *used, struct eco_error *error)
 {
 	static const char *const names[PATHS] = { "translation", "rotation", "scale" };
 	const json_t *channels = json_object_get(animation, "channels"), *samplers = json_object_get(animation, "samplers");
-	for (size_t i = 0; i < json_array_size(channels); i++) {
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; !code && i < json_array_size(channels); i++) {
 		const json_t *target = json_object_get(json_array_get(channels, i), "target");
+		const char *path = eco_gltf_text(target, "path");
 		uint32_t node = eco_gltf_index(target, "node"), sampler = eco_gltf_index(json_array_get(channels, i), "sampler");
-		for (uint32_t k = 0; k < chain->count; k++)
-			for (int path = 0; path < PATHS; path++) {
-				if (chain->links[k].node != node || strcmp(eco_gltf_text(target, "path"), names[path]) != 0 || sampler == ECO_NONE)
-					continue;
-				*used = true;
-				enum eco_code code = read_channel(chain, &chain->links[k], (enum path)path, json_array_get(samplers, sampler), error);
-				if (code)
-					return code;
-			}
+		for (size_t k = 0; !code && sampler != ECO_NONE && k < PATHS * (size_t)chain->count; k++) {
+			if (chain->links[k / PATHS].node != node || strcmp(path, names[k % PATHS]) != 0)
+				continue;
+			*used = true;
+			code = read_channel(chain, &chain->links[k / PATHS], (enum path)(k % PATHS), json_array_get(samplers, sampler), error);
+		}
 	}
-	return ECO_OK;
+	return code;
 }
 
 /* Quaternions along the shorter great circle. */
@@ -215,55 +209,58 @@ static void world_at(const struct chain *chain, double time_s, double world[16])
 	}
 }
 
-static enum eco_code add_pose(struct eco_track *track, const struct chain *chain, struct track_axes axes, double time_s, struct eco_error *error)
+static enum eco_code add_pose(struct eco_track *track, const struct chain *chain, const struct track_input *in, double time_s,
+	struct eco_error *error)
 {
 	double m[16];
 	struct eco_fix fix = track_fix(track->count + 1);
 	world_at(chain, time_s, m);
 	const double rotation[9] = { m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10] };
-	track_pose(&fix, rotation, m + 12, axes);
+	track_pose(&fix, in, rotation, m + 12, ECO_AXES_OPENGL, ECO_WORLD_Y);
 	fix.time_s = time_s;
 	fix.fov_y_deg = chain->fov_y_deg;
 	return track_add(track, &fix, error);
 }
 
-/* Key times of all channels, ascending, each once; malloc'ed, NULL without memory. */
+static int by_value(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* Key times of all channels, ascending; malloc'ed, NULL without memory. */
 static double *key_times(const struct chain *chain, size_t *count)
 {
-	size_t room = 1, used = 0;
-	for (uint32_t k = 0; k < chain->count; k++)
-		for (int path = 0; path < PATHS; path++)
-			room += chain->links[k].channels[path].count;
+	size_t channels = PATHS * (size_t)chain->count, room = 1;
+	for (size_t i = 0; i < channels; i++)
+		room += channel_at(chain, i)->count;
 	double *times = malloc(room * sizeof *times);
 	*count = 0;
-	if (!times)
-		return NULL;
-	for (uint32_t k = 0; k < chain->count; k++)
-		for (int path = 0; path < PATHS; path++) {
-			const struct channel *c = &chain->links[k].channels[path];
-			if (c->count)
-				memcpy(times + used, c->times, c->count * sizeof *times);
-			used += c->count;
-		}
-	qsort(times, used, sizeof *times, track_by_value);
-	for (size_t i = 0; i < used; i++)
-		if (!*count || times[i] > times[*count - 1])
-			times[(*count)++] = times[i];
+	for (size_t i = 0; times && i < channels; i++) {
+		const struct channel *c = channel_at(chain, i);
+		if (c->count)
+			memcpy(times + *count, c->times, c->count * sizeof *times);
+		*count += c->count;
+	}
+	if (times)
+		qsort(times, *count, sizeof *times, by_value);
 	return times;
 }
 
-static enum eco_code add_poses(struct eco_track *track, const struct chain *chain, struct track_axes axes, struct eco_error *error)
+static enum eco_code add_poses(struct eco_track *track, const struct chain *chain, const struct track_input *in, struct eco_error *error)
 {
 	size_t count;
 	double *times = key_times(chain, &count);
 	enum eco_code code = times ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (times && !count)
-		code = add_pose(track, chain, axes, 0, error);
+		code = add_pose(track, chain, in, 0, error);
 	uint32_t between = count > FRAMES_MAX / SAMPLES_PER_KEY ? 1 : SAMPLES_PER_KEY;
-	for (size_t i = 0; !code && i < count; i++) {
-		code = add_pose(track, chain, axes, times[i], error);
-		for (uint32_t k = 1; !code && i + 1 < count && k < between; k++)
-			code = add_pose(track, chain, axes, times[i] + (times[i + 1] - times[i]) * k / between, error);
+	for (size_t i = 0, end; !code && i < count; i = end) {
+		for (end = i + 1; end < count && times[end] <= times[i]; )
+			end++;
+		double step_s = end < count ? (times[end] - times[i]) / between : 0;
+		for (uint32_t k = 0; !code && k < (end < count ? between : 1); k++)
+			code = add_pose(track, chain, in, times[i] + step_s * k, error);
 	}
 	free(times);
 	return code;
@@ -271,11 +268,10 @@ static enum eco_code add_poses(struct eco_track *track, const struct chain *chai
 
 static void free_chain(struct chain *chain)
 {
-	for (uint32_t k = 0; k < chain->count; k++)
-		for (int path = 0; path < PATHS; path++) {
-			free(chain->links[k].channels[path].times);
-			free(chain->links[k].channels[path].values);
-		}
+	for (size_t i = 0; i < PATHS * (size_t)chain->count; i++) {
+		free(channel_at(chain, i)->times);
+		free(channel_at(chain, i)->values);
+	}
 	free(chain->links);
 	eco_gltf_close(chain->doc);
 }
@@ -283,13 +279,13 @@ static void free_chain(struct chain *chain)
 static enum eco_code read_camera(struct eco_track *track, struct chain *chain, const struct track_input *in, struct eco_error *error)
 {
 	const json_t *animations = json_object_get(eco_gltf_json(chain->doc), "animations");
-	struct track_axes axes = track_axes_of(in, ECO_AXES_OPENGL, ECO_WORLD_Y);
 	uint32_t cameras, node = find_camera(chain->doc, in->options->node, &cameras), moving = 0;
 	if (node == ECO_NONE)
 		return eco_fail(error, ECO_NOT_FOUND, cameras ? "%.250s: no camera of its %u, nor its node, is called %.80s" : "%.250s: no node of it has a "
 			"camera", in->path, cameras, in->options->node ? in->options->node : "");
 	const json_t *json = eco_gltf_item(chain->doc, "nodes", node);
-	chain->fov_y_deg = camera_fov(chain->doc, eco_gltf_index(json, "camera"));
+	const json_t *camera = eco_gltf_item(chain->doc, "cameras", eco_gltf_index(json, "camera"));
+	chain->fov_y_deg = eco_gltf_number(json_object_get(camera, "perspective"), "yfov", NAN) * DEG;
 	enum eco_code code = make_chain(chain, node, error);
 	for (size_t i = 0; !code && i < json_array_size(animations); i++) {
 		bool used = false;
@@ -303,14 +299,13 @@ static enum eco_code read_camera(struct eco_track *track, struct chain *chain, c
 			eco_gltf_text(json, "name"));
 	if (moving > 1)
 		eco_track_note(track, "%u animations move this camera; the first of each kind is taken", moving);
-	return add_poses(track, chain, axes, error);
+	return add_poses(track, chain, in, error);
 }
 
 enum eco_code track_read_gltf(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
 	struct chain chain = { .links = malloc(DEPTH_MAX * sizeof *chain.links) };
 	enum eco_code code = chain.links ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	track->format = ECO_TRACK_GLTF;
 	track->posed = true;
 	if (!code)
 		code = eco_gltf_open_memory(&chain.doc, in->path, (const uint8_t *)in->text, in->size, error);

@@ -6,17 +6,30 @@
 
 #define DEG 57.29577951308232
 
-static void sub(const double a[3], const double b[3], double out[3])
+double eco_distance(const double a[3], const double b[3])
 {
-	for (int i = 0; i < 3; i++)
-		out[i] = a[i] - b[i];
+	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]));
+}
+
+double eco_angle_deg(const double a[3], const double b[3])
+{
+	double cross[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+	return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * DEG;
+}
+
+void eco_flight_box(const struct eco_flight *f, double low[3], double high[3])
+{
+	memcpy(low, f->samples[0].eye, 3 * sizeof *low);
+	memcpy(high, low, 3 * sizeof *high);
+	for (uint32_t i = 0; i < 3 * f->count; i++) {
+		low[i % 3] = fmin(low[i % 3], f->samples[i / 3].eye[i % 3]);
+		high[i % 3] = fmax(high[i % 3], f->samples[i / 3].eye[i % 3]);
+	}
 }
 
 static enum eco_code cut(struct eco_flight *f, const struct eco_flight_move *m, struct eco_error *error)
 {
 	double last_s = (f->count - 1) * f->step_s, from_s = isnan(m->from_s) ? 0 : m->from_s, to_s = isnan(m->to_s) ? last_s : fmin(m->to_s, last_s);
-	if (isnan(m->from_s) && isnan(m->to_s))
-		return ECO_OK;
 	if (!(from_s <= to_s))
 		return eco_fail(error, ECO_BAD_INPUT, "nothing is left from %g s to %g s: the track lasts %.6g s", from_s, isnan(m->to_s) ? last_s : m->to_s,
 			last_s);
@@ -33,17 +46,11 @@ static void turn(double v[2], double sine, double cosine)
 	v[1] = sine * x + cosine * v[1];
 }
 
-/* Turned and scaled about `pivot`, which then goes to `to`. */
+/* Turned and scaled about the first eye or the centre, which then goes to `to`. */
 static void place(struct eco_flight *f, const struct eco_flight_move *m)
 {
 	double low[3], high[3], pivot[3], to[3], scale = m->scale > 0 ? m->scale : 1, sine = sin(m->turn_deg / DEG), cosine = cos(m->turn_deg / DEG);
-	memcpy(low, f->samples[0].eye, sizeof low);
-	memcpy(high, low, sizeof high);
-	for (uint32_t i = 0; i < f->count; i++)
-		for (int k = 0; k < 3; k++) {
-			low[k] = fmin(low[k], f->samples[i].eye[k]);
-			high[k] = fmax(high[k], f->samples[i].eye[k]);
-		}
+	eco_flight_box(f, low, high);
 	for (int k = 0; k < 3; k++) {
 		pivot[k] = m->centre ? (low[k] + high[k]) / 2 : f->samples[0].eye[k];
 		to[k] = m->to_given && !isnan(m->to[k]) ? m->to[k] : pivot[k];
@@ -51,15 +58,14 @@ static void place(struct eco_flight *f, const struct eco_flight_move *m)
 	/* heights above the ground are no heights to be moved */
 	if (m->from_ground)
 		pivot[2] = to[2] = 0;
-	for (uint32_t i = 0; i < f->count; i++) {
-		struct eco_sample *s = &f->samples[i];
-		double from[3];
-		sub(s->eye, pivot, from);
-		turn(from, sine, cosine);
+	for (struct eco_sample *s = f->samples; s < f->samples + f->count; s++) {
+		for (int k = 0; k < 3; k++)
+			s->eye[k] = scale * (s->eye[k] - pivot[k]);
+		turn(s->eye, sine, cosine);
 		turn(s->look, sine, cosine);
 		turn(s->up, sine, cosine);
 		for (int k = 0; k < 3; k++)
-			s->eye[k] = to[k] + scale * from[k];
+			s->eye[k] += to[k];
 	}
 	f->length_m *= scale;
 }
@@ -68,51 +74,39 @@ static void stand(struct eco_flight *f, const struct eco_flight_move *m, struct 
 {
 	for (uint32_t i = 0; i < f->count && m->has_ground; i++) {
 		double *eye = f->samples[i].eye, ground = 0;
-		if (m->ground)
-			moved->off_ground += !eco_ground_height(m->ground, eye[0], eye[1], &ground);
-		if (m->from_ground)
-			eye[2] += ground;
+		moved->off_ground += m->ground && !eco_ground_height(m->ground, eye[0], eye[1], &ground);
+		eye[2] += m->from_ground ? ground : 0;
 		double lacks = ground + m->clearance_m - eye[2];
-		if (lacks > 0) {
-			eye[2] += lacks;
-			moved->raised++;
-			moved->raised_m = fmax(moved->raised_m, lacks);
-		}
+		moved->raised += lacks > 0;
+		moved->raised_m = fmax(moved->raised_m, lacks);
+		eye[2] += fmax(lacks, 0);
 	}
 }
 
+/* At the point itself it looks on as before. */
 static void look_at(struct eco_flight *f, const double at[3])
 {
 	for (uint32_t i = 0; i < f->count; i++) {
-		struct eco_sample *s = &f->samples[i];
-		double look[3], dot, length;
-		sub(at, s->eye, look);
-		length = sqrt(look[0] * look[0] + look[1] * look[1] + look[2] * look[2]);
-		/* at the point itself it looks on as before */
-		if (length < 1e-6)
-			memcpy(look, i ? s[-1].look : s->look, sizeof look);
-		else
-			for (int k = 0; k < 3; k++)
-				look[k] /= length;
-		memcpy(s->look, look, sizeof look);
-		dot = look[2];
-		double up[3] = { -dot * look[0], -dot * look[1], 1 - dot * dot }, size = sqrt(fmax(0, 1 - dot * dot));
+		struct eco_sample *s = &f->samples[i], *before = i ? s - 1 : s;
+		double length = eco_distance(s->eye, at);
 		for (int k = 0; k < 3; k++)
-			s->up[k] = size > 1e-6 ? up[k] / size : i ? s[-1].up[k] : k == 1;
+			s->look[k] = length < 1e-6 ? before->look[k] : (at[k] - s->eye[k]) / length;
+		double flat = sqrt(fmax(0, 1 - s->look[2] * s->look[2]));
+		for (int k = 0; k < 3; k++)
+			s->up[k] = flat > 1e-6 ? ((k == 2) - s->look[2] * s->look[k]) / flat : i ? before->up[k] : k == 1;
 	}
 }
 
 enum eco_code eco_flight_move(struct eco_flight *flight, const struct eco_flight_move *move, struct eco_flight_moved *moved, struct eco_error *error)
 {
 	*moved = (struct eco_flight_moved){ 0 };
-	enum eco_code code = cut(flight, move, error);
+	enum eco_code code = isnan(move->from_s) && isnan(move->to_s) ? ECO_OK : cut(flight, move, error);
 	if (code)
 		return code;
 	place(flight, move);
 	stand(flight, move, moved);
 	if (move->look_at_given)
 		look_at(flight, move->look_at);
-	if (move->speed > 0)
-		flight->step_s /= move->speed;
+	flight->step_s /= move->speed > 0 ? move->speed : 1;
 	return ECO_OK;
 }

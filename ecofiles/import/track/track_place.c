@@ -1,41 +1,27 @@
-/* Fixes in metres of the frame, converted where they are not (proj_track.c), and the steps in which their numbers were written. */
+/* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's CRS, or to a plane of the
+ * track's own (azimuthal equidistant about its median, so that a stray fix does not bend it), where it will be moved. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/module.h"
-#include "ecofiles/import/track/track_read.h"
+#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/track/track_clean.h"
 
 #define DEG 57.29577951308232
 #define METRES_PER_DEGREE 111195.0
-#define NORTH_STEP_DEG 1e-4              /* to see where north is in a grid */
+#define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
 
-struct placing {
-	const struct eco_track_frame *frame;
-	const struct eco_proj_module *proj;
-	struct eco_track_path *path;         /* NULL: fixes are in the frame's metres already */
-	double shift[3];
-};
-
-/* ---- The steps in which numbers were written ---- */
-
+/* The least difference of neighbours beyond `least`: of heights, above take-off where both are; 0 if there is none. */
 static double least_step(const struct eco_track *track, int axis, double least)
 {
 	double step = INFINITY;
 	for (uint32_t i = 1; i < track->count; i++) {
-		double d = fabs(track->fixes[i].at[axis] - track->fixes[i - 1].at[axis]);
-		if (d > least && d < step)
-			step = d;
-	}
-	return isfinite(step) ? step : 0;
-}
-
-static double least_height_step(const struct eco_track *track)
-{
-	double step = INFINITY;
-	for (uint32_t i = 1; i < track->count; i++) {
 		const struct eco_fix *a = &track->fixes[i - 1], *b = &track->fixes[i];
-		double d = isnan(a->above_m) || isnan(b->above_m) ? fabs(b->at[2] - a->at[2]) : fabs(b->above_m - a->above_m);
-		if (d > 1e-6 && d < step)
-			step = d;
+		bool above = axis == 2 && !isnan(a->above_m) && !isnan(b->above_m);
+		double d = above ? fabs(b->above_m - a->above_m) : fabs(b->at[axis] - a->at[axis]);
+		step = d > least && d < step ? d : step;
 	}
 	return isfinite(step) ? step : 0;
 }
@@ -43,84 +29,100 @@ static double least_height_step(const struct eco_track *track)
 static void find_steps(struct eco_track *track)
 {
 	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least), y = least_step(track, 1, least);
-	double scale = track->degrees ? METRES_PER_DEGREE : 1;
 	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless it does not move that way */
-	double narrow = track->degrees ? cos(track->fixes[0].at[1] / DEG) : 1;
-	track->still_m = x > 0 && y > 0 ? fmin(x * narrow, y) * scale : fmax(x * narrow, y) * scale;
-	track->still_z_m = least_height_step(track);
+	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees ? cos(track->fixes[0].at[1] / DEG) : 1;
+	track->still_m = (x > 0 && y > 0 ? fmin(x * narrow, y) : fmax(x * narrow, y)) * scale;
+	track->still_z_m = least_step(track, 2, 1e-6);
 }
 
-/* ---- CRS ---- */
-
-static enum eco_code open_path(struct placing *p, const struct eco_track *track, struct eco_error *error)
+static void note(void *ctx, const char *format, ...)
 {
-	const struct eco_track_frame *f = p->frame;
-	if (f->crs && !(track->degrees && f->local))
-		memcpy(p->shift, f->origin, sizeof p->shift);
-	if (!track->degrees && !f->crs && !f->track_crs)
-		return ECO_OK;
-	p->proj = eco_module(ECO_MODULE_PROJ, error);
-	return p->proj ? p->proj->track_open(&p->path, track, f, error) : ECO_NOT_FOUND;
+	char text[ECO_TRACK_NOTE_BYTES];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	eco_track_note(ctx, "%s", text);
 }
 
-/* ---- Fixes ---- */
-
-static bool convert(const struct placing *p, const double from[2], double to[2])
+static enum eco_code own_plane(const struct eco_track *track, char *plane, size_t size, struct eco_error *error)
 {
-	bool known = p->proj->track_convert(p->path, from, to);
-	for (int axis = 0; axis < 2; axis++)
-		to[axis] -= p->shift[axis];
-	return known && fabs(to[0]) < 1e9 && fabs(to[1]) < 1e9;
+	double middle[2], *sorted = malloc(track->count * sizeof *sorted);
+	if (!sorted)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
+	for (int axis = 0; axis < 2; axis++) {
+		for (uint32_t i = 0; i < track->count; i++)
+			sorted[i] = track->fixes[i].at[axis];
+		middle[axis] = track_quantile(sorted, track->count, 0.5);
+	}
+	free(sorted);
+	snprintf(plane, size, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs", middle[1], middle[0]);
+	return ECO_OK;
 }
 
-/* The bearing of true north in the grid, added to bearings. */
-static void turn_to_grid(const struct placing *p, const double degrees[2], struct eco_fix *fix)
+static bool convert(struct eco_crs *crs, double at[2])
 {
-	double side = degrees[1] > 89 ? -1 : 1, north[2];
-	if (isnan(fix->yaw_deg) || !convert(p, (double[2]){ degrees[0], degrees[1] + side * NORTH_STEP_DEG }, north))
-		return;
-	fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * DEG;
+	double xyz[3] = { at[0], at[1], 0 };
+	const char *why;
+	bool known;
+	if (eco_crs_convert(crs, xyz, &known, &why, NULL) || !known)
+		return false;
+	memcpy(at, xyz, 2 * sizeof *at);
+	return fabs(at[0]) < 1e9 && fabs(at[1]) < 1e9;
 }
 
-static enum eco_code convert_all(const struct placing *p, struct eco_track *track, struct eco_error *error)
+/* The bearing of true north in the grid is added to bearings. */
+static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
+{
+	double side = fix->at[1] > 89 ? -1 : 1, north[2] = { fix->at[0], fix->at[1] + side * NORTH_STEP_DEG };
+	if (!convert(crs, fix->at))
+		return false;
+	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
+		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * DEG;
+	return true;
+}
+
+static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, const char *name, struct eco_error *error)
 {
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < track->count; i++) {
-		struct eco_fix fix = track->fixes[i];
-		const double from[2] = { fix.at[0], fix.at[1] };
-		if (!convert(p, from, fix.at))
-			continue;
-		if (track->degrees)
-			turn_to_grid(p, from, &fix);
-		track->fixes[kept++] = fix;
+		track->fixes[kept] = track->fixes[i];
+		kept += convert_fix(crs, &track->fixes[kept], track->degrees);
 	}
-	if (!kept)
-		return eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; --to 0,0,50 moves the track to the scene",
-			p->frame->crs ? p->frame->crs : "");
 	if (kept < track->count)
 		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out", track->count - kept);
 	track->count = kept;
-	double home[2];
-	track->has_home = track->has_home && convert(p, track->home, home);
-	if (track->has_home)
-		memcpy(track->home, home, sizeof home);
-	return ECO_OK;
+	track->has_home = track->has_home && convert(crs, track->home);
+	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; --to 0,0,50 moves the track to the "
+		"scene", name);
 }
 
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_frame *frame, struct eco_error *error)
 {
-	struct placing p = { .frame = frame };
+	char plane[200];
+	bool own = track->degrees && (frame->local || !frame->crs);
+	struct eco_frame to = { .crs = own ? plane : frame->crs };
+	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326" : frame->track_crs, .frame = &to,
+		.note = note, .ctx = track };
+	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
+	if (!track->degrees && frame->track_crs && !frame->crs)
+		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the scene is known: add --scene "
+			"SCENE.json, or --crs and --origin", frame->track_crs);
 	find_steps(track);
-	enum eco_code code = open_path(&p, track, error);
-	if (!code && p.path)
-		code = convert_all(&p, track, error);
+	if (frame->crs && !own)
+		memcpy(to.origin, frame->origin, sizeof to.origin);
+	enum eco_code code = own ? own_plane(track, plane, sizeof plane, error) : ECO_OK;
+	if (!code && request.stated) {
+		code = eco_crs_open(&crs, &request, error);
+		if (!code)
+			code = convert_all(crs, track, to.crs, error);
+		eco_crs_close(crs);
+	}
 	for (uint32_t i = 0; !code && i < track->count; i++)
-		track->fixes[i].at[2] -= p.shift[2];
-	track->home[2] -= code ? 0 : p.shift[2];
+		track->fixes[i].at[2] -= to.origin[2];
+	track->home[2] -= to.origin[2];
 	track->degrees &= code != ECO_OK;
-	if (p.path)
-		p.proj->track_close(p.path);
 	return code;
 }

@@ -9,68 +9,67 @@
 struct track_input {
 	const char *text;            /* ended by 0 beyond size */
 	size_t size;
-	const char *path;            /* for messages */
+	const char *path;            /* for messages; GDAL opens it */
 	const struct eco_track_options *options;
 };
 
 typedef enum eco_code track_reader(struct eco_track *track, const struct track_input *in, struct eco_error *error);
-track_reader track_read_srt, track_read_igc, track_read_nmea, track_read_xml, track_read_json, track_read_csv, track_read_colmap,
-	track_read_tum, track_read_kitti, track_read_gltf;
-
-/* ---- Fixes ---- */
+track_reader track_read_srt, track_read_rows, track_read_csv, track_read_gltf;
 
 /* All NaN, at line `line`. */
 struct eco_fix track_fix(uint32_t line);
 /* Checks and takes: what has no position, or an impossible one, is counted instead. Each call is one record. ECO_TOO_LARGE or
  * ECO_NO_MEMORY. */
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error);
-void track_skip(struct eco_track *track, enum eco_track_skip why, uint32_t line);
 
-/* ---- Lines: [*at, returned) without its end; false after the last ---- */
+/* ---- Texts ---- */
 
+struct track_text { const char *text, *end; };   /* not ended by 0 */
 struct track_line { const char *text, *end; uint32_t number; };
-bool track_next_line(const struct track_input *in, struct track_line *line);     /* zeroed before the first */
+/* The next line, without its end; false after the last. *line is zeroed before the first. */
+bool track_next_line(const struct track_input *in, struct track_line *line);
+/* Case does not matter. */
+bool track_starts(const char *text, const char *end, const char *word);
+bool track_is(const char *text, const char *end, const char *word);
+bool track_holds(const char *text, const char *end, const char *word);
 
-/* ---- Numbers and times within [text, end) ---- */
-
-/* A decimal number at *text (after spaces), moved behind it; a comma is no decimal point. False, and *text stays, if there is none. No
- * locale, no hexadecimal, no "nan". */
+/* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No locale, no "nan". */
 bool track_number(const char **text, const char *end, double *value);
-/* The whole text is a number but for spaces. */
-bool track_is_number(const char *text, const char *end, double *value);
-int track_by_value(const void *a, const void *b);        /* doubles, ascending, for qsort */
-/* A date and time in one of the usual forms: 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525,
- * 02.04.2020 15:19:58. Without a zone it is taken for UTC. Seconds since 1970. *text is moved behind it. */
+/* 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525, 02.04.2020 15:19:58, 4/25/2020; without a zone
+ * taken for UTC. Seconds since 1970. */
 bool track_date_time(const char **text, const char *end, double *time_s);
 /* 15:19:58.72 or 15:19:58,720 or 9:05; seconds since midnight. */
 bool track_clock(const char **text, const char *end, double *time_s);
-double track_days(int year, int month, int day);         /* since 1970 */
-/* Case does not matter. */
-bool track_starts(const char *text, const char *end, const char *word);
-const char *track_find(const char *text, const char *end, const char *word);
-/* So many digits at text, as a whole number; -1 if they are not all digits. */
-int track_digits(const char *text, const char *end, int count);
+/* The whole text is a number but for spaces. */
+bool track_is_number(const char *text, const char *end, double *value);
 
-/* ---- Looks ---- */
+/* ---- Tables: columns by the names that loggers, planners and spreadsheets give them, or as the options say ---- */
 
-/* A pose: camera to world, rotation row by row and position, with axes as the format (or the options) have them, Z up afterwards. */
-struct track_axes { enum eco_axes axes; enum eco_world world; };
-void track_pose(struct eco_fix *fix, const double rotation[9], const double position[3], struct track_axes axes);
-struct track_axes track_axes_of(const struct track_input *in, enum eco_axes axes, enum eco_world world);
-/* Quaternion x, y, z, w to a rotation, row by row; false if it is zero or not finite. */
-bool track_rotation(const double q[4], double rotation[9]);
+enum track_role { TRACK_TIME, TRACK_DATE, TRACK_LON, TRACK_LAT, TRACK_ALT, TRACK_ABOVE, TRACK_X, TRACK_Y, TRACK_Z, TRACK_YAW, TRACK_PITCH,
+	TRACK_ROLL, TRACK_QX, TRACK_QY, TRACK_QZ, TRACK_QW, TRACK_FOV, TRACK_ROLES };
+#define TRACK_NAME_BYTES 64u
 
-/* Names with numbers in the order that people mean: frame_2 before frame_10. */
-int track_compare_names(const char *a, const char *b);
+struct track_table {
+	const struct track_input *in;
+	bool commas;                         /* a comma may be a decimal point */
+	int column[TRACK_ROLES];             /* -1: none */
+	double unit[TRACK_ROLES];            /* NaN: not stated */
+	char label[TRACK_ROLES][TRACK_NAME_BYTES];
+	double day_s, last_clock_s;          /* of clocks without a date, which pass midnight */
+};
 
-/* Poses of pictures, whose order is that of their names: files of photogrammetry list them as they were matched. */
-struct track_named { char *name; struct eco_fix fix; uint32_t place; };
-struct track_names { struct track_named *items; uint32_t count; };
-enum eco_code track_names_add(struct track_names *names, const char *name, size_t length, const struct eco_fix *fix, struct eco_error *error);
-/* To the track, by name if all have different ones; frees. */
-enum eco_code track_names_end(struct track_names *names, struct eco_track *track, struct eco_error *error);
+/* Which column means what: by the options, then by name. They fail only for options that do not fit. */
+enum eco_code track_find_columns(struct track_table *table, const struct track_text *names, uint32_t count, struct eco_error *error);
+bool track_has_degrees(const struct track_table *table);
+bool track_has_place(const struct track_table *table);
+/* What a row says, in file order; *posed becomes true where it has a quaternion. */
+struct eco_fix track_row(struct track_table *table, const struct track_text *fields, uint32_t count, uint32_t line, bool *posed);
+void track_say_columns(struct eco_track *track, const struct track_table *table);
 
-/* Gives fixes without any times i / rate, and says so. */
-void track_set_rate(struct eco_track *track, const struct track_input *in, double rate);
+/* ---- Poses ---- */
+
+/* A camera's rotation to the world, row by row, and its position: axes as the options have them, else as stated; Z is up afterwards. */
+void track_pose(struct eco_fix *fix, const struct track_input *in, const double rotation[9], const double position[3], enum eco_axes axes,
+	enum eco_world world);
 
 #endif

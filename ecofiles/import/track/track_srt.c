@@ -19,10 +19,8 @@
 struct srt {
 	struct eco_track *track;     /* NULL: only looking */
 	const struct track_input *in;
-	struct eco_error *error;
 	bool latitude_first;
-	/* what was seen */
-	bool big_first, big_second, metre_capital, has_timecodes;
+	bool big_first, big_second, metre_capital, has_timecodes;    /* what was seen */
 	/* the record being read */
 	struct eco_fix fix;
 	double stamp_s, home_z, focal_mm, zoom;
@@ -106,16 +104,14 @@ static void set_gps(struct srt *s, const struct value *v)
 
 static void set_home(struct srt *s, const struct value *v)
 {
-	double home[3] = { NAN, NAN, NAN };
+	double home[3] = { NAN, NAN, v->count > 2 && (v->unit[2] || !v->whole[2]) ? v->number[2] : NAN };
 	look_at_order(s, v);
 	set_place(s, v, home);
-	s->home_z = v->count > 2 && (v->unit[2] || !v->whole[2]) ? v->number[2] : NAN;
+	s->home_z = home[2];
 	if (!s->track || isnan(home[0]) || isnan(home[1]) || (home[0] == 0 && home[1] == 0))
 		return;
 	s->track->has_home = true;
-	s->track->home[0] = home[0];
-	s->track->home[1] = home[1];
-	s->track->home[2] = s->home_z;
+	memcpy(s->track->home, home, sizeof home);
 }
 
 /* pitch, roll, yaw */
@@ -156,7 +152,7 @@ static void set_value(struct srt *s, enum name name, const struct value *v)
 
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-static void read_names(struct srt *s, const char *text, const char *end)
+static bool find_name(const char *text, const char *end, enum name *name)
 {
 	static const struct { const char *word; enum name name; } names[] = { { "latitude", LATITUDE }, { "lat", LATITUDE },
 		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE }, { "lng", LONGITUDE }, { "altitude", ALTITUDE },
@@ -164,21 +160,28 @@ static void read_names(struct srt *s, const char *text, const char *end)
 		{ "home", HOME }, { "g.pry", GIMBAL }, { "f.pry", AIRCRAFT }, { "gb_yaw", YAW }, { "gb_pitch", PITCH }, { "gb_roll", ROLL },
 		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL }, { "drone_yaw", AIRCRAFT_YAW }, { "yaw", AIRCRAFT_YAW },
 		{ "focal_len", FOCAL }, { "dzoom_ratio", ZOOM } };
+	for (size_t i = 0; text < end && i < sizeof names / sizeof *names; i++)
+		if (track_is(text, end, names[i].word)) {
+			*name = names[i].name;
+			return true;
+		}
+	return false;
+}
+
+static void read_names(struct srt *s, const char *text, const char *end)
+{
 	while (text < end) {
 		const char *from = text;
+		enum name name;
+		struct value v;
 		while (text < end && (is_letter(*text) || (text > from && *text == '.' && text + 1 < end && is_letter(text[1]))))
 			text++;
-		size_t length = (size_t)(text - from);
-		size_t i = 0;
-		while (i < sizeof names / sizeof *names && !(strlen(names[i].word) == length && track_starts(from, text, names[i].word)))
-			i++;
-		if (length && i < sizeof names / sizeof *names) {
-			struct value v;
+		if (find_name(from, text, &name)) {
 			read_value(&text, end, &v);
 			s->open = true;
 			if (v.count)
-				set_value(s, names[i].name, &v);
-		} else if (!length)
+				set_value(s, name, &v);
+		} else if (text == from)
 			text++;
 	}
 }
@@ -192,19 +195,18 @@ static double field_of_view(const struct srt *s)
 	return mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * 57.29577951308232 : NAN;
 }
 
-static enum eco_code close_record(struct srt *s)
+static enum eco_code close_record(struct srt *s, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	if (s->open && s->track) {
-		if (isnan(s->fix.time_s) && !s->has_timecodes)
-			s->fix.time_s = s->stamp_s;
-		if (isnan(s->fix.at[2]))
-			s->fix.at[2] = s->home_z + s->fix.above_m;
-		s->fix.fov_y_deg = field_of_view(s);
-		code = track_add(s->track, &s->fix, s->error);
-	}
+	bool open = s->open && s->track;
 	s->open = s->gimbal = false;
-	return code;
+	if (!open)
+		return ECO_OK;
+	if (isnan(s->fix.time_s) && !s->has_timecodes)
+		s->fix.time_s = s->stamp_s;
+	if (isnan(s->fix.at[2]))
+		s->fix.at[2] = s->home_z + s->fix.above_m;
+	s->fix.fov_y_deg = field_of_view(s);
+	return track_add(s->track, &s->fix, error);
 }
 
 static void open_record(struct srt *s, uint32_t line)
@@ -225,62 +227,57 @@ static bool is_index(const struct track_line *line)
 static bool is_timecode(const struct track_line *line, double *time_s)
 {
 	const char *at = line->text;
-	return track_clock(&at, line->end, time_s) && track_find(at, line->end, "-->");
+	return track_clock(&at, line->end, time_s) && track_holds(at, line->end, "-->");
 }
 
-static void find_stamp(struct srt *s, const struct track_line *line)
+/* The first date and time within the line. */
+static double find_stamp(const struct track_line *line)
 {
-	for (const char *at = line->text; at + 8 < line->end; at++)
-		if (*at >= '0' && *at <= '9' && (at == line->text || !(at[-1] >= '0' && at[-1] <= '9'))) {
-			const char *behind = at;
-			double time_s;
-			if (track_date_time(&behind, line->end, &time_s)) {
-				s->stamp_s = time_s;
-				return;
-			}
-		}
-}
-
-static enum eco_code read_line(struct srt *s, const struct track_line *raw)
-{
-	struct track_line line = *raw;
 	double time_s;
+	for (const char *at = line->text, *behind; at + 8 < line->end; at++)
+		if (*at >= '0' && *at <= '9' && (at == line->text || !(at[-1] >= '0' && at[-1] <= '9')) &&
+			(behind = at, track_date_time(&behind, line->end, &time_s)))
+			return time_s;
+	return NAN;
+}
+
+static enum eco_code read_line(struct srt *s, struct track_line line, struct eco_error *error)
+{
+	double time_s = NAN;
 	while (line.end > line.text && (line.end[-1] == ' ' || line.end[-1] == '\t'))
 		line.end--;
 	if (is_index(&line) || is_timecode(&line, &time_s)) {
-		enum eco_code code = close_record(s);
+		enum eco_code code = close_record(s, error);
 		open_record(s, line.number);
-		if (!is_index(&line)) {
-			s->has_timecodes = true;
-			s->fix.time_s = time_s;
-		}
+		s->has_timecodes |= !isnan(time_s);
+		s->fix.time_s = time_s;
 		return code;
 	}
 	if (isnan(s->stamp_s))
-		find_stamp(s, &line);
+		s->stamp_s = find_stamp(&line);
 	read_names(s, line.text, line.end);
 	return ECO_OK;
 }
 
-static enum eco_code walk(struct srt *s)
+static enum eco_code walk(struct srt *s, struct eco_error *error)
 {
 	struct track_line line = { 0 };
 	enum eco_code code = ECO_OK;
 	open_record(s, 1);
 	while (!code && track_next_line(s->in, &line))
-		code = read_line(s, &line);
-	return code ? code : close_record(s);
+		code = read_line(s, line, error);
+	return code ? code : close_record(s, error);
 }
 
 enum eco_code track_read_srt(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
-	struct srt s = { .in = in, .error = error };
-	walk(&s);
+	struct srt s = { .in = in };
+	walk(&s, NULL);
 	s.latitude_first = in->options->latitude_first || (s.big_second && !s.big_first) || (s.metre_capital && !s.big_first);
 	if (s.latitude_first && !in->options->latitude_first)
 		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s", s.big_second ? "as b is beyond 90" :
 			"as drones that write heights with a capital M have it");
 	track->degrees = true;
 	s.track = track;
-	return walk(&s);
+	return walk(&s, error);
 }

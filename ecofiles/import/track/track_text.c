@@ -22,6 +22,25 @@ bool track_next_line(const struct track_input *in, struct track_line *line)
 	return true;
 }
 
+bool track_starts(const char *text, const char *end, const char *word)
+{
+	size_t length = strlen(word);
+	return (size_t)(end - text) >= length && strncasecmp(text, word, length) == 0;
+}
+
+bool track_is(const char *text, const char *end, const char *word)
+{
+	return (size_t)(end - text) == strlen(word) && track_starts(text, end, word);
+}
+
+bool track_holds(const char *text, const char *end, const char *word)
+{
+	for (; text < end; text++)
+		if (track_starts(text, end, word))
+			return true;
+	return false;
+}
+
 static const char *skip_spaces(const char *text, const char *end)
 {
 	while (text < end && (*text == ' ' || *text == '\t'))
@@ -48,12 +67,6 @@ bool track_number(const char **text, const char *end, double *value)
 	return true;
 }
 
-int track_by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
 bool track_is_number(const char *text, const char *end, double *value)
 {
 	double number;
@@ -63,65 +76,31 @@ bool track_is_number(const char *text, const char *end, double *value)
 	return true;
 }
 
-int track_digits(const char *text, const char *end, int count)
-{
-	int value = 0;
-	for (int i = 0; i < count; i++) {
-		if (text + i >= end || !is_digit(text[i]))
-			return -1;
-		value = value * 10 + (text[i] - '0');
-	}
-	return value;
-}
-
-bool track_starts(const char *text, const char *end, const char *word)
-{
-	size_t length = strlen(word);
-	return (size_t)(end - text) >= length && strncasecmp(text, word, length) == 0;
-}
-
-const char *track_find(const char *text, const char *end, const char *word)
-{
-	for (; text < end; text++)
-		if (track_starts(text, end, word))
-			return text;
-	return NULL;
-}
-
 /* ---- Time ---- */
 
-/* Days from civil, Howard Hinnant's chrono-compatible algorithms: years from March, so that leap days come last. */
-double track_days(int year, int month, int day)
+/* Up to `most` digits as a whole number; how many there were. */
+static int read_whole(const char **text, const char *end, int most, int *value)
 {
-	int y = month <= 2 ? year - 1 : year, era = (y >= 0 ? y : y - 399) / 400, of_era = y - era * 400;
-	int of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
-	int days = of_era * 365 + of_era / 4 - of_era / 100 + of_year;
-	return era * 146097.0 + days - 719468;
-}
-
-/* One or more digits, at most four. */
-static bool read_whole(const char **text, const char *end, int *value, int *digits)
-{
-	*value = *digits = 0;
-	while (*text < end && is_digit(**text) && *digits < 4) {
+	int digits = 0;
+	for (*value = 0; *text < end && is_digit(**text) && digits < most; digits++)
 		*value = *value * 10 + (*(*text)++ - '0');
-		(*digits)++;
-	}
-	return *digits > 0;
+	return digits;
 }
 
+/* .72 or ,720, or thousandths and millionths: ,720,764 */
 static void read_fraction(const char **text, const char *end, double *time_s)
 {
 	const char *at = *text;
-	if (at + 1 >= end || !strchr(".,", *at) || !is_digit(at[1]))
-		return;
 	double place = 0.1;
+	if (at + 1 >= end || (*at != '.' && *at != ',') || !is_digit(at[1]))
+		return;
 	for (at++; at < end && is_digit(*at); at++, place /= 10)
 		*time_s += place * (*at - '0');
-	/* milliseconds, microseconds: 58,720,764 */
-	if (at - *text == 4 && **text == ',' && *at == ',' && track_digits(at + 1, end, 3) >= 0) {
-		*time_s += 1e-6 * track_digits(at + 1, end, 3);
-		at += 4;
+	const char *more = at + 1;
+	int millionths;
+	if (at - *text == 4 && **text == ',' && at < end && *at == ',' && read_whole(&more, end, 3, &millionths) == 3) {
+		*time_s += 1e-6 * millionths;
+		at = more;
 	}
 	*text = at;
 }
@@ -129,12 +108,12 @@ static void read_fraction(const char **text, const char *end, double *time_s)
 bool track_clock(const char **text, const char *end, double *time_s)
 {
 	const char *at = skip_spaces(*text, end);
-	int hour, minute, second = 0, digits;
-	if (!read_whole(&at, end, &hour, &digits) || at >= end || *at++ != ':' || !read_whole(&at, end, &minute, &digits) || minute > 59)
+	int hour, minute, second = 0;
+	if (!read_whole(&at, end, 4, &hour) || at >= end || *at++ != ':' || !read_whole(&at, end, 4, &minute) || minute > 59)
 		return false;
 	if (at < end && *at == ':') {
 		at++;
-		if (!read_whole(&at, end, &second, &digits) || second > 60)
+		if (!read_whole(&at, end, 4, &second) || second > 60)
 			return false;
 	}
 	*time_s = hour * 3600.0 + minute * 60 + second;
@@ -146,16 +125,27 @@ bool track_clock(const char **text, const char *end, double *time_s)
 static void read_zone(const char **text, const char *end, double *time_s)
 {
 	const char *at = *text;
-	int sign = at < end && *at == '-' ? -1 : at < end && *at == '+' ? 1 : 0;
+	int sign = at < end && *at == '-' ? -1 : at < end && *at == '+' ? 1 : 0, hours, minutes;
 	if (at < end && (*at == 'Z' || *at == 'z'))
 		*text = at + 1;
-	int hours = sign ? track_digits(at + 1, end, 2) : -1;
-	if (hours < 0)
+	if (!sign || (at++, read_whole(&at, end, 2, &hours) < 2))
 		return;
-	at += 3;
-	int minutes = track_digits(at + (at < end && *at == ':'), end, 2);
-	*time_s -= sign * (hours * 3600.0 + (minutes > 0 ? minutes * 60 : 0));
-	*text = minutes < 0 ? at : at + (*at == ':') + 2;
+	*text = at;
+	at += at < end && *at == ':';
+	if (read_whole(&at, end, 2, &minutes) == 2)
+		*text = at;
+	else
+		minutes = 0;
+	*time_s -= sign * (hours * 3600.0 + minutes * 60);
+}
+
+/* Days since 1970; Howard Hinnant's chrono-compatible algorithms: years from March, so that leap days come last. */
+static double days_of(int year, int month, int day)
+{
+	int y = month <= 2 ? year - 1 : year, era = (y >= 0 ? y : y - 399) / 400, of_era = y - era * 400;
+	int of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
+	int days = of_era * 365 + of_era / 4 - of_era / 100 + of_year;
+	return era * 146097.0 + days - 719468;
 }
 
 bool track_date_time(const char **text, const char *end, double *time_s)
@@ -164,11 +154,11 @@ bool track_date_time(const char **text, const char *end, double *time_s)
 	int part[3], digits[3];
 	char mark = 0;
 	for (int i = 0; i < 3; i++) {
-		if (i && (at >= end || !strchr("-./", *at) || (i == 2 && *at != mark)))
+		if (i && (at >= end || !*at || !strchr("-./", *at) || (i == 2 && *at != mark)))
 			return false;
-		if (i)
-			mark = *at++;
-		if (!read_whole(&at, end, &part[i], &digits[i]))
+		mark = i ? *at++ : 0;
+		digits[i] = read_whole(&at, end, 4, &part[i]);
+		if (!digits[i])
 			return false;
 	}
 	bool year_first = digits[0] == 4;
@@ -177,13 +167,12 @@ bool track_date_time(const char **text, const char *end, double *time_s)
 	int year = part[year_first ? 0 : 2], month = part[1], day = part[year_first ? 2 : 0];
 	/* 4/25/2020 is American */
 	if (!year_first && mark == '/' && day <= 12) {
-		int swap = month;
-		month = day;
-		day = swap;
+		month = part[0];
+		day = part[1];
 	}
 	if (month < 1 || month > 12 || day < 1 || day > 31)
 		return false;
-	*time_s = track_days(year, month, day) * 86400;
+	*time_s = days_of(year, month, day) * 86400;
 	double clock;
 	const char *behind = at + (at < end && (*at == 'T' || *at == 't' || *at == '_'));
 	if (track_clock(&behind, end, &clock)) {
@@ -193,34 +182,4 @@ bool track_date_time(const char **text, const char *end, double *time_s)
 	}
 	*text = at;
 	return true;
-}
-
-/* ---- Names ---- */
-
-int track_compare_names(const char *a, const char *b)
-{
-	while (*a && *b) {
-		if (is_digit(*a) && is_digit(*b)) {
-			size_t la, lb;
-			while (*a == '0')
-				a++;
-			while (*b == '0')
-				b++;
-			la = strspn(a, "0123456789");
-			lb = strspn(b, "0123456789");
-			if (la != lb)
-				return la < lb ? -1 : 1;
-			int order = strncmp(a, b, la);
-			if (order)
-				return order;
-			a += la;
-			b += lb;
-		} else if (*a != *b)
-			return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
-		else {
-			a++;
-			b++;
-		}
-	}
-	return *a ? 1 : *b ? -1 : 0;
 }

@@ -1,0 +1,151 @@
+/* GPX, KML and GeoJSON, as GDAL hands them over: a row for each position, its columns by their names. GDAL 3.6 hands over the times of
+ * GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's features ("time", "timestamp") and lines ("coordTimes",
+ * "coordinateProperties.times"), but not those of KML's gx:Track: a file that has times of which none arrives is refused. */
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/track/track_read.h"
+
+/* Degrees, as its format or its "crs" says, unless its numbers cannot be such. */
+static bool is_degrees(const struct eco_rows *rows)
+{
+	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
+	return wgs84 && !rows->degrees_doubted;
+}
+
+static const char *field_named(const struct eco_rows *rows, const char *name)
+{
+	for (uint32_t i = 0; i < rows->field_count; i++)
+		if (strcmp(rows->columns[i], name) == 0)
+			return rows->fields[i];
+	return "";
+}
+
+/* What was recorded in one go: a segment of a GPX, or a line. */
+static bool begins_segment(const struct eco_rows *rows, char last[64])
+{
+	char now[64];
+	snprintf(now, sizeof now, "%.20s/%.20s/%.20s", field_named(rows, "track_fid"), field_named(rows, "track_seg_id"),
+		field_named(rows, "route_fid"));
+	bool begins = strcmp(now, last) != 0 || strcmp(rows->place.what, "line") == 0;
+	memcpy(last, now, sizeof now);
+	return begins;
+}
+
+static enum eco_code read_rows(struct eco_track *track, struct track_table *table, struct eco_rows *rows,
+	struct eco_error *error)
+{
+	struct track_text fields[ECO_COLUMNS_MAX];
+	uint32_t segment = 0;
+	char last[64] = "";
+	bool more = true, posed = false;
+	enum eco_code code;
+	while (!(code = rows->next(rows, &more, error)) && more) {
+		const struct eco_rows_place *place = &rows->place;
+		for (uint32_t i = 0; i < rows->field_count; i++)
+			fields[i] = (struct track_text){ rows->fields[i], rows->fields[i] + strlen(rows->fields[i]) };
+		struct eco_fix fix = track_row(table, fields, rows->field_count, (uint32_t)rows->line, &posed);
+		bool there = place->kind == ECO_PLACE_POINT, from_ground = strstr(field_named(rows, "altitudeMode"), "relativeTo") != NULL;
+		double z = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
+		fix.at[0] = there ? place->at[0] : NAN;
+		fix.at[1] = there ? place->at[1] : NAN;
+		fix.at[2] = from_ground ? NAN : z;
+		fix.above_m = from_ground ? z : fix.above_m;
+		/* even numbers are lines' */
+		segment += 2 * begins_segment(rows, last);
+		fix.segment = segment | (place->what[0] == 0);
+		code = track_add(track, &fix, error);
+		if (code)
+			return code;
+	}
+	return code;
+}
+
+static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer,
+	struct eco_error *error)
+{
+	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
+	struct track_table table = { .in = in };
+	struct track_text names[ECO_COLUMNS_MAX];
+	struct eco_rows *rows;
+	enum eco_code code = eco_rows_open_here(&rows, &source, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		names[i] = (struct track_text){ rows->columns[i], rows->columns[i] + strlen(rows->columns[i]) };
+	code = track_find_columns(&table, names, rows->column_count, error);
+	track->degrees = is_degrees(rows);
+	if (!track->degrees)
+		eco_track_note(track, "its coordinates are no degrees: metres, east and north of the scene's origin, unless --track-crs says a CRS%s%.80s",
+			rows->crs && !rows->degrees_doubted ? ", as it does: " : "", rows->crs && !rows->degrees_doubted ? rows->crs : "");
+	if (!code)
+		code = read_rows(track, &table, rows, error);
+	for (uint32_t i = 0; i < rows->note_count; i++)
+		eco_track_note(track, "%s", rows->notes[i]);
+	eco_rows_close(rows);
+	return code;
+}
+
+/* Lines win over the points beside them, unless only these have times. */
+static void keep_lines(struct eco_track *track)
+{
+	bool timed[2] = { false, false }, lines = false;
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < track->count; i++) {
+		lines |= !(track->fixes[i].segment & 1);
+		timed[track->fixes[i].segment & 1] |= !isnan(track->fixes[i].time_s);
+	}
+	uint32_t points = !lines || (timed[1] && !timed[0]);
+	for (uint32_t i = 0; i < track->count; i++)
+		if ((track->fixes[i].segment & 1) == points)
+			track->fixes[kept++] = track->fixes[i];
+	if (kept < track->count)
+		eco_track_note(track, "its %u %s are taken; %u positions beside them are left out", kept,
+			points ? "points with times" : "positions of lines", track->count - kept);
+	track->records -= track->count - kept;
+	track->count = kept;
+	track->timed = timed[points];
+}
+
+/* A file that breaks off, as a recorder whose battery died leaves it, or is damaged, is read until there without a word. */
+static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
+{
+	uint64_t points = 0;
+	for (const char *at = in->text; (at = strstr(at, word)) != NULL; at++)
+		points++;
+	if (track->records < points)
+		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read", (unsigned long long)track->records,
+			(unsigned long long)points);
+}
+
+/* What has times, of which none arrived. */
+static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
+{
+	static const struct { const char *word, *says; } times[] = { { ":FlyTo>", "a tour's cameras (gx:FlyTo)" },
+		{ "when>", "times (<when>, of a gx:Track)" }, { "\"coordTimes\"", "times (\"coordTimes\", in lists within lists or of another length)" },
+		{ "\"times\"", "times (\"times\")" } };
+	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
+		if (strstr(in->text, times[i].word)) {
+			*error = (struct eco_error){ 0 };
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive through GDAL; convert it to GPX or CSV "
+				"(GPSBabel does)", in->path, times[i].says);
+		}
+	return code;
+}
+
+enum eco_code track_read_rows(struct eco_track *track, const struct track_input *in, struct eco_error *error)
+{
+	static const char *const layers[] = { "track_points", "route_points", "waypoints" }, *const points[] = { "<trkpt", "<rtept", "<wpt" };
+	enum eco_code code = ECO_OK;
+	if (track->format != ECO_TRACK_GPX) {
+		code = read_layer(track, in, NULL, error);
+		keep_lines(track);
+		return track->timed ? code : check_times(in, code, error);
+	}
+	for (int i = 0; !code && !track->count && i < 3; i++) {
+		code = read_layer(track, in, layers[i], error);
+		check_points(track, in, points[i]);
+	}
+	return code;
+}
