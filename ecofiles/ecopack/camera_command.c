@@ -1,4 +1,4 @@
-/* ecopack camera: turns a recorded track into a camera script, and reports what it changed. */
+/* ecopack camera: a recorded track becomes a camera script, and what was done to it is said. */
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -29,7 +29,7 @@ struct camera_options {          /* NaN, 0 or NULL where not given; see the help
 
 /* ---- The scene ---- */
 
-struct place {                           /* the track's destination, as far as known */
+struct place {                           /* what is known of where the track goes */
 	const char *crs;
 	double origin[3];
 	bool has_scene;
@@ -72,7 +72,7 @@ static double ground_height(const struct place *place, double x, double y)
 	return z;
 }
 
-/* ---- Reports ---- */
+/* ---- What is said ---- */
 
 static void say_repairs(const struct eco_track_report *r)
 {
@@ -106,27 +106,23 @@ static void say_read(const struct eco_track *track, const char *path)
 		main_note("%s", track->notes[i]);
 	for (int i = 0; i < ECO_TRACK_SKIPS; i++)
 		if (track->skipped[i])
-			main_note("%" PRIu64 " records left out: %s (first: %s %u)", track->skipped[i], eco_track_skip_names[i],
-				track->format >= ECO_TRACK_GPX && track->format <= ECO_TRACK_GEOJSON ? "feature" : "line", track->skipped_line[i]);
+			main_note("%" PRIu64 " records left out: %s (first: number or line %u)", track->skipped[i], eco_track_skip_names[i],
+				track->skipped_line[i]);
 }
 
-static void say_flight(const struct camera_options *o, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r)
+/* What the flight took for what was not recorded. `moved`: the user says where it goes. */
+static void say_guesses(const struct camera_options *o, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r,
+	const struct place *place, bool moved)
 {
 	if (f->smooth_s > 0 && isnan(o->smooth_s))
 		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than %.2f m", f->smooth_s, f->moved_m);
-	if (o->look_at_given)
-		return;
-	if (!f->yaw_recorded)
+	if (!f->yaw_recorded && !o->look_at_given)
 		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level (--pitch DEG, or --look-at X,Y,Z)",
 			f->pitch_deg);
-	else if (!f->pitch_recorded && isnan(o->pitch_deg))
+	else if (!f->pitch_recorded && isnan(o->pitch_deg) && !o->look_at_given)
 		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
 	if (r->untimed && track->count > 1)
 		main_note("no times were recorded: %g m a second are taken (--pace)", o->pace > 0 ? o->pace : 10.0);
-}
-
-static void say_height(const struct place *place, const struct eco_track_report *r, const struct camera_options *o, bool moved)
-{
 	if (!r->has_height)
 		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)", o->clearance_m);
 	else if (r->height == ECO_HEIGHTS_ABSOLUTE && place->crs && !moved)
@@ -202,11 +198,10 @@ static enum eco_code copy_script(const struct camera_options *o, struct eco_erro
 		strerror(errno));
 	if (!code)
 		code = write_output(o->output, text, size, error);
-	if (!code) {
+	if (!code)
 		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it", o->input);
-		if (!main_is_quiet)
-			printf("%s: %u frames\n", o->output, eco_camera_frame_count(camera));
-	}
+	if (!code && !main_is_quiet)
+		printf("%s: %u frames\n", o->output, eco_camera_frame_count(camera));
 	eco_camera_free(camera);
 	free(text);
 	if (file)
@@ -233,37 +228,10 @@ static enum eco_code make_flight(struct eco_flight *flight, struct eco_track *tr
 	return code ? code : eco_flight_make(flight, track, &smoothing, error);
 }
 
-/* Heights above take-off count from the ground there. */
-static void lift_to_take_off(struct eco_flight *flight, const struct eco_track *track, const struct place *place)
+static void lift(struct eco_flight *flight, double by_m)
 {
-	const double *at = track->has_home ? track->home : flight->samples[0].eye;
-	double ground = ground_height(place, at[0], at[1]);
 	for (uint32_t i = 0; i < flight->count; i++)
-		flight->samples[i].eye[2] += ground;
-}
-
-/* Without a scene the ground is unknown: take it as z = 0, and keep the whole track above. */
-static void lift_all(struct eco_flight *flight, double clearance_m)
-{
-	double low[3], high[3], lacks;
-	eco_flight_box(flight, low, high);
-	lacks = clearance_m - low[2];
-	if (!(lacks > 0))
-		return;
-	for (uint32_t i = 0; i < flight->count; i++)
-		flight->samples[i].eye[2] += lacks;
-	main_note("without --scene the ground is z = 0: the track is raised as a whole by %.1f m, so that its lowest eye is %g m above (--clearance)",
-		lacks, clearance_m);
-}
-
-static void say_far(const struct eco_flight *f, const struct camera_options *o, bool degrees)
-{
-	double nearest = INFINITY;
-	for (uint32_t i = 0; i < f->count; i++)
-		nearest = fmin(nearest, hypot(f->samples[i].eye[0], f->samples[i].eye[1]));
-	if (nearest > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add --to X,Y,Z (or --centre-to) to bring its "
-			"first fix there%s", nearest / 1000, !degrees && !o->track_crs ? ", or --track-crs EPSG:... if its x and y are in a CRS" : "");
+		flight->samples[i].eye[2] += by_m;
 }
 
 static enum eco_code move_flight(struct eco_flight *flight, const struct eco_track *track, bool degrees, const struct camera_options *o,
@@ -283,20 +251,31 @@ static enum eco_code move_flight(struct eco_flight *flight, const struct eco_tra
 		main_note("the first fix is the origin of the script's metres, x east, y north: nothing says where the scene is (--scene SCENE.json, or "
 			"--crs and --origin, or --to X,Y,Z)");
 	}
+	/* heights above take-off start from the ground there */
+	const double *from = track->has_home ? track->home : flight->samples[0].eye;
 	if (!user && !local && r->height == ECO_HEIGHTS_RELATIVE)
-		lift_to_take_off(flight, track, place);
+		lift(flight, ground_height(place, from[0], from[1]));
 	enum eco_code code = eco_flight_move(flight, &move, &moved, error);
 	if (code)
 		return code;
-	if (!place->has_scene && local)
-		lift_all(flight, o->clearance_m);
+	double low[3], high[3], far_m = INFINITY;
+	eco_flight_box(flight, low, high);
+	/* without a scene nothing says where the ground is: z = 0, and the whole track stays above */
+	if (!place->has_scene && local && o->clearance_m > low[2]) {
+		lift(flight, o->clearance_m - low[2]);
+		main_note("without --scene the ground is z = 0: the track is raised as a whole by %.1f m, so that its lowest eye is %g m above "
+			"(--clearance)", o->clearance_m - low[2], o->clearance_m);
+	}
 	if (moved.raised)
 		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised (--clearance M)",
 			100.0 * moved.raised / flight->count, o->clearance_m, moved.raised_m);
 	if (moved.off_ground)
 		main_note("%.0f %% of the way is beyond the border of the scene's ground", 100.0 * moved.off_ground / flight->count);
-	if (place->has_scene || place->crs)
-		say_far(flight, o, degrees);
+	for (uint32_t i = 0; i < flight->count; i++)
+		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
+	if ((place->has_scene || place->crs) && far_m > FAR_M)
+		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add --to X,Y,Z (or --centre-to) to bring its "
+			"first fix there%s", far_m / 1000, !degrees && !o->track_crs ? ", or --track-crs EPSG:... if its x and y are in a CRS" : "");
 	return ECO_OK;
 }
 
@@ -305,7 +284,7 @@ static enum eco_code write_script(const struct camera_options *o, const struct e
 	size_t size;
 	struct eco_camera *camera;
 	char *text = eco_script_text(script, &size);
-	/* read the written script as any reader would */
+	/* what was written is read as any reader would */
 	enum eco_code code = text ? eco_camera_parse(&camera, text, size, o->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (!code) {
 		eco_camera_free(camera);
@@ -325,8 +304,7 @@ static enum eco_code convert(const struct camera_options *o, struct eco_track *t
 	enum eco_code code = make_flight(&flight, track, o, place, &report, error);
 	if (!code) {
 		say_repairs(&report);
-		say_flight(o, &flight, track, &report);
-		say_height(place, &report, o, o->to_given || o->centre_given);
+		say_guesses(o, &flight, track, &report, place, o->to_given || o->centre_given);
 		code = move_flight(&flight, track, degrees, o, place, &report, error);
 	}
 	if (!code)
@@ -367,57 +345,37 @@ static enum eco_code camera_make(const struct camera_options *o, struct eco_erro
 
 /* ---- Options ---- */
 
-struct words { const char *axes, *up, *height, *order; };
-
-static enum eco_code choose(const char *option, const char *given, const char *const *words, int *value, struct eco_error *error)
+/* Words in the order of the enum that they stand for. */
+static enum eco_code choose(const char *option, const char *given, const char *words, int *value, struct eco_error *error)
 {
-	char known[100] = "";
-	size_t used = 0;
-	for (int i = 0; given && words[i]; i++) {
-		if (strcmp(given, words[i]) == 0) {
-			*value = i;
+	size_t length = given ? strlen(given) : 0;
+	*value = 0;
+	for (const char *at = words; given && at; at = strchr(at, ' ')) {
+		at += *at == ' ';
+		if (strncmp(at, given, length) == 0 && (at[length] == ' ' || at[length] == 0))
 			return ECO_OK;
-		}
-		used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", words[i]);
+		++*value;
 	}
-	return given ? eco_fail(error, ECO_BAD_USAGE, "--%s %.60s: must be one of %s", option, given, known) : ECO_OK;
-}
-
-static enum eco_code read_words(struct camera_options *o, const struct words *w, struct eco_error *error)
-{
-	static const char *const axes[] = { "default", "opengl", "opencv", "ros", NULL }, *const ups[] = { "default", "z", "y", "-y", NULL },
-		*const heights[] = { "default", "abs", "rel", "ground", NULL },
-		*const orders[] = { "lonlat", "latlon", NULL };
-	int axis = 0, up = 0, height = 0, order = 0;
-	enum eco_code code = choose("axes", w->axes, axes, &axis, error);
-	if (!code)
-		code = choose("up", w->up, ups, &up, error);
-	if (!code)
-		code = choose("height", w->height, heights, &height, error);
-	if (!code)
-		code = choose("order", w->order, orders, &order, error);
-	o->read.axes = (enum eco_axes)axis;
-	o->read.world = (enum eco_world)up;
-	o->height = (enum eco_track_height)height;
-	o->read.latitude_first = order == 1;
-	return code;
+	*value = given ? *value : 0;
+	return given ? eco_fail(error, ECO_BAD_USAGE, "--%s %.60s: must be one of %s", option, given, words) : ECO_OK;
 }
 
 static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 {
 	struct camera_options o = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .from_s = NAN, .to_s = NAN, .clearance_m = CLEARANCE_M };
-	struct words w = { 0 };
+	const char *format = NULL, *axes = NULL, *up = NULL, *height = NULL, *order = NULL;
+	int axis, world, heights, latitudes;
 	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &o.output, 0, 0, 0, NULL },
-		{ "format", 0, MAIN_TEXT, &o.read.format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &o.read.columns, 0, 0, 0, NULL },
-		{ "yaw-from-x", 0, MAIN_FLAG, &o.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &w.order, 0, 0, 0, NULL },
-		{ "axes", 0, MAIN_TEXT, &w.axes, 0, 0, 0, NULL },
-		{ "up", 0, MAIN_TEXT, &w.up, 0, 0, 0, NULL }, { "node", 0, MAIN_TEXT, &o.read.node, 0, 0, 0, NULL },
+		{ "format", 0, MAIN_TEXT, &format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &o.read.columns, 0, 0, 0, NULL },
+		{ "yaw-from-x", 0, MAIN_FLAG, &o.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
+		{ "axes", 0, MAIN_TEXT, &axes, 0, 0, 0, NULL },
+		{ "up", 0, MAIN_TEXT, &up, 0, 0, 0, NULL }, { "node", 0, MAIN_TEXT, &o.read.node, 0, 0, 0, NULL },
 		{ "pace", 0, MAIN_NUMBER, &o.pace, 0.001, 10000, 0, NULL },
 		{ "scene", 0, MAIN_TEXT, &o.scene, 0, 0, 0, NULL }, { "crs", 0, MAIN_TEXT, &o.crs, 0, 0, 0, NULL },
 		{ "origin", 0, MAIN_NUMBERS, o.origin, -1e9, 1e9, 3, &o.origin_given }, { "track-crs", 0, MAIN_TEXT, &o.track_crs, 0, 0, 0, NULL },
 		{ "to", 0, MAIN_NUMBERS, o.to, -1e7, 1e7, 3, &o.to_given }, { "centre-to", 0, MAIN_NUMBERS, o.centre, -1e7, 1e7, 3, &o.centre_given },
 		{ "turn", 0, MAIN_NUMBER, &o.turn_deg, -3600, 3600, 0, NULL }, { "scale", 0, MAIN_NUMBER, &o.scale, 1e-6, 1e6, 0, NULL },
-		{ "height", 0, MAIN_TEXT, &w.height, 0, 0, 0, NULL }, { "clearance", 0, MAIN_NUMBER, &o.clearance_m, -1e6, 1e6, 0, NULL },
+		{ "height", 0, MAIN_TEXT, &height, 0, 0, 0, NULL }, { "clearance", 0, MAIN_NUMBER, &o.clearance_m, -1e6, 1e6, 0, NULL },
 		{ "part", 0, MAIN_COUNT, &o.part, 1, 1e6, 0, NULL }, { "from", 0, MAIN_NUMBER, &o.from_s, 0, 1e9, 0, NULL },
 		{ "to-time", 0, MAIN_NUMBER, &o.to_s, 0, 1e9, 0, NULL }, { "pause", 0, MAIN_NUMBER, &o.pause, 0.001, 1e9, 0, NULL },
 		{ "smooth", 0, MAIN_NUMBER, &o.smooth_s, 0, 1000, 0, NULL }, { "pitch", 0, MAIN_NUMBER, &o.pitch_deg, -90, 90, 0, NULL },
@@ -429,8 +387,15 @@ static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 		code = eco_fail(error, ECO_BAD_USAGE, "ecopack camera: -o CAMERA.json is missing");
 	if (!code && o.to_given && o.centre_given)
 		code = eco_fail(error, ECO_BAD_USAGE, "--to and --centre-to cannot both be kept");
-	if (!code)
-		code = read_words(&o, &w, error);
+	if (!code && !(code = choose("axes", axes, "default opengl opencv ros", &axis, error)) &&
+		!(code = choose("up", up, "default z y -y", &world, error)) && !(code = choose("order", order, "lonlat latlon", &latitudes, error)) &&
+		!(code = choose("height", height, "default abs rel ground", &heights, error))) {
+		o.height = (enum eco_track_height)heights;
+		o.read.format = format;
+		o.read.axes = (enum eco_axes)axis;
+		o.read.world = (enum eco_world)world;
+		o.read.latitude_first = latitudes == 1;
+	}
 	return code ? code : camera_make(&o, error);
 }
 

@@ -16,97 +16,73 @@
 
 #define VALUES 4
 
+struct value { double number; char side, unit; bool whole; };    /* N, S, E, W before the number; the letter behind it; 0: none */
+
 struct srt {
 	struct eco_track *track;     /* NULL: only looking */
 	const struct track_input *in;
-	bool latitude_first;
-	bool big_first, big_second, metre_capital, has_timecodes;    /* what was seen */
-	/* the record being read */
-	struct eco_fix fix;
+	bool latitude_first, big_first, big_second, metre_capital, has_timecodes;    /* what was seen */
+	struct eco_fix fix;          /* the record being read, and what it says besides */
 	double stamp_s, home_z, focal_mm, zoom;
 	bool open, gimbal;
 };
 
-struct value {                           /* of one name */
-	double number[VALUES];
-	char side[VALUES];           /* N, S, E, W before the number; 0 */
-	char unit[VALUES];           /* the letter behind it; 0 */
-	bool whole[VALUES];
-	int count;
-};
-
-/* ---- Values ---- */
-
 static void read_one(const char **text, const char *end, struct value *v)
 {
-	int i = v->count < VALUES ? v->count : VALUES - 1;
 	const char *at = *text;
-	v->side[i] = v->unit[i] = 0;
-	v->number[i] = NAN;
+	*v = (struct value){ .number = NAN };
 	while (at < end && *at == ' ')
 		at++;
-	if (at + 1 < end && strchr("NSEW", *at) && (at[1] == ':' || at[1] == ' ')) {
-		v->side[i] = *at;
+	if (at + 1 < end && *at && strchr("NSEW", *at) && (at[1] == ':' || at[1] == ' ')) {
+		v->side = *at;
 		at += 2;
 	}
 	const char *from = at;
-	if (track_number(&at, end, &v->number[i])) {
-		v->whole[i] = !memchr(from, '.', (size_t)(at - from));
-		v->unit[i] = at < end && strchr("mMf", *at) && *at ? *at : 0;
+	if (track_number(&at, end, &v->number)) {
+		v->whole = !memchr(from, '.', (size_t)(at - from));
+		v->unit = at < end && *at && strchr("mMf", *at) ? *at : 0;
 	}
-	v->count = i + 1;
 	*text = at;
 }
 
-/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. *text is moved behind it. */
-static void read_value(const char **text, const char *end, struct value *v)
+/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. Returns how many there are; *text is moved behind them. */
+static int read_values(const char **text, const char *end, struct value v[VALUES])
 {
 	const char *at = *text;
-	*v = (struct value){ .count = 0 };
+	int count = 0;
 	while (at < end && (*at == ' ' || *at == ':'))
 		at++;
-	if (at < end && *at == '(') {
+	if (at == end || *at != '(')
+		read_one(&at, end, &v[count++]);
+	else
 		do {
 			at++;
-			read_one(&at, end, v);
+			read_one(&at, end, &v[count < VALUES ? count++ : VALUES - 1]);
 			while (at < end && *at != ',' && *at != ')')
 				at++;
 		} while (at < end && *at == ',');
-	} else
-		read_one(&at, end, v);
 	*text = at;
+	return count;
 }
 
-/* ---- Names ---- */
-
-static void look_at_order(struct srt *s, const struct value *v)
+/* Of GPS() and HOME(): also looks in which order they stand. */
+static void set_place(struct srt *s, const struct value *v, int count, double at[2])
 {
-	s->big_first |= fabs(v->number[0]) > 90;
-	s->big_second |= fabs(v->number[1]) > 90;
-	s->metre_capital |= v->count > 2 && v->unit[2] == 'M';
-}
-
-static void set_place(const struct srt *s, const struct value *v, double at[2])
-{
-	for (int i = 0; i < 2 && v->count >= 2; i++) {
-		bool is_latitude = v->side[i] ? v->side[i] == 'N' || v->side[i] == 'S' : (i == 0) == s->latitude_first;
-		at[is_latitude] = v->side[i] == 'S' || v->side[i] == 'W' ? -v->number[i] : v->number[i];
+	if (count < 2)
+		return;
+	s->big_first |= fabs(v[0].number) > 90;
+	s->big_second |= fabs(v[1].number) > 90;
+	s->metre_capital |= count > 2 && v[2].unit == 'M';
+	for (int i = 0; i < 2; i++) {
+		bool is_latitude = v[i].side ? v[i].side == 'N' || v[i].side == 'S' : (i == 0) == s->latitude_first;
+		at[is_latitude] = v[i].side == 'S' || v[i].side == 'W' ? -v[i].number : v[i].number;
 	}
 }
 
-static void set_gps(struct srt *s, const struct value *v)
+static void set_home(struct srt *s, const struct value *v, int count)
 {
-	look_at_order(s, v);
-	set_place(s, v, s->fix.at);
-	if (v->count > 2 && v->unit[2] != 'M' && (v->unit[2] == 'm' || !v->whole[2]))
-		s->fix.at[2] = v->number[2];
-}
-
-static void set_home(struct srt *s, const struct value *v)
-{
-	double home[3] = { NAN, NAN, v->count > 2 && (v->unit[2] || !v->whole[2]) ? v->number[2] : NAN };
-	look_at_order(s, v);
-	set_place(s, v, home);
+	double home[3] = { NAN, NAN, count > 2 && (v[2].unit || !v[2].whole) ? v[2].number : NAN };
+	set_place(s, v, count, home);
 	s->home_z = home[2];
 	if (!s->track || isnan(home[0]) || isnan(home[1]) || (home[0] == 0 && home[1] == 0))
 		return;
@@ -114,45 +90,47 @@ static void set_home(struct srt *s, const struct value *v)
 	memcpy(s->track->home, home, sizeof home);
 }
 
-/* pitch, roll, yaw */
-static void set_attitude(struct srt *s, const struct value *v, bool gimbal)
+/* Pitch, roll, yaw. The aircraft leans to fly; its camera does not. */
+static void set_attitude(struct srt *s, const struct value *v, int count, bool gimbal)
 {
-	if (v->count < 3 || (!gimbal && s->gimbal))
+	if (count < 3 || (!gimbal && s->gimbal))
 		return;
 	s->gimbal |= gimbal;
-	s->fix.yaw_deg = v->number[2];
-	/* the aircraft leans to fly; its camera does not */
-	s->fix.pitch_deg = gimbal ? v->number[0] : NAN;
-	s->fix.roll_deg = gimbal ? v->number[1] : NAN;
+	s->fix.pitch_deg = gimbal ? v[0].number : NAN;
+	s->fix.roll_deg = gimbal ? v[1].number : NAN;
+	s->fix.yaw_deg = v[2].number;
 }
 
 enum name { LATITUDE, LONGITUDE, ALTITUDE, ABOVE, GPS, HOME, GIMBAL, AIRCRAFT, YAW, PITCH, ROLL, AIRCRAFT_YAW, FOCAL, ZOOM };
 
-static void set_value(struct srt *s, enum name name, const struct value *v)
+static void set_values(struct srt *s, enum name name, const struct value *v, int count)
 {
-	double x = v->number[0];
+	double x = v->number;
 	switch (name) {
 	case LATITUDE: s->fix.at[1] = x; break;
 	case LONGITUDE: s->fix.at[0] = x; break;
 	case ALTITUDE: s->fix.at[2] = x; break;
 	case ABOVE: s->fix.above_m = x; break;
-	case GPS: set_gps(s, v); break;
-	case HOME: set_home(s, v); break;
-	case GIMBAL: set_attitude(s, v, true); break;
-	case AIRCRAFT: set_attitude(s, v, false); break;
+	case GPS:
+		set_place(s, v, count, s->fix.at);
+		if (count > 2 && v[2].unit != 'M' && (v[2].unit == 'm' || !v[2].whole))
+			s->fix.at[2] = v[2].number;
+		break;
+	case HOME: set_home(s, v, count); break;
+	case GIMBAL: case AIRCRAFT: set_attitude(s, v, count, name == GIMBAL); break;
 	case YAW: s->fix.yaw_deg = x; s->gimbal = true; break;
 	case PITCH: s->fix.pitch_deg = x; break;
 	case ROLL: s->fix.roll_deg = x; break;
 	case AIRCRAFT_YAW: s->fix.yaw_deg = s->gimbal ? s->fix.yaw_deg : x; break;
 	/* 240 is 24.0 mm, 24.00 is too */
-	case FOCAL: s->focal_mm = v->whole[0] ? x / 10 : x; break;
-	case ZOOM: s->zoom = v->whole[0] && x >= 1000 ? x / 10000 : x; break;
+	case FOCAL: s->focal_mm = v->whole ? x / 10 : x; break;
+	case ZOOM: s->zoom = v->whole && x >= 1000 ? x / 10000 : x; break;
 	}
 }
 
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-static bool find_name(const char *text, const char *end, enum name *name)
+static void read_names(struct srt *s, const char *text, const char *end)
 {
 	static const struct { const char *word; enum name name; } names[] = { { "latitude", LATITUDE }, { "lat", LATITUDE },
 		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE }, { "lng", LONGITUDE }, { "altitude", ALTITUDE },
@@ -160,120 +138,80 @@ static bool find_name(const char *text, const char *end, enum name *name)
 		{ "home", HOME }, { "g.pry", GIMBAL }, { "f.pry", AIRCRAFT }, { "gb_yaw", YAW }, { "gb_pitch", PITCH }, { "gb_roll", ROLL },
 		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL }, { "drone_yaw", AIRCRAFT_YAW }, { "yaw", AIRCRAFT_YAW },
 		{ "focal_len", FOCAL }, { "dzoom_ratio", ZOOM } };
-	for (size_t i = 0; text < end && i < sizeof names / sizeof *names; i++)
-		if (track_is(text, end, names[i].word)) {
-			*name = names[i].name;
-			return true;
-		}
-	return false;
-}
-
-static void read_names(struct srt *s, const char *text, const char *end)
-{
 	while (text < end) {
 		const char *from = text;
-		enum name name;
-		struct value v;
+		size_t i = 0;
 		while (text < end && (is_letter(*text) || (text > from && *text == '.' && text + 1 < end && is_letter(text[1]))))
 			text++;
-		if (find_name(from, text, &name)) {
-			read_value(&text, end, &v);
+		while (i < sizeof names / sizeof *names && !track_is(from, text, names[i].word))
+			i++;
+		if (i < sizeof names / sizeof *names) {
+			struct value v[VALUES];
+			int count = read_values(&text, end, v);
 			s->open = true;
-			if (v.count)
-				set_value(s, name, &v);
-		} else if (text == from)
-			text++;
+			set_values(s, names[i].name, v, count);
+		} else
+			text += text == from;
 	}
 }
 
 /* ---- Records ---- */
 
-static double field_of_view(const struct srt *s)
+static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_error *error)
 {
-	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
 	/* a 35 mm equivalent, of a film 16 : 9 of 36 mm width */
-	return mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * 57.29577951308232 : NAN;
-}
-
-static enum eco_code close_record(struct srt *s, struct eco_error *error)
-{
+	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
+	struct eco_fix fix = s->fix;
 	bool open = s->open && s->track;
-	s->open = s->gimbal = false;
-	if (!open)
-		return ECO_OK;
-	if (isnan(s->fix.time_s) && !s->has_timecodes)
-		s->fix.time_s = s->stamp_s;
-	if (isnan(s->fix.at[2]))
-		s->fix.at[2] = s->home_z + s->fix.above_m;
-	s->fix.fov_y_deg = field_of_view(s);
-	return track_add(s->track, &s->fix, error);
-}
-
-static void open_record(struct srt *s, uint32_t line)
-{
-	s->fix = track_fix(line);
+	fix.time_s = isnan(fix.time_s) && !s->has_timecodes ? s->stamp_s : fix.time_s;
+	fix.at[2] = isnan(fix.at[2]) ? s->home_z + fix.above_m : fix.at[2];
+	fix.fov_y_deg = mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * 57.29577951308232 : NAN;
+	s->fix = track_fix(next_line);
 	s->stamp_s = s->home_z = s->focal_mm = s->zoom = NAN;
-}
-
-static bool is_index(const struct track_line *line)
-{
-	const char *at = line->text;
-	while (at < line->end && *at >= '0' && *at <= '9')
-		at++;
-	return at > line->text && at == line->end;
-}
-
-/* 00:00:00,016 --> 00:00:00,033 */
-static bool is_timecode(const struct track_line *line, double *time_s)
-{
-	const char *at = line->text;
-	return track_clock(&at, line->end, time_s) && track_holds(at, line->end, "-->");
+	s->open = s->gimbal = false;
+	return open ? track_add(s->track, &fix, error) : ECO_OK;
 }
 
 /* The first date and time within the line. */
-static double find_stamp(const struct track_line *line)
+static double find_stamp(const char *text, const char *end)
 {
 	double time_s;
-	for (const char *at = line->text, *behind; at + 8 < line->end; at++)
-		if (*at >= '0' && *at <= '9' && (at == line->text || !(at[-1] >= '0' && at[-1] <= '9')) &&
-			(behind = at, track_date_time(&behind, line->end, &time_s)))
+	for (const char *at = text, *behind; at + 8 < end; at++)
+		if (*at >= '0' && *at <= '9' && (at == text || !(at[-1] >= '0' && at[-1] <= '9')) &&
+			(behind = at, track_date_time(&behind, end, &time_s)))
 			return time_s;
 	return NAN;
-}
-
-static enum eco_code read_line(struct srt *s, struct track_line line, struct eco_error *error)
-{
-	double time_s = NAN;
-	while (line.end > line.text && (line.end[-1] == ' ' || line.end[-1] == '\t'))
-		line.end--;
-	if (is_index(&line) || is_timecode(&line, &time_s)) {
-		enum eco_code code = close_record(s, error);
-		open_record(s, line.number);
-		s->has_timecodes |= !isnan(time_s);
-		s->fix.time_s = time_s;
-		return code;
-	}
-	if (isnan(s->stamp_s))
-		s->stamp_s = find_stamp(&line);
-	read_names(s, line.text, line.end);
-	return ECO_OK;
 }
 
 static enum eco_code walk(struct srt *s, struct eco_error *error)
 {
 	struct track_line line = { 0 };
-	enum eco_code code = ECO_OK;
-	open_record(s, 1);
-	while (!code && track_next_line(s->in, &line))
-		code = read_line(s, line, error);
-	return code ? code : close_record(s, error);
+	enum eco_code code = close_record(s, 1, error);
+	while (!code && track_next_line(s->in, &line)) {
+		const char *at = line.text, *end = line.end;
+		double time_s = NAN;
+		while (end > at && (end[-1] == ' ' || end[-1] == '\t'))
+			end--;
+		bool index = at < end && strspn(at, "0123456789") == (size_t)(end - at);
+		/* 00:00:00,016 --> 00:00:00,033 */
+		if (index || (track_clock(&at, end, &time_s) && track_holds(at, end, "-->"))) {
+			code = close_record(s, line.number, error);
+			s->has_timecodes |= !index;
+			s->fix.time_s = time_s;
+			continue;
+		}
+		if (isnan(s->stamp_s))
+			s->stamp_s = find_stamp(line.text, end);
+		read_names(s, line.text, end);
+	}
+	return code ? code : close_record(s, 0, error);
 }
 
 enum eco_code track_read_srt(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
 	struct srt s = { .in = in };
 	walk(&s, NULL);
-	s.latitude_first = in->options->latitude_first || (s.big_second && !s.big_first) || (s.metre_capital && !s.big_first);
+	s.latitude_first = in->options->latitude_first || (!s.big_first && (s.big_second || s.metre_capital));
 	if (s.latitude_first && !in->options->latitude_first)
 		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s", s.big_second ? "as b is beyond 90" :
 			"as drones that write heights with a capital M have it");

@@ -2,6 +2,7 @@
  * only a file that is shorter when sorted by time, way by way, is taken to be unsorted. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/import/track/track_clean.h"
 
@@ -58,45 +59,46 @@ static double count_steps(struct stamps *s, uint32_t *forward, uint32_t *backwar
 
 static void reverse(struct stamps *s)
 {
-	for (uint32_t i = 0, k = s->count - 1; i < k; i++, k--) {
-		struct eco_fix swap = s->fixes[i];
-		s->fixes[i] = s->fixes[k];
-		s->fixes[k] = swap;
+	for (struct eco_fix *a = s->fixes, *b = s->fixes + s->count - 1; a < b; a++, b--) {
+		struct eco_fix swap = *a;
+		*a = *b;
+		*b = swap;
 	}
 	s->report->reversed = true;
 }
 
+static double way_m(const struct eco_fix *fixes, uint32_t count)
+{
+	double length = 0;
+	for (uint32_t i = 1; i < count; i++)
+		length += track_distance(&fixes[i - 1], &fixes[i]);
+	return length;
+}
+
+/* Lines are in the order of the file. */
 static int by_time(const void *a, const void *b)
 {
-	const struct eco_fix *x = *(struct eco_fix *const *)a, *y = *(struct eco_fix *const *)b;
+	const struct eco_fix *x = a, *y = b;
 	int order = (x->time_s > y->time_s) - (x->time_s < y->time_s);
-	return order ? order : (x > y) - (x < y);
+	return order ? order : (x->line > y->line) - (x->line < y->line);
 }
 
 /* If the way by time is much shorter than by file. Stamps that are missing would have no place. */
 static enum eco_code sort_if_shorter(struct stamps *s, uint32_t backward, struct eco_error *error)
 {
-	const struct eco_fix **order = malloc(s->count * sizeof *order);
-	struct eco_fix *sorted = malloc(s->count * sizeof *sorted);
-	double before_m = 0, after_m = 0;
-	bool whole = finite_stamps(s) == s->count, there = order && sorted;
-	for (uint32_t i = 0; there && i < s->count; i++)
-		order[i] = &s->fixes[i];
-	if (there)
-		qsort(order, s->count, sizeof *order, by_time);
-	for (uint32_t i = 0; there && i < s->count; i++) {
-		sorted[i] = *order[i];
-		before_m += i ? track_distance(&s->fixes[i - 1], &s->fixes[i]) : 0;
-		after_m += i ? track_distance(&sorted[i - 1], &sorted[i]) : 0;
-	}
-	if (whole && after_m < 0.7 * before_m) {
+	struct eco_fix *sorted = finite_stamps(s) == s->count ? malloc(s->count * sizeof *sorted) : s->fixes;
+	if (!sorted)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", s->count);
+	if (sorted == s->fixes)
+		return ECO_OK;
+	memcpy(sorted, s->fixes, s->count * sizeof *sorted);
+	qsort(sorted, s->count, sizeof *sorted, by_time);
+	if (way_m(sorted, s->count) < 0.7 * way_m(s->fixes, s->count)) {
 		s->report->sorted = backward;
-		for (uint32_t i = 0; i < s->count; i++)
-			s->fixes[i] = sorted[i];
+		memcpy(s->fixes, sorted, s->count * sizeof *sorted);
 	}
-	free(order);
 	free(sorted);
-	return there ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", s->count);
+	return ECO_OK;
 }
 
 /* Whether a stamp within the next few is not before `last_s`. */
@@ -166,26 +168,24 @@ static void spread_equal(struct stamps *s, double step_s)
 static void fill_missing(struct stamps *s, double step_s)
 {
 	struct eco_fix *f = s->fixes;
-	uint32_t steps = 0, first = 0, last;
+	uint32_t speeds = 0, next = 0;
 	for (uint32_t i = 1; i < s->count; i++)
 		if (f[i].time_s > f[i - 1].time_s && track_distance(&f[i - 1], &f[i]) > 0)
-			s->scratch[steps++] = track_distance(&f[i - 1], &f[i]) / (f[i].time_s - f[i - 1].time_s);
-	double m_s = track_quantile(s->scratch, steps, 0.5);
-	while (first + 1 < s->count && isnan(f[first].time_s))
-		first++;
-	for (uint32_t i = first; i-- > 0; )
-		f[i].time_s = f[i + 1].time_s - (m_s > 0 ? fmin(track_distance(&f[i], &f[i + 1]) / m_s, 20 * step_s) : step_s);
-	for (last = first; last < s->count; last = first) {
-		double whole_m = 0, gone_m = 0;
-		for (first = last + 1; first < s->count && isnan(f[first].time_s); first++)
-			whole_m += track_distance(&f[first - 1], &f[first]);
-		whole_m += first < s->count ? track_distance(&f[first - 1], &f[first]) : 0;
-		for (uint32_t k = last + 1; k < first; k++) {
-			double step_m = track_distance(&f[k - 1], &f[k]);
+			s->scratch[speeds++] = track_distance(&f[i - 1], &f[i]) / (f[i].time_s - f[i - 1].time_s);
+	double s_per_m = speeds ? 1 / track_quantile(s->scratch, speeds, 0.5) : 0;
+	while (next + 1 < s->count && isnan(f[next].time_s))
+		next++;
+	for (uint32_t i = next; i-- > 0; )
+		f[i].time_s = f[i + 1].time_s - (speeds ? fmin(track_distance(&f[i], &f[i + 1]) * s_per_m, 20 * step_s) : step_s);
+	for (uint32_t last = next; last < s->count; last = next) {
+		for (next = last + 1; next < s->count && isnan(f[next].time_s); )
+			next++;
+		double whole_m = next < s->count ? way_m(f + last, next - last + 1) : 0, gone_m = 0;
+		for (uint32_t k = last + 1; k < next; k++) {
+			double step_m = track_distance(&f[k - 1], &f[k]), guess_s = speeds ? fmin(step_m * s_per_m, 20 * step_s) : step_s;
 			gone_m += step_m;
-			double share = whole_m > 0 ? gone_m / whole_m : (double)(k - last) / (first - last);
-			f[k].time_s = first < s->count ? f[last].time_s + share * (f[first].time_s - f[last].time_s) :
-				f[k - 1].time_s + (m_s > 0 ? fmin(step_m / m_s, 20 * step_s) : step_s);
+			f[k].time_s = next == s->count ? f[k - 1].time_s + guess_s : f[last].time_s + (f[next].time_s - f[last].time_s) *
+				(whole_m > 0 ? gone_m / whole_m : (double)(k - last) / (next - last));
 		}
 	}
 }
