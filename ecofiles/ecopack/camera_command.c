@@ -17,59 +17,41 @@
 #define CLEARANCE_M 1.7
 #define FAR_M 1e5
 
-struct camera_options {          /* NaN, 0 or NULL where not given; see the help below */
-	const char *input, *output, *scene, *crs, *track_crs;
+struct camera {                          /* what the options say (NaN, 0 or NULL where not given; see the help below), and the scene */
+	const char *input, *output, *scene;
 	struct eco_track_options read;
-	double origin[3], to[3], centre[3], look_at[3];
-	bool origin_given, to_given, centre_given, look_at_given;
-	double turn_deg, scale, clearance_m, pace, pause, from_s, to_s, smooth_s, pitch_deg, fov_y_deg, fps, speed;
-	uint64_t part, keys;
-	enum eco_track_height height;
+	struct eco_track_frame frame;
+	struct eco_cleaning cleaning;
+	struct eco_smoothing smoothing;
+	struct eco_flight_move move;
+	struct eco_fitting fitting;
+	bool origin_given, moved;            /* moved: the user says where it goes */
+	struct eco_ground ground;
+	struct eco_sources sources;
 };
 
 /* ---- The scene ---- */
 
-struct place {                           /* what is known of where the track goes */
-	const char *crs;
-	double origin[3];
-	bool has_scene;
-	struct eco_ground ground; bool has_raster;
-	struct eco_sources sources;
-};
-
-static enum eco_code open_scene(struct place *place, const struct camera_options *o, struct eco_error *error)
+static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 {
-	place->crs = o->crs;
-	memcpy(place->origin, o->origin, sizeof place->origin);
-	if (o->crs && !o->origin_given)
-		return eco_fail(error, ECO_BAD_USAGE, "--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
-	if (!o->scene)
+	if (c->frame.crs && (c->scene || !c->origin_given))
+		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; take one of them" :
+			"--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
+	if (!c->scene)
 		return ECO_OK;
-	if (o->crs)
-		return eco_fail(error, ECO_BAD_USAGE, "--scene and --crs say the same thing; take one of them");
-	enum eco_code code = eco_sources_load(&place->sources, o->scene, error);
+	enum eco_code code = eco_sources_load(&c->sources, c->scene, error);
 	if (code)
 		return code;
-	const struct eco_source *scene = &place->sources.items[0];
-	place->has_scene = true;
-	place->crs = scene->crs;
-	memcpy(place->origin, scene->origin, sizeof place->origin);
-	if (!scene->ground.height_count)
-		return ECO_OK;
+	const struct eco_source *scene = &c->sources.items[0];
 	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs, .scene_vertical = scene->vertical,
 		.warn = main_note_text };
+	c->move.has_ground = true;
+	c->frame.crs = scene->crs;
+	memcpy(c->frame.origin, scene->origin, sizeof ground.origin);
 	memcpy(ground.origin, scene->origin, sizeof ground.origin);
-	code = eco_ground_import(&place->ground, &ground, error);
-	place->has_raster = !code;
+	if (scene->ground.height_count && !(code = eco_ground_import(&c->ground, &ground, error)))
+		c->move.ground = &c->ground;
 	return code;
-}
-
-static double ground_height(const struct place *place, double x, double y)
-{
-	double z = 0;
-	if (place->has_raster)
-		eco_ground_height(&place->ground, x, y, &z);
-	return z;
 }
 
 /* ---- What is said ---- */
@@ -110,28 +92,27 @@ static void say_read(const struct eco_track *track, const char *path)
 				track->skipped_line[i]);
 }
 
-/* What the flight took for what was not recorded. `moved`: the user says where it goes. */
-static void say_guesses(const struct camera_options *o, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r,
-	const struct place *place, bool moved)
+/* What the flight took for what was not recorded. */
+static void say_guesses(const struct camera *c, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r)
 {
-	if (f->smooth_s > 0 && isnan(o->smooth_s))
+	if (f->smooth_s > 0 && isnan(c->smoothing.smooth_s))
 		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than %.2f m", f->smooth_s, f->moved_m);
-	if (!f->yaw_recorded && !o->look_at_given)
+	if (!f->yaw_recorded && !c->move.look_at_given)
 		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level (--pitch DEG, or --look-at X,Y,Z)",
 			f->pitch_deg);
-	else if (!f->pitch_recorded && isnan(o->pitch_deg) && !o->look_at_given)
+	else if (!f->pitch_recorded && isnan(c->smoothing.pitch_deg) && !c->move.look_at_given)
 		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
 	if (r->untimed && track->count > 1)
-		main_note("no times were recorded: %g m a second are taken (--pace)", o->pace > 0 ? o->pace : 10.0);
+		main_note("no times were recorded: %g m a second are taken (--pace)", c->cleaning.pace_m_s > 0 ? c->cleaning.pace_m_s : 10.0);
 	if (!r->has_height)
-		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)", o->clearance_m);
-	else if (r->height == ECO_HEIGHTS_ABSOLUTE && place->crs && !moved)
+		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)", c->move.clearance_m);
+	else if (r->height == ECO_HEIGHTS_ABSOLUTE && c->frame.crs && !c->moved)
 		main_note("heights are taken as metres above the zero of the scene's heights; another datum is not converted (--height rel|ground)");
-	else if (r->height == ECO_HEIGHTS_RELATIVE && !moved)
-		main_note("heights are above take-off%s (--height abs|ground)", place->has_raster ? ", which is on the scene's ground" : ", which is z = 0");
+	else if (r->height == ECO_HEIGHTS_RELATIVE && !c->moved)
+		main_note("heights are above take-off%s (--height abs|ground)", c->move.ground ? ", which is on the scene's ground" : ", which is z = 0");
 }
 
-static void print_summary(const struct camera_options *o, const struct eco_track *track, const struct eco_track_report *r,
+static void print_summary(const struct camera *c, const struct eco_track *track, const struct eco_track_report *r,
 	const struct eco_flight *f, const struct eco_script *s)
 {
 	double length_s = (f->count - 1) * f->step_s, low[3], high[3], fastest = 0;
@@ -139,7 +120,7 @@ static void print_summary(const struct camera_options *o, const struct eco_track
 	eco_flight_box(f, low, high);
 	for (uint32_t i = 1; i < f->count; i++)
 		fastest = fmax(fastest, eco_distance(f->samples[i].eye, f->samples[i - 1].eye) / f->step_s);
-	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept", o->input, track->records, r->kept);
+	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept", c->input, track->records, r->kept);
 	if (r->repeated)
 		printf(", %" PRIu64 " repeated", r->repeated);
 	if (r->jumped)
@@ -150,7 +131,7 @@ static void print_summary(const struct camera_options *o, const struct eco_track
 		printf(", %" PRIu64 " without a usable one", skipped);
 	printf("\n  %.1f s, %.1f m long, %.2f m/s on average, at most %.2f\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", length_s,
 		f->length_m, length_s > 0 ? f->length_m / length_s : 0, fastest, low[0], high[0], low[1], high[1], low[2], high[2]);
-	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", o->output, s->count,
+	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", c->output, s->count,
 		s->count == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);
 }
 
@@ -187,21 +168,21 @@ static enum eco_code write_output(const char *path, const char *text, size_t siz
 	return ECO_IO;
 }
 
-static enum eco_code copy_script(const struct camera_options *o, struct eco_error *error)
+static enum eco_code copy_script(const struct camera *c, struct eco_error *error)
 {
 	struct stat status;
-	FILE *file = fopen(o->input, "rb");
+	FILE *file = fopen(c->input, "rb");
 	char *text = file && fstat(fileno(file), &status) == 0 ? malloc((size_t)status.st_size + 1) : NULL;
 	size_t size = text ? fread(text, 1, (size_t)status.st_size, file) : 0;
 	struct eco_camera *camera = NULL;
-	enum eco_code code = text ? eco_camera_parse(&camera, text, size, o->input, error) : eco_fail(error, ECO_IO, "%.300s: %s", o->input,
+	enum eco_code code = text ? eco_camera_parse(&camera, text, size, c->input, error) : eco_fail(error, ECO_IO, "%.300s: %s", c->input,
 		strerror(errno));
 	if (!code)
-		code = write_output(o->output, text, size, error);
+		code = write_output(c->output, text, size, error);
 	if (!code)
-		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it", o->input);
+		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it", c->input);
 	if (!code && !main_is_quiet)
-		printf("%s: %u frames\n", o->output, eco_camera_frame_count(camera));
+		printf("%s: %u frames\n", c->output, eco_camera_frame_count(camera));
 	eco_camera_free(camera);
 	free(text);
 	if (file)
@@ -211,134 +192,122 @@ static enum eco_code copy_script(const struct camera_options *o, struct eco_erro
 
 /* ---- From the track to the script ---- */
 
-static enum eco_code make_flight(struct eco_flight *flight, struct eco_track *track, const struct camera_options *o, struct place *place,
-	struct eco_track_report *report, struct eco_error *error)
-{
-	struct eco_track_frame frame = { .crs = place->crs, .track_crs = o->track_crs, .local = o->to_given || o->centre_given };
-	struct eco_cleaning cleaning = { .height = o->height, .part = (uint32_t)o->part, .pace_m_s = o->pace, .pause_s = o->pause };
-	struct eco_smoothing smoothing = { .smooth_s = o->smooth_s, .pitch_deg = o->pitch_deg, .pitch_given_wins = !isnan(o->pitch_deg),
-		.fov_y_deg = o->fov_y_deg, .flies = track->format == ECO_TRACK_SRT };
-	memcpy(frame.origin, place->origin, sizeof frame.origin);
-	enum eco_code code = eco_track_place(track, &frame, error);
-	uint32_t notes = track->note_count;
-	if (!code)
-		code = eco_track_clean(track, &cleaning, report, error);
-	for (uint32_t i = notes; i < track->note_count; i++)
-		main_note("%s", track->notes[i]);
-	return code ? code : eco_flight_make(flight, track, &smoothing, error);
-}
-
 static void lift(struct eco_flight *flight, double by_m)
 {
 	for (uint32_t i = 0; i < flight->count; i++)
 		flight->samples[i].eye[2] += by_m;
 }
 
-static enum eco_code move_flight(struct eco_flight *flight, const struct eco_track *track, bool degrees, const struct camera_options *o,
-	const struct place *place, const struct eco_track_report *r, struct eco_error *error)
+static void say_moved(const struct camera *c, const struct eco_flight *flight, const struct eco_flight_moved *moved, bool degrees)
 {
-	bool user = o->to_given || o->centre_given, local = degrees && !place->crs && !user;
-	struct eco_flight_move move = { .from_s = o->from_s, .to_s = o->to_s, .speed = o->speed, .scale = o->scale, .turn_deg = o->turn_deg,
-		.to_given = user || local, .centre = o->centre_given, .clearance_m = o->clearance_m, .has_ground = place->has_scene,
-		.ground = place->has_raster ? &place->ground : NULL, .look_at_given = o->look_at_given,
-		.from_ground = r->height == ECO_HEIGHTS_GROUND || (!r->has_height && place->has_scene) };
+	double far_m = INFINITY;
+	for (uint32_t i = 0; i < flight->count; i++)
+		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
+	if (moved->raised)
+		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised (--clearance M)",
+			100.0 * moved->raised / flight->count, c->move.clearance_m, moved->raised_m);
+	if (moved->off_ground)
+		main_note("%.0f %% of the way is beyond the border of the scene's ground", 100.0 * moved->off_ground / flight->count);
+	if ((c->scene || c->frame.crs) && far_m > FAR_M)
+		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add --to X,Y,Z (or --centre-to) to bring its "
+			"first fix there%s", far_m / 1000, !degrees && !c->frame.track_crs ? ", or --track-crs EPSG:... if its x and y are in a CRS" : "");
+}
+
+static enum eco_code move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track, bool degrees,
+	const struct eco_track_report *r, struct eco_error *error)
+{
+	bool local = degrees && !c->frame.crs && !c->moved;
+	const double *from = track->has_home ? track->home : flight->samples[0].eye;
+	double ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
-	memcpy(move.look_at, o->look_at, sizeof move.look_at);
-	memcpy(move.to, o->centre_given ? o->centre : o->to, sizeof move.to);
+	c->move.from_ground = r->height == ECO_HEIGHTS_GROUND || (!r->has_height && c->scene);
 	if (local) {
-		move.to[0] = move.to[1] = 0;
-		move.to[2] = r->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
+		c->move.to_given = true;
+		c->move.to[2] = r->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
 		main_note("the first fix is the origin of the script's metres, x east, y north: nothing says where the scene is (--scene SCENE.json, or "
 			"--crs and --origin, or --to X,Y,Z)");
 	}
 	/* heights above take-off start from the ground there */
-	const double *from = track->has_home ? track->home : flight->samples[0].eye;
-	if (!user && !local && r->height == ECO_HEIGHTS_RELATIVE)
-		lift(flight, ground_height(place, from[0], from[1]));
-	enum eco_code code = eco_flight_move(flight, &move, &moved, error);
+	if (!c->moved && !local && r->height == ECO_HEIGHTS_RELATIVE && c->move.ground && eco_ground_height(&c->ground, from[0], from[1], &ground))
+		lift(flight, ground);
+	enum eco_code code = eco_flight_move(flight, &c->move, &moved, error);
 	if (code)
 		return code;
-	double low[3], high[3], far_m = INFINITY;
 	eco_flight_box(flight, low, high);
 	/* without a scene nothing says where the ground is: z = 0, and the whole track stays above */
-	if (!place->has_scene && local && o->clearance_m > low[2]) {
-		lift(flight, o->clearance_m - low[2]);
+	if (!c->scene && local && c->move.clearance_m > low[2]) {
+		lift(flight, c->move.clearance_m - low[2]);
 		main_note("without --scene the ground is z = 0: the track is raised as a whole by %.1f m, so that its lowest eye is %g m above "
-			"(--clearance)", o->clearance_m - low[2], o->clearance_m);
+			"(--clearance)", c->move.clearance_m - low[2], c->move.clearance_m);
 	}
-	if (moved.raised)
-		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised (--clearance M)",
-			100.0 * moved.raised / flight->count, o->clearance_m, moved.raised_m);
-	if (moved.off_ground)
-		main_note("%.0f %% of the way is beyond the border of the scene's ground", 100.0 * moved.off_ground / flight->count);
-	for (uint32_t i = 0; i < flight->count; i++)
-		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
-	if ((place->has_scene || place->crs) && far_m > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add --to X,Y,Z (or --centre-to) to bring its "
-			"first fix there%s", far_m / 1000, !degrees && !o->track_crs ? ", or --track-crs EPSG:... if its x and y are in a CRS" : "");
+	say_moved(c, flight, &moved, degrees);
 	return ECO_OK;
 }
 
-static enum eco_code write_script(const struct camera_options *o, const struct eco_script *script, struct eco_error *error)
+static enum eco_code write_script(const struct camera *c, const struct eco_script *script, struct eco_error *error)
 {
 	size_t size;
-	struct eco_camera *camera;
+	struct eco_camera *camera = NULL;
 	char *text = eco_script_text(script, &size);
 	/* what was written is read as any reader would */
-	enum eco_code code = text ? eco_camera_parse(&camera, text, size, o->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	if (!code) {
-		eco_camera_free(camera);
-		code = write_output(o->output, text, size, error);
-	}
+	enum eco_code code = text ? eco_camera_parse(&camera, text, size, c->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	if (!code)
+		code = write_output(c->output, text, size, error);
+	eco_camera_free(camera);
 	free(text);
 	return code;
 }
 
-static enum eco_code convert(const struct camera_options *o, struct eco_track *track, struct place *place, struct eco_error *error)
+static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
 	struct eco_track_report report;
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
-	struct eco_fitting fitting = { .fps = o->fps, .keys_max = (uint32_t)o->keys, .still_m = track->still_m };
 	bool degrees = track->degrees;
-	enum eco_code code = make_flight(&flight, track, o, place, &report, error);
+	uint32_t notes = track->note_count;
+	say_read(track, c->input);
+	enum eco_code code = eco_track_place(track, &c->frame, error);
+	if (!code)
+		code = eco_track_clean(track, &c->cleaning, &report, error);
+	for (uint32_t i = notes; i < track->note_count; i++)
+		main_note("%s", track->notes[i]);
+	c->smoothing.flies = track->format == ECO_TRACK_SRT;
+	if (!code)
+		code = eco_flight_make(&flight, track, &c->smoothing, error);
 	if (!code) {
 		say_repairs(&report);
-		say_guesses(o, &flight, track, &report, place, o->to_given || o->centre_given);
-		code = move_flight(&flight, track, degrees, o, place, &report, error);
+		say_guesses(c, &flight, track, &report);
+		code = move_flight(c, &flight, track, degrees, &report, error);
 	}
 	if (!code)
-		code = eco_script_fit(&script, &flight, &fitting, error);
-	if (!code && script.fps < 30 && !(o->fps > 0))
+		code = eco_script_fit(&script, &flight, &c->fitting, error);
+	if (!code && script.fps < 30 && !(c->fitting.fps > 0))
 		main_note("%g frames a second, as the track is long (--fps N, --speed X, --from S --to-time S)", script.fps);
 	if (!code)
-		code = write_script(o, &script, error);
+		code = write_script(c, &script, error);
 	if (!code && !main_is_quiet)
-		print_summary(o, track, &report, &flight, &script);
+		print_summary(c, track, &report, &flight, &script);
 	eco_script_free(&script);
 	eco_flight_free(&flight);
 	return code;
 }
 
-static enum eco_code camera_make(const struct camera_options *o, struct eco_error *error)
+static enum eco_code camera_make(struct camera *c, struct eco_error *error)
 {
 	struct eco_track track = { 0 };
-	struct place place = { .crs = NULL };
-	enum eco_code code = may_write(o->output, error);
+	enum eco_code code = may_write(c->output, error);
 	if (!code)
-		code = eco_track_read(&track, o->input, &o->read, error);
+		code = eco_track_read(&track, c->input, &c->read, error);
 	if (!code && track.format == ECO_TRACK_SCRIPT)
-		return copy_script(o, error);
+		return copy_script(c, error);
 	if (!code)
-		code = open_scene(&place, o, error);
-	if (!code) {
-		say_read(&track, o->input);
-		code = convert(o, &track, &place, error);
-	}
-	if (place.has_raster)
-		eco_ground_free(&place.ground);
-	if (place.has_scene)
-		eco_sources_free(&place.sources);
+		code = open_scene(c, error);
+	if (!code)
+		code = convert(c, &track, error);
+	if (c->move.ground)
+		eco_ground_free(&c->ground);
+	if (c->move.has_ground)
+		eco_sources_free(&c->sources);
 	eco_track_free(&track);
 	return code;
 }
@@ -362,41 +331,48 @@ static enum eco_code choose(const char *option, const char *given, const char *w
 
 static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 {
-	struct camera_options o = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .from_s = NAN, .to_s = NAN, .clearance_m = CLEARANCE_M };
-	const char *format = NULL, *axes = NULL, *up = NULL, *height = NULL, *order = NULL;
+	struct camera c = { .smoothing = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN },
+		.move = { .from_s = NAN, .to_s = NAN, .clearance_m = CLEARANCE_M } };
+	const char *axes = NULL, *up = NULL, *height = NULL, *order = NULL;
 	int axis, world, heights, latitudes;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &o.output, 0, 0, 0, NULL },
-		{ "format", 0, MAIN_TEXT, &format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &o.read.columns, 0, 0, 0, NULL },
-		{ "yaw-from-x", 0, MAIN_FLAG, &o.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
-		{ "axes", 0, MAIN_TEXT, &axes, 0, 0, 0, NULL },
-		{ "up", 0, MAIN_TEXT, &up, 0, 0, 0, NULL }, { "node", 0, MAIN_TEXT, &o.read.node, 0, 0, 0, NULL },
-		{ "pace", 0, MAIN_NUMBER, &o.pace, 0.001, 10000, 0, NULL },
-		{ "scene", 0, MAIN_TEXT, &o.scene, 0, 0, 0, NULL }, { "crs", 0, MAIN_TEXT, &o.crs, 0, 0, 0, NULL },
-		{ "origin", 0, MAIN_NUMBERS, o.origin, -1e9, 1e9, 3, &o.origin_given }, { "track-crs", 0, MAIN_TEXT, &o.track_crs, 0, 0, 0, NULL },
-		{ "to", 0, MAIN_NUMBERS, o.to, -1e7, 1e7, 3, &o.to_given }, { "centre-to", 0, MAIN_NUMBERS, o.centre, -1e7, 1e7, 3, &o.centre_given },
-		{ "turn", 0, MAIN_NUMBER, &o.turn_deg, -3600, 3600, 0, NULL }, { "scale", 0, MAIN_NUMBER, &o.scale, 1e-6, 1e6, 0, NULL },
-		{ "height", 0, MAIN_TEXT, &height, 0, 0, 0, NULL }, { "clearance", 0, MAIN_NUMBER, &o.clearance_m, -1e6, 1e6, 0, NULL },
-		{ "part", 0, MAIN_COUNT, &o.part, 1, 1e6, 0, NULL }, { "from", 0, MAIN_NUMBER, &o.from_s, 0, 1e9, 0, NULL },
-		{ "to-time", 0, MAIN_NUMBER, &o.to_s, 0, 1e9, 0, NULL }, { "pause", 0, MAIN_NUMBER, &o.pause, 0.001, 1e9, 0, NULL },
-		{ "smooth", 0, MAIN_NUMBER, &o.smooth_s, 0, 1000, 0, NULL }, { "pitch", 0, MAIN_NUMBER, &o.pitch_deg, -90, 90, 0, NULL },
-		{ "look-at", 0, MAIN_NUMBERS, o.look_at, -1e9, 1e9, 3, &o.look_at_given }, { "fov", 0, MAIN_NUMBER, &o.fov_y_deg, 1, 170, 0, NULL },
-		{ "fps", 0, MAIN_NUMBER, &o.fps, 0.001, 1000, 0, NULL }, { "speed", 0, MAIN_NUMBER, &o.speed, 1e-4, 1e5, 0, NULL },
-		{ "max-keyframes", 0, MAIN_COUNT, &o.keys, 2, 200000, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "camera", options, "the recorded track", &o.input, 1, NULL, error);
-	if (!code && !o.output)
+	uint64_t part = 0, keys = 0;
+	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &c.output, 0, 0, 0, NULL },
+		{ "format", 0, MAIN_TEXT, &c.read.format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &c.read.columns, 0, 0, 0, NULL },
+		{ "yaw-from-x", 0, MAIN_FLAG, &c.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
+		{ "axes", 0, MAIN_TEXT, &axes, 0, 0, 0, NULL }, { "up", 0, MAIN_TEXT, &up, 0, 0, 0, NULL },
+		{ "node", 0, MAIN_TEXT, &c.read.node, 0, 0, 0, NULL }, { "pace", 0, MAIN_NUMBER, &c.cleaning.pace_m_s, 0.001, 10000, 0, NULL },
+		{ "scene", 0, MAIN_TEXT, &c.scene, 0, 0, 0, NULL }, { "crs", 0, MAIN_TEXT, &c.frame.crs, 0, 0, 0, NULL },
+		{ "origin", 0, MAIN_NUMBERS, c.frame.origin, -1e9, 1e9, 3, &c.origin_given },
+		{ "track-crs", 0, MAIN_TEXT, &c.frame.track_crs, 0, 0, 0, NULL },
+		{ "to", 0, MAIN_NUMBERS, c.move.to, -1e7, 1e7, 3, &c.move.to_given },
+		{ "centre-to", 0, MAIN_NUMBERS, c.move.to, -1e7, 1e7, 3, &c.move.centre },
+		{ "turn", 0, MAIN_NUMBER, &c.move.turn_deg, -3600, 3600, 0, NULL }, { "scale", 0, MAIN_NUMBER, &c.move.scale, 1e-6, 1e6, 0, NULL },
+		{ "height", 0, MAIN_TEXT, &height, 0, 0, 0, NULL }, { "clearance", 0, MAIN_NUMBER, &c.move.clearance_m, -1e6, 1e6, 0, NULL },
+		{ "part", 0, MAIN_COUNT, &part, 1, 1e6, 0, NULL }, { "from", 0, MAIN_NUMBER, &c.move.from_s, 0, 1e9, 0, NULL },
+		{ "to-time", 0, MAIN_NUMBER, &c.move.to_s, 0, 1e9, 0, NULL }, { "pause", 0, MAIN_NUMBER, &c.cleaning.pause_s, 0.001, 1e9, 0, NULL },
+		{ "smooth", 0, MAIN_NUMBER, &c.smoothing.smooth_s, 0, 1000, 0, NULL },
+		{ "pitch", 0, MAIN_NUMBER, &c.smoothing.pitch_deg, -90, 90, 0, &c.smoothing.pitch_given_wins },
+		{ "look-at", 0, MAIN_NUMBERS, c.move.look_at, -1e9, 1e9, 3, &c.move.look_at_given },
+		{ "fov", 0, MAIN_NUMBER, &c.smoothing.fov_y_deg, 1, 170, 0, NULL },
+		{ "fps", 0, MAIN_NUMBER, &c.fitting.fps, 0.001, 1000, 0, NULL }, { "speed", 0, MAIN_NUMBER, &c.move.speed, 1e-4, 1e5, 0, NULL },
+		{ "max-keyframes", 0, MAIN_COUNT, &keys, 2, 200000, 0, NULL }, { 0 } };
+	enum eco_code code = main_arguments(argc, argv, "camera", options, "the recorded track", &c.input, 1, NULL, error);
+	if (!code && !c.output)
 		code = eco_fail(error, ECO_BAD_USAGE, "ecopack camera: -o CAMERA.json is missing");
-	if (!code && o.to_given && o.centre_given)
+	if (!code && c.move.to_given && c.move.centre)
 		code = eco_fail(error, ECO_BAD_USAGE, "--to and --centre-to cannot both be kept");
-	if (!code && !(code = choose("axes", axes, "default opengl opencv ros", &axis, error)) &&
-		!(code = choose("up", up, "default z y -y", &world, error)) && !(code = choose("order", order, "lonlat latlon", &latitudes, error)) &&
-		!(code = choose("height", height, "default abs rel ground", &heights, error))) {
-		o.height = (enum eco_track_height)heights;
-		o.read.format = format;
-		o.read.axes = (enum eco_axes)axis;
-		o.read.world = (enum eco_world)world;
-		o.read.latitude_first = latitudes == 1;
-	}
-	return code ? code : camera_make(&o, error);
+	if (code || (code = choose("axes", axes, "default opengl opencv ros", &axis, error)) ||
+		(code = choose("up", up, "default z y -y", &world, error)) || (code = choose("order", order, "lonlat latlon", &latitudes, error)) ||
+		(code = choose("height", height, "default abs rel ground", &heights, error)))
+		return code;
+	c.cleaning.height = (enum eco_track_height)heights;
+	c.cleaning.part = (uint32_t)part;
+	c.fitting.keys_max = (uint32_t)keys;
+	c.read.axes = (enum eco_axes)axis;
+	c.read.world = (enum eco_world)world;
+	c.read.latitude_first = latitudes == 1;
+	c.moved = c.frame.local = c.move.to_given |= c.move.centre;
+	return camera_make(&c, error);
 }
 
 const struct main_command main_command_camera = { "camera", "TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",

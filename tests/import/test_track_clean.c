@@ -106,6 +106,20 @@ static void repeated_fixes_become_even_motion(void **state)
 	eco_track_free(&m.track);
 }
 
+static void ends_between_two_updates_are_where_the_motion_was(void **state)
+{
+	/* 60 records a second; positions every half second, the first a quarter old, the last held for a quarter */
+	struct made m = made_track(600);
+	(void)state;
+	for (uint32_t i = 0; i < 600; i++)
+		put(&m, i / 60.0, 10 * (floor((i / 60.0 + 0.25) * 2 + 1e-9) / 2), 0, 50);
+	struct eco_track_report report = cleaned(&m.track, &(struct eco_cleaning){ 0 });
+	const struct eco_fix *first = &m.track.fixes[0], *last = &m.track.fixes[m.track.count - 1];
+	assert_true(near(report.update_s, 0.5, 0.02) && near(first->at[0], 2.5, 0.2));
+	assert_true(near(last->at[0], first->at[0] + 10 * last->time_s, 0.5));
+	eco_track_free(&m.track);
+}
+
 static void isolated_jumps_are_dropped_others_split(void **state)
 {
 	struct made spikes = straight(100), apart = made_track(100), glide = straight(100);
@@ -239,7 +253,8 @@ int main(void)
 		cmocka_unit_test(bogus_backward_equal_and_missing_stamps_are_repaired),
 		cmocka_unit_test(whole_seconds_are_spread_over_their_fixes),
 		cmocka_unit_test(reversed_unsorted_and_reset_clocks_are_told_apart),
-		cmocka_unit_test(repeated_fixes_become_even_motion), cmocka_unit_test(isolated_jumps_are_dropped_others_split),
+		cmocka_unit_test(repeated_fixes_become_even_motion), cmocka_unit_test(ends_between_two_updates_are_where_the_motion_was),
+		cmocka_unit_test(isolated_jumps_are_dropped_others_split),
 		cmocka_unit_test(fast_stretches_are_no_jumps), cmocka_unit_test(long_stands_are_shortened),
 		cmocka_unit_test(without_times_a_pace_is_taken), cmocka_unit_test(heights_are_absolute_relative_or_interpolated),
 		cmocka_unit_test(degrees_become_metres_of_the_scene),

@@ -209,8 +209,7 @@ struct eco_script {
 struct eco_fitting {
 	double fps;                  /* 0: 30, or less if that were more than ECO_SCRIPT_FRAMES frames */
 	uint32_t keys_max;           /* 0: 8000 */
-	double still_m;              /* of the track: nothing finer is worth a keyframe */
-	double error_m, error_deg;   /* wanted; 0: 0.05 m, more if still_m is, less if the scene is small; 0.5 degrees, 1 if looks are made up */
+	double error_m, error_deg;   /* wanted; 0: 0.05 m, less if the scene is small; 0.5 degrees, 1 if looks are made up */
 };
 #define ECO_SCRIPT_FRAMES 20000u
 

@@ -97,18 +97,25 @@ static uint32_t run_end(const struct eco_track *track, uint32_t first, bool heig
 	return (uint32_t)(b - track->fixes);
 }
 
+/* The median time from run to run; the first is no whole one. */
+static double median_run(const struct eco_track *track, bool heights, double *scratch)
+{
+	uint32_t runs = 0;
+	for (uint32_t i = 0, end; i < track->count; i = end) {
+		end = run_end(track, i, heights);
+		if (end < track->count && i > 0)
+			scratch[runs++] = track->fixes[end].time_s - track->fixes[i].time_s;
+	}
+	return track_quantile(scratch, runs, 0.5);
+}
+
 /* Which fixes of each run keep what they say: the first (or the middle, where it was rounded), and the last where the camera stands. After a
  * stand motion begins slowly; where it begins with a leap, the receiver had only lost its satellites. Returns the median time of a run. */
 static double merge_runs(const struct eco_track *track, bool heights, double *scratch, uint8_t *keep)
 {
 	const struct eco_fix *f = track->fixes;
-	uint32_t runs = 0, last = track->count - 1;
-	for (uint32_t i = 0, end; i < track->count; i = end) {
-		end = run_end(track, i, heights);
-		if (end < track->count && i > 0)
-			scratch[runs++] = f[end].time_s - f[i].time_s;
-	}
-	double update_s = track_quantile(scratch, runs, 0.5), still_m = heights ? track->still_z_m : track->still_m;
+	uint32_t last = track->count - 1;
+	double update_s = median_run(track, heights, scratch), still_m = heights ? track->still_z_m : track->still_m;
 	double fast_m_s = fmax(2 * track_quantile(scratch, track_speeds(track, false, scratch), 0.9), 2 * track->still_m / fmax(update_s, 0.5));
 	for (uint32_t i = 0, end; i < track->count; i = end) {
 		end = run_end(track, i, heights);
@@ -121,12 +128,36 @@ static double merge_runs(const struct eco_track *track, bool heights, double *sc
 	return update_s;
 }
 
+/* A recording begins and ends between two positions of its receiver: its first is older than its first record, and its last holds until
+ * the last record. Both ends are brought to their times along the neighbouring step. A run of its own length is whole: only repeats are. */
+static void align_ends(struct eco_track *track, double *scratch)
+{
+	struct eco_fix *f = track->fixes, *end = &f[track->count - 1];
+	uint32_t first = run_end(track, 0, false), before = 0, last = 0;
+	for (uint32_t next = first; next < track->count; next = run_end(track, next, false)) {
+		before = last;
+		last = next;
+	}
+	if (first >= last)
+		return;
+	double update_s = median_run(track, false, scratch), head_s = f[first].time_s - f[0].time_s, tail_s = end->time_s - f[last].time_s;
+	for (int axis = 0; axis < 2 && update_s > 0; axis++) {
+		double step = f[last].at[axis] - f[last - 1].at[axis], back = (f[first].at[axis] - f[0].at[axis]) * (head_s / update_s);
+		for (uint32_t i = 0; i < first && first > 1 && head_s < 0.9 * update_s; i++)
+			f[i].at[axis] = f[first].at[axis] - back;
+		if (before + 1 < last && tail_s > 0 && tail_s < 1.2 * update_s)
+			end->at[axis] += step * tail_s / update_s;
+	}
+}
+
 static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_report *report, struct eco_error *error)
 {
 	double *scratch = malloc((track->count + 1) * sizeof *scratch);
 	uint8_t *keep = malloc(2 * (size_t)track->count);
 	uint32_t kept = 0, count = track->count;
 	if (scratch && keep) {
+		if (track->still_m <= ROUNDED_M)
+			align_ends(track, scratch);
 		report->update_s = merge_runs(track, false, scratch, keep);
 		merge_runs(track, true, scratch, keep + count);
 	}

@@ -9,6 +9,7 @@
 #include "ecofiles/import/track/track.h"
 
 #define DEG 57.29577951308232
+#define ERROR_M 0.05
 #define AHEAD_M 10.0                     /* of the target; any number does, as splines are linear */
 
 enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
@@ -79,12 +80,12 @@ static bool refine(struct fit *f, double bound, uint32_t keys_max)
 
 static void choose_errors(struct fit *f, const struct eco_fitting *fitting)
 {
-	double low[3], high[3], size = 0, fine_m = fmin(fmax(0.05, fitting->still_m / 4), 1);
+	double low[3], high[3], size = 0;
 	eco_flight_box(f->flight, low, high);
 	for (int k = 0; k < 3; k++)
 		size = fmax(size, high[k] - low[k]);
-	/* no finer than the recording, nor than a small scene can show */
-	f->error_m = fitting->error_m > 0 ? fitting->error_m : size > 0 ? fmin(fine_m, size / 1000) : fine_m;
+	/* a small scene shows finer */
+	f->error_m = fitting->error_m > 0 ? fitting->error_m : size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
 	f->error_deg = fitting->error_deg > 0 ? fitting->error_deg : f->flight->yaw_recorded ? 0.5 : 1;
 }
 
