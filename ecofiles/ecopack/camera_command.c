@@ -1,4 +1,4 @@
-/* ecopack camera: a recorded track becomes a camera script, and what was done to it is said. */
+/* ecopack camera: turns a recorded track into a camera script, and reports what it changed. */
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -54,7 +54,7 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 	return code;
 }
 
-/* ---- What is said ---- */
+/* ---- Reports ---- */
 
 static void say_repairs(const struct eco_track_report *r)
 {
@@ -92,7 +92,7 @@ static void say_read(const struct eco_track *track, const char *path)
 				track->skipped_line[i]);
 }
 
-/* What the flight took for what was not recorded. */
+/* Says which values stand in for what was not recorded. */
 static void say_guesses(const struct camera *c, const struct eco_flight *f, const struct eco_track *track, const struct eco_track_report *r)
 {
 	if (f->smooth_s > 0 && isnan(c->smoothing.smooth_s))
@@ -227,14 +227,14 @@ static enum eco_code move_flight(struct camera *c, struct eco_flight *flight, co
 		main_note("the first fix is the origin of the script's metres, x east, y north: nothing says where the scene is (--scene SCENE.json, or "
 			"--crs and --origin, or --to X,Y,Z)");
 	}
-	/* heights above take-off start from the ground there */
+	/* heights above take-off count from the ground there */
 	if (!c->moved && !local && r->height == ECO_HEIGHTS_RELATIVE && c->move.ground && eco_ground_height(&c->ground, from[0], from[1], &ground))
 		lift(flight, ground);
 	enum eco_code code = eco_flight_move(flight, &c->move, &moved, error);
 	if (code)
 		return code;
 	eco_flight_box(flight, low, high);
-	/* without a scene nothing says where the ground is: z = 0, and the whole track stays above */
+	/* without a scene the ground is unknown: take it as z = 0, and keep the whole track above */
 	if (!c->scene && local && c->move.clearance_m > low[2]) {
 		lift(flight, c->move.clearance_m - low[2]);
 		main_note("without --scene the ground is z = 0: the track is raised as a whole by %.1f m, so that its lowest eye is %g m above "
@@ -249,7 +249,7 @@ static enum eco_code write_script(const struct camera *c, const struct eco_scrip
 	size_t size;
 	struct eco_camera *camera = NULL;
 	char *text = eco_script_text(script, &size);
-	/* what was written is read as any reader would */
+	/* read the written script as any reader would */
 	enum eco_code code = text ? eco_camera_parse(&camera, text, size, c->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (!code)
 		code = write_output(c->output, text, size, error);

@@ -152,7 +152,8 @@ static bool choose_samples(struct work *w, double place_s)
 	follows |= !last;
 	step = fmax(step, fmax(w->flight->smooth_s / 20, follows ? LOOK_S / 50 : STEP_LEAST_S));
 	step = fmax(step, length / (SAMPLES_MAX - 1));
-	bool moves = length > 0 && step > 0;
+	/* a script has no finer times */
+	bool moves = length >= 1e-6 && step > 0;
 	w->flight->count = moves ? (uint32_t)fmax(ceil(length / step - 1e-9), 1) + 1 : 1;
 	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
 	return follows;

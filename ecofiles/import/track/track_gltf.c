@@ -6,6 +6,7 @@
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/format/model.h"
+#include "ecofiles/import/track/track_clean.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define DEG 57.29577951308232
@@ -185,25 +186,21 @@ static enum eco_code add_pose(struct eco_track *track, const struct chain *chain
 	return track_add(track, &fix, error);
 }
 
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
 /* At the key times of all channels, and between them. */
 static enum eco_code add_poses(struct eco_track *track, const struct chain *chain, const struct track_input *in, struct eco_error *error)
 {
-	size_t count = 0;
+	uint64_t count = 0;
 	for (size_t i = 0; i < channels_of(chain); i++)
 		count += channel_at(chain, i)->count;
+	if (count > ECO_TRACK_FIXES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "its camera is moved at more than %u times", ECO_TRACK_FIXES_MAX);
 	double *times = malloc((count + 1) * sizeof *times), *end = times;
 	if (!times)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	for (size_t i = 0; i < channels_of(chain); end += channel_at(chain, i++)->count)
 		if (channel_at(chain, i)->count)
 			memcpy(end, channel_at(chain, i)->times, channel_at(chain, i)->count * sizeof *times);
-	qsort(times, count, sizeof *times, by_value);
+	track_quantile(times, (uint32_t)count, 0);   /* sorts */
 	enum eco_code code = count ? ECO_OK : add_pose(track, chain, in, 0, error);
 	uint32_t between = count > FRAMES_MAX / SAMPLES_PER_KEY ? 1 : SAMPLES_PER_KEY;
 	for (size_t i = 0; !code && i < count; i++) {
