@@ -495,7 +495,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (r->data == NULL)
-		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it" : "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
+		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is damaged, or breaks off near its beginning" : "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
 			"glTF)", error);
 	return ECO_OK;
 }
