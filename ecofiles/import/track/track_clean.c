@@ -4,9 +4,8 @@
  * A position may be repeated because the GPS is slower than the recording (motion then goes on from first to first), because it was
  * rounded (then the middle of the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends). Positions,
  * heights and looks are told apart all the way: a fix loses only what it does not say. */
-#include "ecofiles/import/track/track_clean.h"
+#include "ecofiles/import/track/track_read.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

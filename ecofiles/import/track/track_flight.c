@@ -7,11 +7,10 @@
  *
  * How much: positions are rounded (4 decimals of a degree are 11 m) and drawn out of noise; the filter must span a few steps of
  * rounding at the track's speed, and much of the time between fixes, so that no corner is left at one. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/track/track_clean.h"
+#include "ecofiles/import/track/track_read.h"
 
 #define DEG 57.29577951308232
 #define SAMPLES_MAX 200000u

@@ -6,7 +6,6 @@
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/track/track_clean.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define DEG 57.29577951308232

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/positions_crs.h"
-#include "ecofiles/import/track/track_clean.h"
+#include "ecofiles/import/track/track_read.h"
 
 #define DEG 57.29577951308232
 #define METRES_PER_DEGREE 111195.0

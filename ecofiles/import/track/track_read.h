@@ -1,4 +1,4 @@
-/* What the readers of tracks share: a text with a place in it, numbers and dates as people write them, fixes as they come. */
+/* What the parts of this room share: texts with numbers and dates as people write them, tables, fixes as they come, distances. */
 #ifndef ECO_TRACK_READ_H
 #define ECO_TRACK_READ_H
 
@@ -65,6 +65,18 @@ bool track_has_place(const struct track_table *table);
 /* What a row says, in file order; *posed becomes true where it has a quaternion. */
 struct eco_fix track_row(struct track_table *table, const struct track_text *fields, uint32_t count, uint32_t line, bool *posed);
 void track_say_columns(struct eco_track *track, const struct track_table *table);
+
+/* ---- Cleaning ---- */
+
+/* Every fix gets a time, in file order not descending; see eco_track_clean for how. Positions are metres. */
+enum eco_code track_repair_stamps(struct eco_track *track, double pace_m_s, struct eco_track_report *report, struct eco_error *error);
+/* Metres; without heights, in the plane. */
+double track_distance(const struct eco_fix *a, const struct eco_fix *b);
+/* Speeds (in the plane, or with heights) over a second or more, so that rounding and noise do not pass for motion; stands are left out. At
+ * most track->count, ascending; returns how many. */
+uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds);
+/* Sorts; 0 if there are none. */
+double track_quantile(double *values, uint32_t count, double share);
 
 /* ---- Poses ---- */
 

@@ -11,7 +11,6 @@
 #define DEG 57.29577951308232
 #define ERROR_M 0.05
 #define AHEAD_M 10.0                     /* of the target; any number does, as splines are linear */
-
 enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
 
 struct fit {
@@ -52,10 +51,9 @@ static double worst_of(struct fit *f, uint32_t i, uint32_t *worst)
 		errors_at(f, i, sample, &m, &deg);
 		f->worst_m = fmax(f->worst_m, m);
 		f->worst_deg = fmax(f->worst_deg, deg);
-		if (fmax(m / f->error_m, deg / f->error_deg) > most) {
-			most = fmax(m / f->error_m, deg / f->error_deg);
-			*worst = sample;
-		}
+		double share = fmax(m / f->error_m, deg / f->error_deg);
+		*worst = share > most ? sample : *worst;
+		most = fmax(most, share);
 	}
 	return most;
 }

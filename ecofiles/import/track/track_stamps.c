@@ -1,10 +1,9 @@
 /* Time stamps as clocks, receivers and converters leave them. The order of the file is trusted above its stamps, as recorders append;
  * only a file that is shorter when sorted by time, way by way, is taken to be unsorted. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/track/track_clean.h"
+#include "ecofiles/import/track/track_read.h"
 
 #define FAR_S (30 * 86400.0)             /* from the middle stamp: of another recording, or of a clock that was not set */
 #define AHEAD 5u
@@ -204,12 +203,12 @@ enum eco_code track_repair_stamps(struct eco_track *track, double pace_m_s, stru
 		s.fixes[i].time_s = i ? s.fixes[i - 1].time_s + track_distance(&s.fixes[i - 1], &s.fixes[i]) / pace_m_s : 0;
 	if (!report->untimed) {
 		forget_bogus(&s);
-		double step_s = count_steps(&s, &forward, &backward);
+		count_steps(&s, &forward, &backward);
 		if (backward > 9 * forward)
 			reverse(&s);
 		else if (backward >= 3 && backward > (forward + backward) / 20)
 			code = sort_if_shorter(&s, backward, error);
-		step_s = count_steps(&s, &forward, &backward);
+		double step_s = count_steps(&s, &forward, &backward);
 		repair_backward(&s, step_s);
 		spread_equal(&s, count_steps(&s, &forward, &backward));
 		fill_missing(&s, step_s);
