@@ -112,7 +112,7 @@ static void both_rules_keep_the_budget_and_predict(void **state)
 			assert_true(plan_by(rules[i % 2], &plan, &request).converged || i % 2 == 0);
 			check_cuts(&plan);
 			assert_true(plan.vertices <= request.vertices);
-			assert_int_equal(plan.vertices, twin_vertices(&scene.scene, &plan, &request.view));
+			assert_int_equal(plan.vertices, plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
 			const struct eco_prediction *p = &plan.prediction;
 			assert_true(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && isfinite(p->tp + p->fp + p->fn) && eco_predicted_q(p) <= 1);
 			assert_true(isfinite(plan.sample_distance) && (i % 2 ? plan.sample_distance >= 0 : plan.sample_distance == 0));
