@@ -3,8 +3,12 @@
  *   damages PACK COUNT [SEED]
  *
  * Prints how many were not; exit 1 if there was one. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "ecofiles/format/wire.h"
-#include "tests/bench/random_request.h"
+#include "tests/support/random_request.h"
 
 /* Parses without decoding: every frame's hash, fields and order. True if the whole was accepted. */
 static bool stream_accepted(const uint8_t *bytes, size_t size)
@@ -42,7 +46,7 @@ static void some_stream(const struct srv_scene *scene, uint64_t seed, struct srv
 
 static uint64_t damage_stream(const struct srv_scene *scene, long damages, uint64_t seed)
 {
-	struct random_numbers r = { seed };
+	struct dice r = { seed };
 	struct srv_body body;
 	uint64_t unnoticed = 0;
 	some_stream(scene, seed, &body);
@@ -50,8 +54,8 @@ static uint64_t damage_stream(const struct srv_scene *scene, long damages, uint6
 	if (!stream_accepted(bytes, body.size_bytes))
 		random_stop("stream", &(struct eco_error){ .text = "the undamaged stream is refused" });
 	for (long i = 0; i < damages; i++) {
-		uint64_t at = random_bits(&r) % body.size_bytes;
-		uint8_t flip = (uint8_t)(1u << (random_bits(&r) % 8));
+		uint64_t at = dice_bits(&r) % body.size_bytes;
+		uint8_t flip = (uint8_t)(1u << (dice_bits(&r) % 8));
 		if (i % 4 == 3) {
 			unnoticed += stream_accepted(bytes, at);
 			continue;
@@ -95,7 +99,7 @@ static bool pack_accepted(const uint8_t *bytes, size_t size, uint64_t at)
 
 static uint64_t damage_pack(const char *path, long damages, uint64_t seed)
 {
-	struct random_numbers r = { seed };
+	struct dice r = { seed };
 	FILE *f = fopen(path, "rb");
 	uint64_t unnoticed = 0, size = f ? file_size(f) : 0;
 	uint8_t *bytes = malloc(size + 1);
@@ -106,12 +110,12 @@ static uint64_t damage_pack(const char *path, long damages, uint64_t seed)
 		random_stop(path, &(struct eco_error){ .text = "the undamaged pack is refused" });
 	for (long i = 0; i < damages; i++) {
 		/* half of them in the tables, which are small beside the chunks */
-		uint64_t at = random_bits(&r) % (i % 2 && size > 65536 ? 65536 : size);
+		uint64_t at = dice_bits(&r) % (i % 2 && size > 65536 ? 65536 : size);
 		if (i % 8 == 7) {
 			unnoticed += pack_accepted(bytes, at, at);
 			continue;
 		}
-		uint8_t flip = (uint8_t)(1u << (random_bits(&r) % 8));
+		uint8_t flip = (uint8_t)(1u << (dice_bits(&r) % 8));
 		bytes[at] ^= flip;
 		unnoticed += pack_accepted(bytes, size, at);
 		bytes[at] ^= flip;

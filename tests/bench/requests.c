@@ -16,12 +16,16 @@
  *
  * Prints a line a pack, or JSON; the first violations are described. Exit 1 if there was one. */
 #include <getopt.h>
+#include <math.h>
 #include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <xxhash.h>
 
 #include "client-min/view_select.h"
 #include "lod/plan/planner.h"
-#include "tests/bench/random_request.h"
+#include "tests/support/random_request.h"
 
 enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED, VIOLATION_COUNT };
 static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole", "senseless", "failed" };
@@ -236,10 +240,10 @@ static bool plan_rung(struct run *run, struct rung *rung)
 /* From nothing to everything, and some close together above the request's own, where what is left over would have found a use. */
 static void choose_budgets(const struct run *run, struct rung rungs[CHAIN])
 {
-	struct random_numbers r = { run->seed + run->number };
-	uint64_t own = run->request.vertices < ECO_VERTICES_MAX / 4 ? run->request.vertices : (uint64_t)random_power(&r, 0, 7);
-	const uint64_t chosen[CHAIN] = { 0, own, own + 1, own + 2 + random_bits(&r) % 8, own + own / 64 + 1, own + own / 8 + 3, 2 * own + 4,
-		(uint64_t)random_power(&r, 0, 8), (uint64_t)random_power(&r, 2, 6), ECO_VERTICES_MAX };
+	struct dice r = { run->seed + run->number };
+	uint64_t own = run->request.vertices < ECO_VERTICES_MAX / 4 ? run->request.vertices : (uint64_t)dice_power(&r, 0, 7);
+	const uint64_t chosen[CHAIN] = { 0, own, own + 1, own + 2 + dice_bits(&r) % 8, own + own / 64 + 1, own + own / 8 + 3, 2 * own + 4,
+		(uint64_t)dice_power(&r, 0, 8), (uint64_t)dice_power(&r, 2, 6), ECO_VERTICES_MAX };
 	for (uint32_t i = 0; i < CHAIN; i++)
 		rungs[i] = (struct rung){ .budget = chosen[i] };
 	qsort(rungs, CHAIN, sizeof *rungs, by_budget);

@@ -12,6 +12,7 @@
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/extreme/extreme_cases.h"
 #include "tests/bench/extreme/extreme_scene.h"
+#include "tests/support/scene_builder.h"
 
 static const uint64_t budgets[] = { 0, 50, 5000, ECO_VERTICES_MAX };
 enum { BUDGETS = sizeof budgets / sizeof *budgets };
@@ -233,48 +234,40 @@ void extreme_all_behind(struct extreme *x)
 #define SIDE EXTREME_SIDE_M
 #define LEVELS 10u               /* 4^10 stands of four tiles */
 
-struct wide_scene {
-	struct eco_scene scene;
-	struct eco_tile tiles[LEVELS + 8];
-	struct eco_child children[4 * LEVELS + 8];
-	struct eco_group groups[32];
-};
-
-/* The stand planted 4^LEVELS times: each level is four of the one below. A tile stands for what is below it by the stand's own summary. */
-static void widen(struct wide_scene *w, const struct eco_scene *from)
+/* The stand planted 4^LEVELS times: each level is four of the one below. A tile stands for what is below it by the stand's own summary. Other
+ * tables stay those of `from`. */
+static void widen(struct scene_builder *b, const struct eco_scene *from)
 {
-	w->scene = *from;
+	const uint32_t shift = LEVELS - 1;       /* of the stand's tiles, which follow the levels */
+	*b = (struct scene_builder){ .scene = *from };
+	b->scene.root = b->scene.tile_count = b->scene.child_count = b->scene.group_count = 0;
+	for (uint32_t i = 0; i < LEVELS; i++)
+		scene_add_tile(b, (struct eco_tile){ .summary = from->tiles[1].summary });
 	for (uint32_t i = 1; i < from->tile_count; i++) {
-		w->tiles[LEVELS + i - 1] = from->tiles[i];
-		w->tiles[LEVELS + i - 1].child_first += 4 * LEVELS;
+		struct eco_tile tile = from->tiles[i];
+		tile.child_count = tile.group_count = 0;
+		scene_add_tile(b, tile);
+		for (uint32_t c = 0; c < from->tiles[i].child_count; c++) {
+			struct eco_child child = from->children[from->tiles[i].child_first + c];
+			child.tile += shift;
+			scene_add_child(b, i + shift, child);
+		}
 	}
-	for (uint32_t i = 0; i < from->child_count; i++) {
-		w->children[4 * LEVELS + i] = from->children[i];
-		w->children[4 * LEVELS + i].tile += LEVELS - 1;
-	}
-	for (uint32_t i = 0; i < from->group_count; i++) {
-		w->groups[i] = from->groups[i];
-		w->groups[i].tile += LEVELS - 1;
-	}
+	for (uint32_t i = 0; i < from->group_count; i++)
+		scene_add_group(b, (struct eco_group){ from->groups[i].tile + shift, from->groups[i].plant, from->groups[i].list,
+			from->groups[i].place_first });
 	for (uint32_t level = LEVELS; level-- > 0;) {
-		const struct eco_tile *below = &w->tiles[level + 1];
-		double quarter = SIDE / 2 * ldexp(1, (int)(LEVELS - 1 - level));
-		struct eco_tile *t = &w->tiles[level];
-		*t = (struct eco_tile){ .area = 4 * below->area, .instance_count = 4 * below->instance_count, .summary = from->tiles[1].summary,
-			.child_first = 4 * level, .child_count = 4 };
+		double quarter = SIDE / 2 * ldexp(1, (int)(shift - level));
+		struct eco_tile *t = &b->tiles[level], *below = t + 1;
 		for (int i = 0; i < 3; i++) {
 			t->low[i] = below->low[i] - (i < 2 ? quarter : 0);
 			t->high[i] = below->high[i] + (i < 2 ? quarter : 0);
 		}
+		t->area = 4 * below->area;
+		t->instance_count = 4 * below->instance_count;
 		for (uint32_t c = 0; c < 4; c++)
-			w->children[4 * level + c] = (struct eco_child){ level + 1, true, { c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 };
+			scene_add_child(b, level, (struct eco_child){ level + 1, true, { c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 });
 	}
-	w->scene.root = 0;
-	w->scene.tiles = w->tiles;
-	w->scene.tile_count = LEVELS + from->tile_count - 1;
-	w->scene.children = w->children;
-	w->scene.child_count = 4 * LEVELS + from->child_count;
-	w->scene.groups = w->groups;
 }
 
 static void look_along(struct extreme *x, const struct eco_scene *scene, const struct eco_view *view, uint64_t most, bool told)
@@ -290,7 +283,7 @@ static void look_along(struct extreme *x, const struct eco_scene *scene, const s
 void extreme_horizon(struct extreme *x)
 {
 	static const uint64_t most[] = { 1000, 100000, 1000000 };
-	static struct wide_scene w;
+	struct scene_builder w = { .scene.near_m = 0 };
 	const struct extreme_world *world = extreme_world(x);
 	const double reach = SIDE / 2 * ldexp(1, LEVELS);
 	const double eyes[][3] = { { -reach, -reach, 1.7 }, { 0, 0, 1.7 }, { 0, 0, 0 } };
@@ -302,4 +295,5 @@ void extreme_horizon(struct extreme *x)
 			struct eco_view view = extreme_view(eyes[v], targets[v]);
 			look_along(x, &w.scene, &view, most[b], b > 0);
 		}
+	scene_free(&w);
 }
