@@ -141,7 +141,7 @@ $(TESTS): $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(CC) $(OPT) -o $@ $(filter %.o,$^) $(TRAPPED) $(LINK_TEST) -lcmocka
 
-# Programs that measure: tests/bench/NAME.c each; but tests/bench/bench*.c are the sections of one, ecobench, and what they share.
+# Programs that measure: tests/bench/NAME.c each; but bench*.c and extreme/ are the sections of one, ecobench, and what they share.
 BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench% tests/bench/test_%,$(wildcard tests/bench/*.c)))
 $(B)/bench/ecobench: $(BENCH_PARTS)
 $(filter-out %/plans,$(BENCHES)): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)

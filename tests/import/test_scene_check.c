@@ -10,41 +10,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/format/pack_record.h"
 #include "tests/support/scene_packs.h"
 
 #define PATH "build/tmp/test_scene_check.eco"
 
-/* A copy of the small pack's scene whose tables can be written to. */
-struct loose {
-	struct eco_scene scene;
-	struct eco_plant plants[1];
-	struct eco_anchor anchors[2];
-	struct eco_ladder ladders[4];
-	struct eco_curve curves[3];
-	struct eco_tile tiles[2];
-	struct eco_group groups[1];
-	struct eco_child children[2];
-	struct eco_list lists[12];
-	struct eco_chunk chunks[20];
-	struct eco_ground_tile grounds[3];
-};
-
-static void loosen(struct loose *l, const struct eco_scene *s)
-{
-	l->scene = *s;
-#define COPY(kind, field, name) \
-	assert_int_equal(s->name##_count, sizeof l->field / sizeof l->field[0]); \
-	memcpy(l->field, s->field, sizeof l->field); \
-	l->scene.field = l->field;
-	ECO_PACK_TABLES(COPY)
-	COPY(CHUNKS, chunks, chunk)
-	memcpy(l->grounds, s->ground, sizeof l->grounds);
-	l->scene.ground = l->grounds;
-#undef COPY
-}
-
-#define BREAK(id, what) static void break_##id(struct loose *l) { what; }
+/* Each breaks a copy of the small pack's scene. */
+#define BREAK(id, what) static void break_##id(struct scene_builder *l) { what; }
 BREAK(name, memset(l->scene.name, 'x', sizeof l->scene.name))
 BREAK(needs, l->scene.needs = 512)
 BREAK(missing_need, l->scene.needs = 511 & ~ECO_NEED_LINES)
@@ -52,24 +23,24 @@ BREAK(missing_cells, l->scene.needs = 511 & ~ECO_NEED_CELLS)
 BREAK(root, l->scene.root = 2)
 BREAK(near, l->scene.near_m = NAN)
 BREAK(near_zero, l->scene.near_m = 0)
-BREAK(ground, l->grounds[0].list = 5)
-BREAK(ground_range, l->grounds[0].list = 99)
+BREAK(ground, l->ground[0].list = 5)
+BREAK(ground_range, l->ground[0].list = 99)
 BREAK(ground_size, l->scene.ground_columns = 71)
 BREAK(ground_none, l->scene.ground_columns = 0)
 BREAK(ground_rows, l->scene.ground_rows = 0)
 BREAK(ground_lost, l->scene.ground_count = 2)
-BREAK(ground_level, l->grounds[1].level = 1)
-BREAK(ground_column, l->grounds[2].column = 2)
-BREAK(ground_twice, l->grounds[2].column = 0)
-BREAK(ground_children, l->grounds[0].child_count = 1)
-BREAK(ground_child_first, l->grounds[0].child_first = 2)
-BREAK(ground_orphans, l->grounds[0].child_count = 0; l->grounds[0].child_first = 0)
-BREAK(ground_cycle, l->grounds[1].child_count = 2; l->grounds[1].child_first = 0)
-BREAK(ground_error, l->grounds[0].error_m = -1)
-BREAK(ground_error_nan, l->grounds[0].error_m = NAN)
-BREAK(ground_error_child, l->grounds[1].error_m = 0.5f)
-BREAK(ground_bounds, l->grounds[0].low_m = 1)
-BREAK(ground_bounds_child, l->grounds[2].high_m = 0.75f)
+BREAK(ground_level, l->ground[1].level = 1)
+BREAK(ground_column, l->ground[2].column = 2)
+BREAK(ground_twice, l->ground[2].column = 0)
+BREAK(ground_children, l->ground[0].child_count = 1)
+BREAK(ground_child_first, l->ground[0].child_first = 2)
+BREAK(ground_orphans, l->ground[0].child_count = 0; l->ground[0].child_first = 0)
+BREAK(ground_cycle, l->ground[1].child_count = 2; l->ground[1].child_first = 0)
+BREAK(ground_error, l->ground[0].error_m = -1)
+BREAK(ground_error_nan, l->ground[0].error_m = NAN)
+BREAK(ground_error_child, l->ground[1].error_m = 0.5f)
+BREAK(ground_bounds, l->ground[0].low_m = 1)
+BREAK(ground_bounds_child, l->ground[2].high_m = 0.75f)
 BREAK(ground_grid, l->lists[7].grid_origin[0] = 0)
 BREAK(ground_chunks, l->lists[8].chunk_count = 0; l->lists[8].primitive_count = l->lists[8].element_count = 0)
 BREAK(level_large, l->lists[6].level = 8)
@@ -179,7 +150,7 @@ BREAK(reach_nan, l->curves[1].reach = NAN)
 static void every_inconsistency_is_found(void **state)
 {
 #define CASE(id) { #id, break_##id }
-	static const struct { const char *name; void (*apply)(struct loose *); } cases[] = {
+	static const struct { const char *name; void (*apply)(struct scene_builder *); } cases[] = {
 		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near), CASE(near_zero), CASE(ground), CASE(ground_range),
 			CASE(ground_size), CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level), CASE(ground_column), CASE(ground_twice),
 		CASE(ground_children), CASE(ground_child_first), CASE(ground_orphans), CASE(ground_cycle), CASE(ground_error),
@@ -214,15 +185,16 @@ static void every_inconsistency_is_found(void **state)
 	scene_free(&made);
 	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		struct loose l;
+		struct scene_builder l;
 
-		loosen(&l, &pack->scene);
+		scene_copy(&l, &pack->scene);
 		error = (struct eco_error){ 0 };
 		assert_int_equal(eco_scene_check(&l.scene, &error), ECO_OK);
 		cases[i].apply(&l);
 		if (eco_scene_check(&l.scene, &error) == ECO_OK)
 			fail_msg("%s is not found", cases[i].name);
 		assert_true(error.text[0] != 0);
+		scene_free(&l);
 	}
 	eco_pack_close(pack);
 	unlink(PATH);

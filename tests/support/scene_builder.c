@@ -264,13 +264,38 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 	return code;
 }
 
+static void *copy_of(const void *rows, size_t size)
+{
+	void *copy = malloc(size + 1);
+	if (!copy)
+		abort();
+	return size ? memcpy(copy, rows, size) : copy;
+}
+
+void scene_copy(struct scene_builder *b, const struct eco_scene *scene)
+{
+	*b = (struct scene_builder){ .scene = *scene };
+#define COPY(table, counter) b->scene.table = b->table = copy_of(scene->table, scene->counter * sizeof *scene->table)
+	COPY(plants, plant_count);
+	COPY(anchors, anchor_count);
+	COPY(ladders, ladder_count);
+	COPY(curves, curve_count);
+	COPY(tiles, tile_count);
+	COPY(groups, group_count);
+	COPY(children, child_count);
+	COPY(lists, list_count);
+	COPY(chunks, chunk_count);
+	COPY(ground, ground_count);
+#undef COPY
+}
+
 void scene_free(struct scene_builder *b)
 {
 	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children, b->lists, b->chunks, b->ground,
 		b->palette, b->elements, b->ends, b->payloads };
-	for (uint32_t i = 0; i < b->scene.list_count; i++)
+	for (uint32_t i = 0; i < b->scene.list_count && b->elements; i++)
 		eco_elements_free(&b->elements[i]);
-	for (uint32_t i = 0; i < b->scene.chunk_count; i++)
+	for (uint32_t i = 0; i < b->scene.chunk_count && b->payloads; i++)
 		free(b->payloads[i]);
 	for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
 		free(tables[i]);

@@ -80,6 +80,8 @@ enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground
 void scene_encode(struct scene_builder *b);
 /* Writes the pack; with `keep` not NULL leaves the writer there, with all lists added, instead of committing. */
 enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta, struct eco_pack_writer **keep, struct eco_error *error);
+/* The tables of a scene, to be written to; without elements and payloads. */
+void scene_copy(struct scene_builder *b, const struct eco_scene *scene);
 void scene_free(struct scene_builder *b);
 
 /* Random numbers of 31 bits, by a linear congruence. */
