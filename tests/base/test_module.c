@@ -64,13 +64,15 @@ static void what_is_no_library_is_refused(void **state)
 /* The module of PROJ under GDAL's name has no table of GDAL's. */
 static void another_module_under_that_name_is_refused(void **state)
 {
-	char target[4096];
+	char target[4096], *folder = target;     /* the program's: the last of its path, which may lie below another of that name */
 	ssize_t length = readlink("/proc/self/exe", target, sizeof target - 20);
 
 	(void)state;
 	assert_true(length > 0);
 	target[length] = 0;
-	strcpy(strstr(target, "/tests/") + 1, "ecoproj.so");
+	for (char *next = target; (next = strstr(next + 1, "/tests/"));)
+		folder = next;
+	strcpy(folder + 1, "ecoproj.so");
 	put("ecogdal.so", NULL);
 	assert_int_equal(symlink(target, FOLDER "/ecogdal.so"), 0);
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
