@@ -129,12 +129,8 @@ static void relax_gates(struct lod_allocation *m)
 	struct lod_planner *p = m->p;
 	lod_allocation_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
-		if (m->lambda <= 0)
-			p->gates[plant] = gate_of(m, plant, INFINITY);
-		else if (m->gates_fixed[plant])
-			p->gates[plant] = (uint32_t)(m->gates_fixed[plant] - 1) * ECO_SHARE_ONE;
-		else
-			p->gates[plant] = gate_of(m, plant, count_near(m, plant));
+		double near = m->lambda <= 0 ? INFINITY : count_near(m, plant);
+		p->gates[plant] = gate_of(m, plant, near);
 	}
 }
 
@@ -161,8 +157,6 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 {
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	if (choice->fixed != LOD_FREE)
-		return choice->fixed == LOD_FIXED_OPEN;
 	double share = fine_share(m, plants, summary), least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
 	return share < least ? least : share;
 }

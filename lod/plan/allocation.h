@@ -61,11 +61,8 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
-enum lod_fixed { LOD_FREE, LOD_FIXED_OPEN, LOD_FIXED_CLOSED };
-
 struct lod_tile_choice {
-	enum lod_fixed fixed;        /* set by the caller: lambda does not decide */
-	bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
+		bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
 	double closed_most;          /* share of its plants that may be left to the summary */
 	bool opened;                 /* at the last lambda: share is at least a half */
 	double share;                /* at the last lambda: how far the summary has given way to plants and
@@ -96,8 +93,6 @@ struct lod_allocation {
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
 	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
-	uint16_t *gates_fixed;       /* per plant, set by the caller: a gate + 1 that lambda does not decide;
-	                              * 0: none */
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	double lambda;
 	struct lod_cost cost;        /* at the last lambda */

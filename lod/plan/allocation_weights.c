@@ -405,8 +405,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_counted = malloc(scene->plant_count + 1u);
-	m->gates_fixed = calloc(scene->plant_count + 1u, sizeof *m->gates_fixed);
-	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of || !m->gates_counted || !m->gates_fixed)
+	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of || !m->gates_counted)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
@@ -446,6 +445,5 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->ladder_choices);
 	free(m->slot_of);
 	free(m->gates_counted);
-	free(m->gates_fixed);
 	*m = (struct lod_allocation){ 0 };
 }

@@ -8,8 +8,8 @@
  *   the lambda that does (the dual solution)
  * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
  *   (lod/plan/fill_budget.h)
- * - in small scenes, also try the gates and tiles of nearby lambdas, and each tile and gate the other way
- *   round
+ * - in small scenes, also swap steps between choices (lod/plan/swap_steps.h). Trying other gates and tiles
+ *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
@@ -30,9 +30,7 @@
 #define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
-#define SMALL_LADDER_CHOICES 64u /* scenes of fewer ladder choices and tiles are small */
-#define SMALL_REACH 6            /* lambdas tried on either side in small scenes */
-#define SMALL_PASSES 3           /* passes over tiles and gates in small scenes, at most */
+#define SMALL_SCENE 64u          /* ladder choices, and tiles: below, steps are swapped */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -184,7 +182,7 @@ static double closed_wrong(const struct lod_allocation *m)
 
 /* What the gates and tiles of a lambda leave wrong when filled to the budget: INFINITY where they do not
  * fit. */
-static enum eco_code try_structure(const struct lambda_search *s, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
+static enum eco_code fix_structure(const struct lambda_search *s, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
 	struct eco_error *error)
 {
 	lod_allocation_relax(s->allocation, lambda);
@@ -195,101 +193,6 @@ static enum eco_code try_structure(const struct lambda_search *s, double lambda,
 	lod_fill_search(fill, fmax(lambda, lambda_at(s->last)), budget);
 	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(s->allocation) : INFINITY;
 	return ECO_OK;
-}
-
-struct best { int index; double wrong; };
-
-/* Tries the gates and tiles of the lambdas around the one that fits. In small scenes, where steps are large
- * and the rest of the budget matters, these are several. */
-static enum eco_code try_structures(const struct lambda_search *s, uint64_t budget, int reach, struct best *best, struct eco_error *error)
-{
-	int from = s->index - reach + 1 > s->first - 1 ? s->index - reach + 1 : s->first - 1, tried = -1;
-	enum eco_code code = ECO_OK;
-	from = s->index == LAMBDA_COUNT ? s->index : from < s->last ? from : s->last;
-	for (int i = from, count = 0; !code && count < 2 * reach && tried != LAMBDA_COUNT; i = index_after(s, i), count++) {
-		struct lod_fill fill = { 0 };
-		double wrong = INFINITY;
-		code = try_structure(s, lambda_at(tried = i), budget, &fill, &wrong, error);
-		if (!code && reach > 1 && wrong < INFINITY) {
-			code = lod_fill_finish(&fill, budget, true, error);
-			wrong = fill.wrong + closed_wrong(s->allocation);
-		}
-		if (!code && wrong < best->wrong)
-			*best = (struct best){ i, wrong };
-		lod_fill_free(&fill);
-	}
-	return code;
-}
-
-/* With a tile or gate fixed by the caller: `better` if it leaves less wrong than `best`, which is then
- * replaced. */
-static enum eco_code try_fixed(const struct lambda_search *s, uint64_t budget, struct best *best, bool *better, struct eco_error *error)
-{
-	struct best other = *best;
-	enum eco_code code = try_structures(s, budget, SMALL_REACH, &other, error);
-	*better = other.wrong < best->wrong;
-	*best = other;
-	return code;
-}
-
-/* Tries each tile the other way round. */
-static enum eco_code try_tiles(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	enum eco_code code = ECO_OK;
-	for (uint32_t n = 0; !code && n < m->p->visible.node_count; n++) {
-		struct lod_tile_choice *choice = &m->tile_choices[n];
-		enum lod_fixed fixed = choice->fixed;
-		bool better;
-		if (!choice->open || !choice->has_summary)
-			continue;
-		lod_allocation_relax(m, lambda_at(best->index));
-		choice->fixed = choice->opened ? LOD_FIXED_CLOSED : LOD_FIXED_OPEN;
-		code = try_fixed(s, budget, best, &better, error);
-		*any = *any || better;
-		if (!better)
-			choice->fixed = fixed;
-	}
-	return code;
-}
-
-/* Tries each plant's gate after each of its bands. */
-static enum eco_code try_gates(const struct lambda_search *s, uint64_t budget, struct best *best, bool *any, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	enum eco_code code = ECO_OK;
-	for (uint32_t plant = 0; plant < m->p->scene->plant_count; plant++)
-		for (uint32_t gate = 0; !code && gate <= m->gates_counted[plant]; gate++) {
-			uint16_t fixed = m->gates_fixed[plant];
-			bool better;
-			if (m->gates_counted[plant] == 0 || (gate > 0 && lod_allocation_slot(m, plant, (uint8_t)(gate - 1)) == ECO_NONE))
-				continue;
-			m->gates_fixed[plant] = (uint16_t)(gate + 1);
-			code = try_fixed(s, budget, best, &better, error);
-			*any = *any || better;
-			if (!better)
-				m->gates_fixed[plant] = fixed;
-		}
-	return code;
-}
-
-/* A local search over tiles and gates, for small scenes where one of them matters. All summaries' hulls are
- * completed first: so a lambda gives the same result whenever it is tried. */
-static enum eco_code search_small(const struct lambda_search *s, uint64_t budget, struct best *best, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->tile_choices[n].has_summary)
-			lod_summary_hull_complete(&m->tile_choices[n].summary);
-	enum eco_code code = try_structures(s, budget, SMALL_REACH, best, error);
-	bool better = true;
-	for (int pass = 0; !code && better && pass < SMALL_PASSES; pass++) {
-		better = false;
-		code = try_tiles(s, budget, best, &better, error);
-		if (!code)
-			code = try_gates(s, budget, best, &better, error);
-	}
-	return code;
 }
 
 /* The lambda that uses the budget, between two of the grid (regula falsi). From one grid lambda to the next
@@ -325,16 +228,13 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
-	struct best best = { s->index, INFINITY };
-	bool small = m->few_plants && m->ladder_choice_count < SMALL_LADDER_CHOICES && m->p->visible.node_count < SMALL_LADDER_CHOICES;
-	double wrong;
-	enum eco_code code = small ? search_small(s, budget, &best, error) : ECO_OK;
-	if (!code)
-		code = try_structure(s, small || s->index == LAMBDA_COUNT ? lambda_at(best.index) : exact_lambda(s, budget), budget, &fill, &wrong, error);
+	bool small = m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count < SMALL_SCENE;
+	double wrong, lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index) : exact_lambda(s, budget);
+	enum eco_code code = fix_structure(s, lambda, budget, &fill, &wrong, error);
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
 	                                     * not fit; choosing nothing does */
 		lod_fill_free(&fill);
-		code = try_structure(s, lambda_at(s->first - 1), budget, &fill, &wrong, error);
+		code = fix_structure(s, lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
 	m->p->converged = fill.converged;
 	if (!code)
