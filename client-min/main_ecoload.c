@@ -6,27 +6,8 @@
 #include <string.h>
 
 #include "client-min/view_load.h"
-#include "client-min/view_options.h"
 #include "client-min/view_progress.h"
-
-static const char usage[] =
-	"usage: ecoload URL --camera CAMERA.json --clients N --seconds S [--vertices N] [--bytes M] [--size WxH] [--json]\n"
-	"\n"
-	"N clients walk a camera script, each from its own place in it, asking for the next frame as soon as the last is decoded.\n"
-	"Every answer is decoded and its vertices are counted anew from what was decoded. A client that is refused because the server has too\n"
-	"much to do waits as long as it asks for.\n"
-	"\n"
-	"  URL             of a scene: http://host:port/v1/scenes/NAME\n"
-	"  --camera FILE   camera script\n"
-	"  --clients N     1..1000\n"
-	"  --seconds S     how long\n"
-	"  --vertices N    budget a frame (1000000)\n"
-	"  --bytes M       budget of each response (none)\n"
-	"  --size WxH      of the views (800x600)\n"
-	"  --json          figures as JSON\n"
-	"  --help  --version\n"
-	"\n"
-	"Exit status: 0 no failures and no violations, 1 otherwise, 2 usage.\n";
+#include "ecofiles/base/options.h"
 
 static volatile sig_atomic_t interrupted;
 
@@ -36,47 +17,27 @@ static void on_signal(int number)
 	interrupted = 1;
 }
 
-struct options { struct view_load_options load; const char *camera; bool json; };
+struct options { struct view_load_options load; const char *camera; uint64_t clients; uint32_t size[2]; bool json; };
 
-static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o, struct eco_error *error)
-{
-	const char *value;
-	uint64_t count = 0;
-	if (view_option(argc, argv, i, "--camera", &value))
-		return (o->camera = value) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--camera takes a file");
-	if (view_option(argc, argv, i, "--clients", &value)) {
-		enum eco_code code = view_parse_count("--clients", value, 1, 1000, &count, error);
-		o->load.clients = (uint32_t)count;
-		return code;
-	}
-	if (view_option(argc, argv, i, "--seconds", &value))
-		return view_parse_seconds("--seconds", value, &o->load.seconds, error);
-	if (view_option(argc, argv, i, "--vertices", &value))
-		return view_parse_count("--vertices", value, 0, ECO_VERTICES_MAX, &o->load.vertices, error);
-	if (view_option(argc, argv, i, "--bytes", &value))
-		return view_parse_count("--bytes", value, 0, ECO_BYTES_UNBOUNDED - 1, &o->load.bytes, error);
-	if (view_option(argc, argv, i, "--size", &value))
-		return view_parse_size("--size", value, &o->load.width, &o->load.height, error);
-	if (view_flag(argv, i, "--json"))
-		return o->json = true, ECO_OK;
-	if (argv[*i][0] == '-' || o->load.url)
-		return eco_fail(error, ECO_BAD_USAGE, argv[*i][0] == '-' ? "unknown option '%s'" : "one URL at a time: '%s' is a second", argv[*i]);
-	o->load.url = argv[(*i)++];
-	return ECO_OK;
-}
+static struct options given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED }, .size = { 800, 600 } };
 
-static enum eco_code parse(int argc, char **argv, struct options *o, struct eco_error *error)
-{
-	*o = (struct options){ .load = { .width = 800, .height = 600, .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED } };
-	for (int i = 1; i < argc;) {
-		enum eco_code code = parse_one(argc, argv, &i, o, error);
-		if (code)
-			return code;
-	}
-	const char *missing = !o->load.url ? "the scene's URL" : !o->camera ? "--camera" : !o->load.clients ? "--clients"
-		: !(o->load.seconds > 0) ? "--seconds" : NULL;
-	return missing ? eco_fail(error, ECO_BAD_USAGE, "%s is missing; see ecoload --help", missing) : ECO_OK;
-}
+static const struct eco_option option_table[] = {
+	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url, .help = "of a scene: http://host:port/v1/scenes/NAME",
+		.is_required = true },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script", .is_required = true },
+	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, 1000, .help = "1 to 1000", .is_required = true },
+	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6, .help = "how long", .is_required = true },
+	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.load.vertices, 0, ECO_VERTICES_MAX, .help = "budget a frame; 1000000 if not given" },
+	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.load.bytes, 0, INT64_MAX, .help = "budget of each response; none if not given" },
+	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .help = "of the views; 800x600 if not given" },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" }, { 0 } };
+
+static const struct eco_command command = { .name = "ecoload", .options = option_table,
+	.synopsis = "URL --camera CAMERA.json --clients N --seconds S [--vertices N] [--bytes M] [--size WxH] [--json]",
+	.says = "N clients walk a camera script, each from its own place in it, asking for the next frame as soon as the last is decoded. "
+		"Every answer is decoded and its vertices are counted anew from what was decoded. A client that is refused because the server "
+		"has too much to do waits as long as it asks for.",
+	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
 
 struct progress { struct view_progress bar; double seconds; };
 
@@ -189,25 +150,21 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 
 int main(int argc, char **argv)
 {
-	for (int i = 1; i < argc; i++) {
-		if (!strcmp(argv[i], "--help"))
-			return fputs(usage, stdout), view_output_status(0, "ecoload");
-		if (!strcmp(argv[i], "--version"))
-			return puts("ecostream 0.1"), view_output_status(0, "ecoload");
-	}
-	struct options options;
 	struct eco_error error = { 0 };
 	struct sigaction action = { .sa_handler = on_signal };
+	if (eco_command_answers(&command, argc - 1, argv + 1))
+		return eco_command_end(&command, ECO_OK, &error);
 	action.sa_flags = (int)SA_RESETHAND;
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
-	enum eco_code code = parse(argc, argv, &options, &error);
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	given.load.clients = (uint32_t)given.clients;
+	given.load.width = given.size[0];
+	given.load.height = given.size[1];
 	if (!code)
 		code = view_fetch_setup(&error);
 	if (!code)
-		code = run(&options, &error);
+		code = run(&given, &error);
 	view_fetch_teardown();
-	if (code)
-		fprintf(stderr, "ecoload: %s\n", error.text);
-	return view_output_status(eco_exit_status(code), "ecoload");
+	return eco_command_end(&command, code, &error);
 }

@@ -9,10 +9,10 @@
 
 #include "client-min/view_fetch.h"
 #include "client-min/view_gl.h"
-#include "client-min/view_options.h"
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
+#include "ecofiles/base/options.h"
 #include "ecofiles/format/image.h"
 
 /* Reference triangles that a software renderer may be given for the coloured picture of a reference. */
@@ -20,38 +20,18 @@
 
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
 
-static const char usage[] =
-	"usage: ecoview URL --camera CAMERA.json --size WxH --vertices N [--bytes M] [--ground-px X] [--rule R] [--reference[=cpu|egl]] -o DIR\n"
-	"\n"
-	"Streams a scene along a camera script and draws every frame as a PNG.\n"
-	"\n"
-	"  URL                     of a scene: http://host:port/v1/scenes/NAME\n"
-	"  --camera FILE           camera script\n"
-	"  --size WxH              of the pictures, in pixels; at most 16384 either way and 2^26 in all\n"
-	"  --vertices N            budget a frame: points + 2 lines + 3 triangles drawn, instances counted\n"
-	"  --bytes M               budget of each response\n"
-	"  --ground-px X           how far the ground may be from where it is, 0.01 to 65536 pixels; default 1\n"
-	"  --rule R                how the server spends the budget: optimal (default), or deussen (Deussen 2002), to compare with\n"
-	"  --reference[=cpu|egl]   also draw everything at full detail, and score; by default with OpenGL on hardware, else in software\n"
-	"  --tint=kind             colour by representation: green triangles, red lines, blue points, yellow and orange blends\n"
-	"  --frames A..B           only these frames of the script (inclusive)\n"
-	"  -o DIR                  where pictures and report.json go; made if missing\n"
-	"  --help  --version\n"
-	"\n"
-	"Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, reference-0000.mask.png and\n"
-	"pr-0000.png (light: right, orange: too much, blue: missing). Exit status: 0 done, 1 failed, 2 usage.\n";
-
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
 struct options {
-	const char *url, *camera, *dir, *rule;
-	uint32_t width, height;
+	const char *url, *camera, *dir;
+	uint32_t size[2], width, height;
 	uint64_t vertices, bytes;
 	double ground_px;
-	bool has_vertices, has_frames;
+	bool has_frames;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
-	enum view_tint tint;
+	int tint;                                /* enum view_tint */
+	int rule;                                /* of rules */
 };
 
 struct viewer {                          /* everything that lives as long as the program */
@@ -77,84 +57,67 @@ static void on_signal(int number)
 
 /* ---- Command line ---- */
 
-static enum eco_code parse_frames(const char *text, struct options *o, struct eco_error *error)
+static struct options given = { .bytes = ECO_BYTES_UNBOUNDED };
+
+static enum eco_code read_frames(const char *text, void *value, struct eco_error *error)
 {
+	struct options *o = value;
 	unsigned long long first = 0, last = 0;
 	int used = 0;
-	if (!text || sscanf(text, "%9llu..%9llu%n", &first, &last, &used) != 2 || text[used] || first > last)
-		return eco_fail(error, ECO_BAD_USAGE, "--frames takes A..B, not '%s'", text ? text : "");
+	if (sscanf(text, "%9llu..%9llu%n", &first, &last, &used) != 2 || text[used] || first > last)
+		return eco_fail(error, ECO_BAD_USAGE, "--frames %.100s: must be A..B", text);
 	o->frame_first = first;
 	o->frame_last = last;
 	o->has_frames = true;
 	return ECO_OK;
 }
 
-static enum eco_code parse_reference(const char *arg, struct options *o, struct eco_error *error)
+static enum eco_code read_reference(const char *text, void *value, struct eco_error *error)
 {
-	const char *engine = arg + strlen("--reference");
-	o->reference = !*engine ? ENGINE_AUTO : !strcmp(engine, "=cpu") ? ENGINE_CPU : !strcmp(engine, "=egl") ? ENGINE_EGL : ENGINE_NONE;
-	return o->reference ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference is cpu or egl, not '%s'", engine);
+	enum engine *engine = value;
+	*engine = !text ? ENGINE_AUTO : !strcmp(text, "cpu") ? ENGINE_CPU : !strcmp(text, "egl") ? ENGINE_EGL : ENGINE_NONE;
+	return *engine ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference=%.100s: must be one of cpu, egl", text);
 }
 
-static enum eco_code parse_pixels(const char *text, double *pixels, struct eco_error *error)
-{
-	char *end = NULL;
-	*pixels = text ? strtod(text, &end) : 0;
-	if (text && end != text && !*end && *pixels >= ECO_GROUND_PX_MIN && *pixels <= ECO_GROUND_PX_MAX)
-		return ECO_OK;
-	return eco_fail(error, ECO_BAD_USAGE, "--ground-px takes a number of pixels from %g to %g, not '%s'", ECO_GROUND_PX_MIN,
-		ECO_GROUND_PX_MAX, text ? text : "");
-}
+static const char *const rules[] = { "optimal", "deussen", NULL };
+static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
 
-static enum eco_code parse_one(int argc, char **argv, int *i, struct options *o, struct eco_error *error)
-{
-	const char *value;
-	if (view_option(argc, argv, i, "--camera", &value))
-		return (o->camera = value) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--camera takes a file");
-	if (view_option(argc, argv, i, "-o", &value))
-		return (o->dir = value) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "-o takes a folder");
-	if (view_option(argc, argv, i, "--size", &value))
-		return view_parse_size("--size", value, &o->width, &o->height, error);
-	if (view_option(argc, argv, i, "--vertices", &value)) {
-		o->has_vertices = true;
-		return view_parse_count("--vertices", value, 0, ECO_VERTICES_MAX, &o->vertices, error);
-	}
-	if (view_option(argc, argv, i, "--bytes", &value))
-		return view_parse_count("--bytes", value, 0, ECO_BYTES_UNBOUNDED - 1, &o->bytes, error);
-	if (view_option(argc, argv, i, "--ground-px", &value))
-		return parse_pixels(value, &o->ground_px, error);
-	if (view_option(argc, argv, i, "--rule", &value))
-		return (o->rule = value) && (!strcmp(value, "optimal") || !strcmp(value, "deussen")) ? ECO_OK
-			: eco_fail(error, ECO_BAD_USAGE, "--rule is optimal or deussen, not '%s'", value ? value : "");
-	if (view_option(argc, argv, i, "--frames", &value))
-		return parse_frames(value, o, error);
-	if (strncmp(argv[*i], "--reference", 11) == 0)
-		return parse_reference(argv[(*i)++], o, error);
-	if (view_option(argc, argv, i, "--tint", &value)) {
-		o->tint = VIEW_TINT_KIND;
-		return value && !strcmp(value, "kind") ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--tint is kind, not '%s'", value ? value : "");
-	}
-	if (argv[*i][0] == '-')
-		return eco_fail(error, ECO_BAD_USAGE, "unknown option '%s'", argv[*i]);
-	if (o->url)
-		return eco_fail(error, ECO_BAD_USAGE, "one URL at a time: '%s' is a second", argv[*i]);
-	o->url = argv[(*i)++];
-	return ECO_OK;
-}
+static const struct eco_option option_table[] = {
+	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url, .help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script", .is_required = true },
+	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
+		.help = "of the pictures, in pixels; at most 16384 either way and 2^26 in all" },
+	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
+		.help = "budget a frame: points + 2 lines + 3 triangles drawn, instances counted" },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
+		.help = "where pictures and report.json go; made if missing" },
+	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX, .help = "budget of each response; none if not given" },
+	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
+		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
+	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
+		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen 2002), to compare with" },
+	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference, .has_optional_value = true,
+		.help = "also draw everything at full detail, and score; by default with OpenGL on hardware, else in software" },
+	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
+		.help = "colour by representation: green triangles, red lines, blue points, yellow and orange blends" },
+	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames, .help = "only these frames of the script (inclusive)" }, { 0 } };
 
-static enum eco_code parse(int argc, char **argv, struct options *o, struct eco_error *error)
+static const struct eco_command command = { .name = "ecoview", .options = option_table,
+	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--tint kind] "
+		"[--frames A..B]",
+	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
+	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, reference-0000.mask.png and "
+		"pr-0000.png (light: right, orange: too much, blue: missing).\n" };
+
+static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
 {
-	*o = (struct options){ .bytes = ECO_BYTES_UNBOUNDED };
-	for (int i = 1; i < argc;) {
-		enum eco_code code = parse_one(argc, argv, &i, o, error);
-		if (code)
-			return code;
-	}
-	if ((uint64_t)o->width * o->height > ECO_PIXELS_MAX)
-		return eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels", o->width, o->height, ECO_PIXELS_MAX);
-	const char *missing = !o->url ? "the scene's URL" : !o->camera ? "--camera" : !o->width ? "--size" : !o->has_vertices ? "--vertices"
-		: !o->dir ? "-o" : NULL;
-	return missing ? eco_fail(error, ECO_BAD_USAGE, "%s is missing; see ecoview --help", missing) : ECO_OK;
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, error);
+	*o = given;
+	o->width = given.size[0];
+	o->height = given.size[1];
+	if (!code && (uint64_t)o->width * o->height > ECO_PIXELS_MAX)
+		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels", o->width, o->height, ECO_PIXELS_MAX);
+	return code;
 }
 
 /* ---- Files ---- */
@@ -417,7 +380,7 @@ static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
 	const struct options *o = &v->options;
-	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule, .patience_ms = PATIENCE_MS, .stop = &interrupted };
+	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule ? rules[o->rule] : NULL, .patience_ms = PATIENCE_MS, .stop = &interrupted };
 	struct view_store_options store = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
@@ -460,15 +423,11 @@ static void catch_signals(void)
 
 int main(int argc, char **argv)
 {
-	for (int i = 1; i < argc; i++) {
-		if (!strcmp(argv[i], "--help"))
-			return fputs(usage, stdout), view_output_status(0, "ecoview");
-		if (!strcmp(argv[i], "--version"))
-			return puts("ecostream 0.1"), view_output_status(0, "ecoview");
-	}
 	static struct viewer viewer;
 	struct eco_error error = { 0 };
-	enum eco_code code = parse(argc, argv, &viewer.options, &error);
+	if (eco_command_answers(&command, argc - 1, argv + 1))
+		return eco_command_end(&command, ECO_OK, &error);
+	enum eco_code code = read_line(argc, argv, &viewer.options, &error);
 	view_progress_begin(&viewer.progress, "ecoview");
 	catch_signals();
 	if (!code)
@@ -479,7 +438,7 @@ int main(int argc, char **argv)
 		code = all_frames(&viewer, &error);
 	finish(&viewer);
 	view_fetch_teardown();
-	if (code && code != ECO_INTERRUPTED)
-		fprintf(stderr, "ecoview: %s\n", error.text);
-	return view_output_status(eco_exit_status(code), "ecoview");
+	if (code == ECO_INTERRUPTED)
+		error.text[0] = 0;                   /* all_frames told it */
+	return eco_command_end(&command, code, &error);
 }

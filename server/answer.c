@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/version.h"
 #include "ecofiles/format/wire.h"
 #include "server/condition.h"
 #include "server/query.h"
 #include "server/trace.h"
-#include "server/version.h"
 
 #define IMMUTABLE "public, max-age=31536000, immutable"
 
@@ -164,7 +164,7 @@ void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, 
 	XXH3_INITSTATE(&state);
 	XXH3_128bits_reset(&state);
 	XXH3_128bits_update(&state, scene->pack->id.bytes, sizeof scene->pack->id.bytes);
-	XXH3_128bits_update(&state, SRV_VERSION, sizeof SRV_VERSION);
+	XXH3_128bits_update(&state, ECO_VERSION, sizeof ECO_VERSION);
 	XXH3_128bits_update(&state, target, strlen(target));
 	XXH128_canonicalFromHash(&hash, XXH3_128bits_digest(&state));
 	memcpy(id.bytes, hash.digest, sizeof id.bytes);

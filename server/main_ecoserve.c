@@ -1,5 +1,4 @@
 /* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at once. */
-#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,60 +6,30 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/options.h"
 #include "server/daemon.h"
 #include "server/trace.h"
-#include "server/version.h"
 
 #define NAMES_SHOWN 8u
 #define DRAIN_MS 10000u
 #define DRAIN_ROUND_MS 20u
 
-static const char usage[] =
-	"usage: ecoserve [--listen HOST:PORT] [--log] [NAME=]OUT.eco ...\n"
-	"\n"
-	"Serves packs made by ecopack. Each is a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that is\n"
-	"a word of a-z, 0-9, '_' and '-', else the file's, in small letters and with '-' for all else.\n"
-	"\n"
-	"  -l, --listen HOST:PORT  where to listen; port 0 takes any free one (" SRV_LISTEN_DEFAULT ")\n"
-	"      --log               one line a request on stderr\n"
-	"  -h, --help              this text\n"
-	"  -V, --version           the version\n"
-	"\n"
-	"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a\n"
-	"second one ends at once.\n"
-	"Put a new pack in place of one that is served by renaming it, as ecopack does, and start again.\n"
-	"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n"
-	"Exit status: 0 ended as asked, 1 failed, 2 wrong usage.\n";
+static struct { struct srv_config config; struct eco_inputs scenes; } given;
 
-enum { OPTION_LOG = 256 };
+static const struct eco_option options[] = {
+	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
+		.help = "a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that is a word of a-z, 0-9, '_' and '-', else "
+		"the file's, in small letters and with '-' for all else" },
+	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
+		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
+	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" }, { 0 } };
 
-static const struct option options[] = {
-	{ "listen", required_argument, NULL, 'l' },
-	{ "log", no_argument, NULL, OPTION_LOG },
-	{ "help", no_argument, NULL, 'h' },
-	{ "version", no_argument, NULL, 'V' },
-	{ NULL, 0, NULL, 0 },
-};
-
-static int fail(const struct eco_error *error)
-{
-	fprintf(stderr, "ecoserve: %s\n", error->text);
-	return eco_exit_status(error->code);
-}
-
-static int print(const char *text)
-{
-	if (fputs(text, stdout) >= 0 && fflush(stdout) == 0)
-		return 0;
-	fputs("ecoserve: cannot write to stdout\n", stderr);
-	return 1;
-}
-
-static int wrong_usage(const char *text)
-{
-	fprintf(stderr, "ecoserve: %s\nTry 'ecoserve --help'.\n", text);
-	return 2;
-}
+static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [--log] [NAME=]OUT.eco ...",
+	.says = "Serves packs made by ecopack over HTTP.", .options = options,
+	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a second one "
+		"ends at once.\n"
+		"Put a new pack in place of one that is served by renaming it, as ecopack does, and start again.\n"
+		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
 /* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
 static enum eco_code add_scene(struct srv_store *store, const char *argument, struct eco_error *error)
@@ -105,9 +74,8 @@ static void pack_is_gone(int number)
 	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
 }
 
-static int run(struct srv_config *config, char **arguments, int count)
+static enum eco_code run(struct eco_error *error)
 {
-	struct eco_error error = { 0 };
 	struct srv_store store;
 	struct srv_daemon *daemon = NULL;
 	sigset_t signals;
@@ -117,43 +85,30 @@ static int run(struct srv_config *config, char **arguments, int count)
 	sigaddset(&signals, SIGTERM);
 	sigaddset(&signals, SIGINT);
 	srv_store_init(&store);
-	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), &error);
-	for (int i = 0; i < count && !code; i++)
-		code = add_scene(&store, arguments[i], &error);
+	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), error);
+	for (uint32_t i = 0; i < given.scenes.count && !code; i++)
+		code = add_scene(&store, given.scenes.names[i], error);
 	if (!code) {
 		sigprocmask(SIG_BLOCK, &signals, NULL);
-		code = srv_daemon_start(&daemon, config, &store, &error);
+		code = srv_daemon_start(&daemon, &given.config, &store, error);
 	}
 	if (!code)
-		code = announce(daemon, &store, &error);
+		code = announce(daemon, &store, error);
 	if (!code)
 		serve(daemon, &signals);
 	else
 		srv_daemon_stop(daemon);
 	srv_store_free(&store);
-	return code ? fail(&error) : 0;
+	return code;
 }
 
 int main(int argc, char **argv)
 {
-	struct srv_config config = { 0 };
-	for (int option; (option = getopt_long(argc, argv, "l:hV", options, NULL)) != -1;)
-		switch (option) {
-		case 'l':
-			config.listen = optarg;
-			break;
-		case OPTION_LOG:
-			config.log = true;
-			break;
-		case 'h':
-			return print(usage);
-		case 'V':
-			return print(SRV_VERSION "\n");
-		default:
-			fputs("Try 'ecoserve --help'.\n", stderr);
-			return 2;
-		}
-	if (optind == argc)
-		return wrong_usage("no scene to serve: name at least one OUT.eco");
-	return run(&config, argv + optind, argc - optind);
+	struct eco_error error = { 0 };
+	if (eco_command_answers(&command, argc - 1, argv + 1))
+		return eco_command_end(&command, ECO_OK, &error);
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	if (!code)
+		code = run(&error);
+	return eco_command_end(&command, code, &error);
 }

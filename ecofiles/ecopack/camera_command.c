@@ -314,94 +314,85 @@ static enum eco_code camera_make(struct camera *c, struct eco_error *error)
 
 /* ---- Options ---- */
 
-/* Words in the order of the enum that they stand for. */
-static enum eco_code choose(const char *option, const char *given, const char *words, int *value, struct eco_error *error)
+static struct camera given;
+static struct { int axes, up, height, order; uint64_t part, keys; } chosen;
+
+static void read_choices(void)
 {
-	size_t length = given ? strlen(given) : 0;
-	*value = 0;
-	for (const char *at = words; given && at; at = strchr(at, ' ')) {
-		at += *at == ' ';
-		if (strncmp(at, given, length) == 0 && (at[length] == ' ' || at[length] == 0))
-			return ECO_OK;
-		++*value;
-	}
-	*value = given ? *value : 0;
-	return given ? eco_fail(error, ECO_BAD_USAGE, "--%s %.60s: must be one of %s", option, given, words) : ECO_OK;
+	given.read.axes = (enum eco_axes)chosen.axes;
+	given.read.world = (enum eco_world)chosen.up;
+	given.read.latitude_first = chosen.order == 1;
+	given.cleaning.height = (enum eco_track_height)chosen.height;
+	given.cleaning.part = (uint32_t)chosen.part;
+	given.fitting.keys_max = (uint32_t)chosen.keys;
+	given.moved = given.frame.local = given.move.to_given |= given.move.centre;
 }
 
 static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 {
-	struct camera c = { .smoothing = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN },
+	given = (struct camera){ .smoothing = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN },
 		.move = { .from_s = NAN, .to_s = NAN, .clearance_m = CLEARANCE_M } };
-	const char *axes = NULL, *up = NULL, *height = NULL, *order = NULL;
-	int axis, world, heights, latitudes;
-	uint64_t part = 0, keys = 0;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &c.output, 0, 0, 0, NULL },
-		{ "format", 0, MAIN_TEXT, &c.read.format, 0, 0, 0, NULL }, { "columns", 0, MAIN_TEXT, &c.read.columns, 0, 0, 0, NULL },
-		{ "yaw-from-x", 0, MAIN_FLAG, &c.read.yaw_from_x, 0, 0, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
-		{ "axes", 0, MAIN_TEXT, &axes, 0, 0, 0, NULL }, { "up", 0, MAIN_TEXT, &up, 0, 0, 0, NULL },
-		{ "node", 0, MAIN_TEXT, &c.read.node, 0, 0, 0, NULL }, { "pace", 0, MAIN_NUMBER, &c.cleaning.pace_m_s, 0.001, 10000, 0, NULL },
-		{ "scene", 0, MAIN_TEXT, &c.scene, 0, 0, 0, NULL }, { "crs", 0, MAIN_TEXT, &c.frame.crs, 0, 0, 0, NULL },
-		{ "origin", 0, MAIN_NUMBERS, c.frame.origin, -1e9, 1e9, 3, &c.origin_given },
-		{ "track-crs", 0, MAIN_TEXT, &c.frame.track_crs, 0, 0, 0, NULL },
-		{ "to", 0, MAIN_NUMBERS, c.move.to, -1e7, 1e7, 3, &c.move.to_given },
-		{ "centre-to", 0, MAIN_NUMBERS, c.move.to, -1e7, 1e7, 3, &c.move.centre },
-		{ "turn", 0, MAIN_NUMBER, &c.move.turn_deg, -3600, 3600, 0, NULL }, { "scale", 0, MAIN_NUMBER, &c.move.scale, 1e-6, 1e6, 0, NULL },
-		{ "height", 0, MAIN_TEXT, &height, 0, 0, 0, NULL }, { "clearance", 0, MAIN_NUMBER, &c.move.clearance_m, -1e6, 1e6, 0, NULL },
-		{ "part", 0, MAIN_COUNT, &part, 1, 1e6, 0, NULL }, { "from", 0, MAIN_NUMBER, &c.move.from_s, 0, 1e9, 0, NULL },
-		{ "to-time", 0, MAIN_NUMBER, &c.move.to_s, 0, 1e9, 0, NULL }, { "pause", 0, MAIN_NUMBER, &c.cleaning.pause_s, 0.001, 1e9, 0, NULL },
-		{ "smooth", 0, MAIN_NUMBER, &c.smoothing.smooth_s, 0, 1000, 0, NULL },
-		{ "pitch", 0, MAIN_NUMBER, &c.smoothing.pitch_deg, -90, 90, 0, &c.smoothing.pitch_given_wins },
-		{ "look-at", 0, MAIN_NUMBERS, c.move.look_at, -1e9, 1e9, 3, &c.move.look_at_given },
-		{ "fov", 0, MAIN_NUMBER, &c.smoothing.fov_y_deg, 1, 170, 0, NULL },
-		{ "fps", 0, MAIN_NUMBER, &c.fitting.fps, 0.001, 1000, 0, NULL }, { "speed", 0, MAIN_NUMBER, &c.move.speed, 1e-4, 1e5, 0, NULL },
-		{ "max-keyframes", 0, MAIN_COUNT, &keys, 2, 200000, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "camera", options, "the recorded track", &c.input, 1, NULL, error);
-	if (!code && !c.output)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack camera: -o CAMERA.json is missing");
-	if (!code && c.move.to_given && c.move.centre)
+	memset(&chosen, 0, sizeof chosen);
+	enum eco_code code = main_read(&main_command_camera, argc, argv, error);
+	if (!code && given.move.to_given && given.move.centre)
 		code = eco_fail(error, ECO_BAD_USAGE, "--to and --centre-to cannot both be kept");
-	if (code || (code = choose("axes", axes, "default opengl opencv ros", &axis, error)) ||
-		(code = choose("up", up, "default z y -y", &world, error)) || (code = choose("order", order, "lonlat latlon", &latitudes, error)) ||
-		(code = choose("height", height, "default abs rel ground", &heights, error)))
-		return code;
-	c.cleaning.height = (enum eco_track_height)heights;
-	c.cleaning.part = (uint32_t)part;
-	c.fitting.keys_max = (uint32_t)keys;
-	c.read.axes = (enum eco_axes)axis;
-	c.read.world = (enum eco_world)world;
-	c.read.latitude_first = latitudes == 1;
-	c.moved = c.frame.local = c.move.to_given |= c.move.centre;
-	return camera_make(&c, error);
+	read_choices();
+	return code ? code : camera_make(&given, error);
 }
 
-const struct main_command main_command_camera = { "camera", "TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
-	"makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera",
-	"  -o, --output PATH     the camera script, which appears complete or not at all and replaces nothing but another\n"
-	"Reading\n"
-	"      --format NAME     srt gpx kml geojson csv gltf; found by itself if not given\n"
-	"      --columns LIST    of a table: t=NAME,lon=NAME,lat=NAME,alt=NAME:ft or east=,north=,up= and yaw=,pitch=,roll=,rel=,fov=,qx=..qw=\n"
-	"      --yaw-from-x      a table's yaw turns counter-clockwise from +X; else clockwise from north\n"
-	"      --order latlon    latitudes stand first in GPS(a, b)\n"
-	"      --axes NAME       of cameras in poses (glTF; quaternions of a table): opengl opencv ros\n"
-	"      --up NAME         axis of poses that points up: z y -y\n"
-	"      --node NAME       the glTF camera, or its node\n"
-	"      --pace M          metres a second where no position has a time; 10 if not given\n"
-	"Placing\n"
-	"      --scene PATH      SCENE.json: its CRS, origin and ground\n"
-	"      --crs CRS --origin X,Y,Z     the same without a scene\n"
-	"      --track-crs CRS   of a track in metres\n"
-	"      --to X,Y,Z        where the first fix goes in the scene, for a track recorded elsewhere; --centre-to X,Y,Z: its centre\n"
-	"      --turn DEG        counter-clockwise; --scale S: times its size\n"
-	"      --height NAME     abs: above the scene's zero; rel: above take-off; ground: above the ground below\n"
-	"      --clearance M     eyes stay so far above the ground; 1.7 if not given\n"
-	"Motion\n"
-	"      --part N          of a track that jumps; the longest if not given\n"
-	"      --from S --to-time S         seconds of the track\n"
-	"      --pause S         longer stands are shortened to this; 60 if not given\n"
-	"      --smooth S        seconds; by the recording's rounding and speed if not given\n"
-	"      --pitch DEG       up from the horizon, instead of what was recorded; --look-at X,Y,Z: always there\n"
-	"      --fov DEG         height of the view; what was recorded, else 60\n"
-	"      --fps N           frames a second; 30, or fewer if the track is long\n"
-	"      --speed X         times as fast\n"
-	"      --max-keyframes N at most; 8000 if not given\n", run_camera };
+static const char *const axes[] = { "default", "opengl", "opencv", "ros", NULL }, *const ups[] = { "default", "z", "y", "-y", NULL },
+	*const heights[] = { "default", "abs", "rel", "ground", NULL },
+	*const orders[] = { "lonlat", "latlon", NULL };
+
+static const struct eco_option options[] = {
+	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", &given.input, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true,
+		.help = "the camera script, which appears complete or not at all and replaces nothing but another" },
+	{ .help = "Reading" },
+	{ "format", 0, ECO_OPTION_TEXT, "NAME", &given.read.format,
+		.help = "srt gpx kml geojson csv gltf; found by itself if not given" },
+	{ "columns", 0, ECO_OPTION_TEXT, "LIST", &given.read.columns,
+		.help = "of a table: t=NAME,lon=NAME,lat=NAME,alt=NAME:ft or east=,north=,up= and yaw=,pitch=,roll=,rel=,fov=,qx=..qw=" },
+	{ "yaw-from-x", 0, ECO_OPTION_FLAG, NULL, &given.read.yaw_from_x,
+		.help = "a table's yaw turns counter-clockwise from +X; else clockwise from north" },
+	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &chosen.order, .choices = orders, .help = "latlon: latitudes stand first in GPS(a, b)" },
+	{ "axes", 0, ECO_OPTION_CHOICE, "NAME", &chosen.axes, .choices = axes, .help = "of cameras in poses (glTF; quaternions of a table): opengl opencv ros" },
+	{ "up", 0, ECO_OPTION_CHOICE, "NAME", &chosen.up, .choices = ups, .help = "axis of poses that points up: z y -y" },
+	{ "node", 0, ECO_OPTION_TEXT, "NAME", &given.read.node, .help = "the glTF camera, or its node" },
+	{ "pace", 0, ECO_OPTION_NUMBER, "M", &given.cleaning.pace_m_s, 0.001, 10000,
+		.help = "metres a second where no position has a time; 10 if not given" },
+	{ .help = "Placing" },
+	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene, .help = "its CRS, origin and ground" },
+	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.frame.crs, .help = "with --origin, the same without a scene" },
+	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.frame.origin, -1e9, 1e9, .count = 3, .given = &given.origin_given,
+		.help = "the point of --crs that is 0, 0, 0 in the scene" },
+	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", &given.frame.track_crs, .help = "of a track in metres" },
+	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.move.to, -1e7, 1e7, .count = 3, .given = &given.move.to_given,
+		.help = "where the first fix goes in the scene, for a track recorded elsewhere" },
+	{ "centre-to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.move.to, -1e7, 1e7, .count = 3, .given = &given.move.centre,
+		.help = "where its centre goes, instead" },
+	{ "turn", 0, ECO_OPTION_NUMBER, "DEG", &given.move.turn_deg, -3600, 3600, .help = "counter-clockwise" },
+	{ "scale", 0, ECO_OPTION_NUMBER, "S", &given.move.scale, 1e-6, 1e6, .help = "times its size" },
+	{ "height", 0, ECO_OPTION_CHOICE, "NAME", &chosen.height, .choices = heights,
+		.help = "abs: above the scene's zero; rel: above take-off; ground: above the ground below" },
+	{ "clearance", 0, ECO_OPTION_NUMBER, "M", &given.move.clearance_m, -1e6, 1e6,
+		.help = "eyes stay so far above the ground; 1.7 if not given" },
+	{ .help = "Motion" },
+	{ "part", 0, ECO_OPTION_COUNT, "N", &chosen.part, 1, 1e6, .help = "of a track that jumps; the longest if not given" },
+	{ "from", 0, ECO_OPTION_NUMBER, "S", &given.move.from_s, 0, 1e9, .help = "second of the track to begin with" },
+	{ "to-time", 0, ECO_OPTION_NUMBER, "S", &given.move.to_s, 0, 1e9, .help = "second of the track to end with" },
+	{ "pause", 0, ECO_OPTION_NUMBER, "S", &given.cleaning.pause_s, 0.001, 1e9, .help = "longer stands are shortened to this; 60 if not given" },
+	{ "smooth", 0, ECO_OPTION_NUMBER, "S", &given.smoothing.smooth_s, 0, 1000,
+		.help = "seconds; by the recording's rounding and speed if not given" },
+	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.smoothing.pitch_deg, -90, 90, .given = &given.smoothing.pitch_given_wins,
+		.help = "up from the horizon, instead of what was recorded" },
+	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.move.look_at, -1e9, 1e9, .count = 3, .given = &given.move.look_at_given,
+		.help = "always there" },
+	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.smoothing.fov_y_deg, 1, 170, .help = "height of the view; what was recorded, else 60" },
+	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.fitting.fps, 0.001, 1000, .help = "frames a second; 30, or fewer if the track is long" },
+	{ "speed", 0, ECO_OPTION_NUMBER, "X", &given.move.speed, 1e-4, 1e5, .help = "times as fast" },
+	{ "max-keyframes", 0, ECO_OPTION_COUNT, "N", &chosen.keys, 2, 200000, .help = "at most; 8000 if not given" }, { 0 } };
+
+const struct main_command main_command_camera = { { "ecopack camera", "TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
+	"Makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera", options, main_common,
+	NULL, NULL }, run_camera };

@@ -15,10 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/ecopack/link_part.h"
 #include "ecofiles/ecopack/progress.h"
-#include "ecofiles/ecopack/pack_version.h"
 #include "ecofiles/base/utf8.h"
 #include "lod/build/summary.h"
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/generate/generate.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/inspect.h"
@@ -11,13 +12,10 @@
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/times.h"
-#include "ecofiles/ecopack/pack_version.h"
-#include "ecofiles/base/phrase.h"
-
-static const struct main_command *const commands[] = { &main_command_make, &main_command_link, &main_command_info, &main_command_verify,
-	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
 
 /* ---- make ---- */
+
+static struct { struct make_options make; uint64_t jobs, cache_mb; int order; bool times, uncached; } make_given;
 
 static void print_times(bool by_stage)
 {
@@ -29,79 +27,64 @@ static void print_times(bool by_stage)
 		printf("built in %.2f s with at most %.0f MB of memory\n", elapsed_s, most_mb);
 }
 
-static enum eco_code find_order(const char *name, enum lod_order_method *order, struct eco_error *error)
-{
-	char known[256] = "";
-	for (int i = 0; i < LOD_ORDER_COUNT; i++) {
-		if (strcmp(lod_order_names[i], name) == 0) {
-			*order = (enum lod_order_method)i;
-			return ECO_OK;
-		}
-		eco_phrase_add(known, sizeof known, lod_order_names[i]);
-	}
-	return eco_fail(error, ECO_BAD_USAGE, "--order %.100s: the orders are %s", name, known);
-}
-
 static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 {
 	char folder[MAIN_CACHE_PATH] = "";
-	struct make_options make = { 0 };
-	uint64_t jobs = 0, cache_mb = MAIN_CACHE_LIMIT_MB;
-	const char *order = lod_order_names[LOD_ORDER_GREEDY];
-	bool times = false, uncached = false;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &make.pack, 0, 0, 0, NULL },
-		{ "times", 0, MAIN_FLAG, &times, 0, 0, 0, NULL },
-		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { "order", 0, MAIN_TEXT, &order, 0, 0, 0, NULL },
-		{ "cache", 0, MAIN_TEXT, &make.cache, 0, 0, 0, NULL }, { "no-cache", 0, MAIN_FLAG, &uncached, 0, 0, 0, NULL },
-		{ "cache-mb", 0, MAIN_COUNT, &cache_mb, 1, 1048576, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "make", options, "the scene file", &make.scene, 1, NULL, error);
-	if (!code && !make.pack)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack make: -o OUT.eco is missing");
+	struct make_options *make = &make_given.make;
+	memset(&make_given, 0, sizeof make_given);
+	make_given.order = LOD_ORDER_GREEDY;
+	make_given.cache_mb = MAIN_CACHE_LIMIT_MB;
+	enum eco_code code = main_read(&main_command_make, argc, argv, error);
+	if (!code && make->cache && (!make->cache[0] || strlen(make->cache) > sizeof folder / 2))
+		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder", make->cache);
+	make->order = (enum lod_order_method)make_given.order;
+	make->jobs = (uint32_t)make_given.jobs;
+	make->cache_bytes = make_given.cache_mb << 20;
+	if (make_given.uncached)
+		make->cache = NULL;
+	else if (!make->cache && main_cache_default(folder))
+		make->cache = folder;
+	main_times_memory(make_given.times);
 	if (!code)
-		code = find_order(order, &make.order, error);
-	if (!code && make.cache && (!make.cache[0] || strlen(make.cache) > sizeof folder / 2))
-		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder", make.cache);
-	make.jobs = (uint32_t)jobs;
-	make.cache_bytes = cache_mb << 20;
-	if (uncached)
-		make.cache = NULL;
-	else if (!make.cache && main_cache_default(folder))
-		make.cache = folder;
-	main_times_memory(times);
-	if (!code)
-		code = make_pack(&make, error);
+		code = make_pack(make, error);
 	/* open the written pack as any reader would */
 	if (!code && !main_is_quiet)
-		code = inspect_info(make.pack, false, stdout, error);
+		code = inspect_info(make->pack, false, stdout, error);
 	if (!code)
-		print_times(times);
+		print_times(make_given.times);
 	return code;
 }
 
-const struct main_command main_command_make = { "make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | --no-cache]",
-	"builds a pack; every field of SCENE.json is described in ecofiles/README.md",
-	"  -o, --output PATH   the pack, which appears complete or not at all and replaces nothing but a pack\n"
-	"      --order NAME    which leaves come first: greedy (the default: those that make most pixels right), or a method to compare with:\n"
-	"                      stochastic, density, orientation, combined\n"
-	"      --jobs N        threads; as many as there are processors if not given\n"
-	"      --times         where the time went, and the memory, by stage\n"
-	"      --cache DIR     finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given\n"
-	"      --no-cache      every plant is built, and nothing is taken from a pack that is there\n"
-	"      --cache-mb N    the plants used least recently leave the cache beyond this size; 2048 if not given\n", run_make };
+static const struct eco_option make_options[] = {
+	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &make_given.make.scene, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
+		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
+	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
+		.help = "which leaves come first: greedy (the default: those that make most pixels right), or a method to compare with: "
+		"stochastic, density, orientation, combined" },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64, .help = "threads; as many as there are processors if not given" },
+	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the memory, by stage" },
+	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
+		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given" },
+	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached,
+		.help = "every plant is built, and nothing is taken from a pack that is there" },
+	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576,
+		.help = "the plants used least recently leave the cache beyond this size; 2048 if not given" }, { 0 } };
+
+const struct main_command main_command_make = { {
+	"ecopack make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | --no-cache]",
+	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options, main_common, NULL, NULL }, run_make };
 
 /* ---- link ---- */
 
+static struct { struct eco_inputs parts; const char *pack; uint64_t jobs; } link_given;
+
 static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 {
-	static const char *inputs[LINK_PARTS_MAX];
-	struct link_options link = { .parts = inputs };
-	uint64_t jobs = 0;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &link.pack, 0, 0, 0, NULL },
-		{ "jobs", 0, MAIN_COUNT, &jobs, 1, 64, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "link", options, "a pack to be linked", inputs, LINK_PARTS_MAX, &link.count, error);
-	if (!code && !link.pack)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack link: -o OUT.eco is missing");
-	link.jobs = (uint32_t)jobs;
+	memset(&link_given, 0, sizeof link_given);
+	enum eco_code code = main_read(&main_command_link, argc, argv, error);
+	struct link_options link = { .pack = link_given.pack, .parts = (const char *const *)link_given.parts.names,
+		.count = link_given.parts.count, .jobs = (uint32_t)link_given.jobs };
 	if (!code)
 		code = link_packs(&link, error);
 	if (!code && !main_is_quiet)
@@ -109,43 +92,56 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_link = { "link", "A.eco B.eco ... -o OUT.eco",
-	"packs that were built apart become one, each where its origin is",
-	"  -o, --output PATH   the pack to write\n"
-	"      --jobs N        threads; as many as there are processors if not given\n"
-	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has some.\n", run_link };
+static const struct eco_option link_options[] = {
+	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write", .is_required = true },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64, .help = "threads; as many as there are processors if not given" },
+	{ 0 } };
+
+const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
+	"Makes one pack of packs that were built apart, each where its origin is.", link_options, main_common,
+	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has some.\n", NULL }, run_link };
 
 /* ---- info, verify ---- */
 
+static struct { const char *pack; bool json; } look_given;
+
 static enum eco_code run_info(int argc, char **argv, struct eco_error *error)
 {
-	bool json = false;
-	const char *pack;
-	const struct main_option options[] = { { "json", 0, MAIN_FLAG, &json, 0, 0, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "info", options, "the pack", &pack, 1, NULL, error);
-	return code ? code : inspect_info(pack, json, stdout, error);
+	memset(&look_given, 0, sizeof look_given);
+	enum eco_code code = main_read(&main_command_info, argc, argv, error);
+	return code ? code : inspect_info(look_given.pack, look_given.json, stdout, error);
 }
 
-const struct main_command main_command_info = { "info", "OUT.eco [--json]", "says what is in a pack",
-	"      --json          for scripts\n", run_info };
+static const struct eco_option info_options[] = {
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json, .help = "for scripts" }, { 0 } };
+
+const struct main_command main_command_info = { { "ecopack info", "OUT.eco [--json]", "Says what is in a pack.", info_options, main_common,
+	NULL, NULL }, run_info };
 
 static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 {
 	struct inspect_counts counts;
-	const char *pack;
-	enum eco_code code = main_arguments(argc, argv, "verify", NULL, "the pack", &pack, 1, NULL, error);
+	memset(&look_given, 0, sizeof look_given);
+	enum eco_code code = main_read(&main_command_verify, argc, argv, error);
 	if (!code)
-		code = inspect_verify(pack, stdout, &counts, error);
+		code = inspect_verify(look_given.pack, stdout, &counts, error);
 	if (!code)
-		printf("%s: all is well: %" PRIu64 " lists, %" PRIu64 " chunks, %" PRIu64 " primitives\n", pack, counts.lists, counts.chunks,
-			counts.primitives);
+		printf("%s: all is well: %" PRIu64 " lists, %" PRIu64 " chunks, %" PRIu64 " primitives\n", look_given.pack, counts.lists,
+			counts.chunks, counts.primitives);
 	return code;
 }
 
-const struct main_command main_command_verify = { "verify", "OUT.eco", "checks every byte of a pack and names what is damaged", NULL,
-	run_verify };
+static const struct eco_option verify_options[] = {
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true }, { 0 } };
+
+const struct main_command main_command_verify = { { "ecopack verify", "OUT.eco", "Checks every byte of a pack and names what is damaged.",
+	verify_options, main_common, NULL, NULL }, run_verify };
 
 /* ---- generate ---- */
+
+static struct { struct eco_generate_options generate; uint64_t plants; } generate_given;
 
 static bool generate_progress(void *ctx, const char *stage, double share)
 {
@@ -155,103 +151,91 @@ static bool generate_progress(void *ctx, const char *stage, double share)
 
 static enum eco_code run_generate(int argc, char **argv, struct eco_error *error)
 {
-	uint64_t plants = 0;
-	struct eco_generate_options generate = { .seed = 1, .progress = generate_progress };
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &generate.folder, 0, 0, 0, NULL },
-		{ "plants", 0, MAIN_COUNT, &plants, 1, ECO_GENERATE_PLANTS_MAX, 0, NULL },
-		{ "detail", 0, MAIN_NUMBER, &generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX, 0, NULL },
-		{ "seed", 0, MAIN_COUNT, &generate.seed, 0, 9007199254740992.0, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "generate", options, "the name of a scene", &generate.name, 1, NULL, error);
-	if (!code && !generate.folder)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack generate: -o DIR is missing");
-	generate.plants = plants;
+	struct eco_generate_options *generate = &generate_given.generate;
+	memset(&generate_given, 0, sizeof generate_given);
+	*generate = (struct eco_generate_options){ .seed = 1, .progress = generate_progress };
+	enum eco_code code = main_read(&main_command_generate, argc, argv, error);
+	generate->plants = generate_given.plants;
 	if (!code)
-		code = eco_generate(&generate, error);
+		code = eco_generate(generate, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
-		printf("%s/scene.json is ready: ecopack make %s/scene.json -o %s.eco\n", generate.folder, generate.folder, generate.name);
+		printf("%s/scene.json is ready: ecopack make %s/scene.json -o %s.eco\n", generate->folder, generate->folder, generate->name);
 	return code;
 }
 
-const struct main_command main_command_generate = { "generate", "NAME -o DIR [--plants N] [--detail D] [--seed S]",
-	"writes an example scene with models of its own into a folder, where files of the same names are replaced",
-	"  -o, --output DIR    the folder\n"
-	"      --plants N      about so many plants\n"
-	"      --detail D      woody plants have D times as many leaves, each as much smaller\n"
-	"      --seed S        another scene of the same kind; 1 if not given\n", run_generate };
+static const struct eco_option generate_options[] = {
+	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name, .is_required = true,
+		.help = "one of those that ecopack --help lists" },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder", .is_required = true },
+	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX, .help = "about so many plants" },
+	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX,
+		.help = "woody plants have D times as many leaves, each as much smaller" },
+	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0,
+		.help = "another scene of the same kind; 1 if not given" }, { 0 } };
 
-/* ---- Help ---- */
+const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] [--detail D] [--seed S]",
+	"Writes an example scene with models of its own into a folder, where files of the same names are replaced.", generate_options,
+	main_common, NULL, NULL }, run_generate };
 
-static void print_help(FILE *out)
+/* ---- The program ---- */
+
+static const struct main_command *const commands[] = { &main_command_make, &main_command_link, &main_command_info, &main_command_verify,
+	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
+
+static void print_commands(FILE *out)
 {
-	fputs("ecopack packs a scene (plants, positions, ground) into one file that ecoserve serves.\n\n", out);
-	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-		fprintf(out, "  ecopack %s %s\n      %s\n", commands[i]->name, commands[i]->synopsis, commands[i]->says);
+	char line[200];
+	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+		const struct eco_command *c = &commands[i]->line;
+		int at = fprintf(out, "  %s ", c->name);
+		eco_help_wrap(out, c->synopsis, at > 0 ? (unsigned)at : 0, 8);
+		fputs("      ", out);
+		eco_help_wrap(out, c->says, 6, 6);
+	}
 	fputs("\nScenes to generate:\n", out);
-	for (const struct eco_generate_kind *k = eco_generate_kinds; k->name; k++)
-		fprintf(out, "      %-10s %s (%" PRIu64 " plants)\n", k->name, k->says, k->plants);
-	fputs("\n  ecopack COMMAND --help says more, --quiet leaves out progress and notes, --version names the version.\n"
-		"\nExit status: 0 done, 1 failed, 2 wrong usage.\n", out);
+	for (const struct eco_generate_kind *k = eco_generate_kinds; k->name; k++) {
+		snprintf(line, sizeof line, "%s (%" PRIu64 " plants)", k->says, k->plants);
+		fprintf(out, "      %-10s ", k->name);
+		eco_help_wrap(out, line, 17, 17);
+	}
+	fputs("\necopack COMMAND --help says more, --quiet leaves out progress and notes.\n\n", out);
 }
 
-static void print_command_help(const struct main_command *command)
-{
-	printf("ecopack %s %s\n      %s\n", command->name, command->synopsis, command->says);
-	printf("\n%s      --quiet         neither progress nor notes, only errors\n", command->help ? command->help : "");
-	puts("\nExit status: 0 done, 1 failed, 2 wrong usage.");
-}
+static const struct eco_command program = { .name = "ecopack", .synopsis = "COMMAND ...", .print_more = print_commands,
+	.says = "Packs a scene (plants, positions, ground) into one file that ecoserve serves." };
 
 static const struct main_command *find_command(const char *name, struct eco_error *error)
 {
 	char known[256] = "";
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-		if (strcmp(commands[i]->name, name) == 0)
+		const char *own = commands[i]->line.name + strlen("ecopack ");
+		if (name && strcmp(own, name) == 0)
 			return commands[i];
-		eco_phrase_add(known, sizeof known, commands[i]->name);
+		eco_phrase_add(known, sizeof known, own);
 	}
-	eco_fail(error, ECO_BAD_USAGE, "%.100s: the commands are %s", name, known);
+	if (name)
+		eco_fail(error, ECO_BAD_USAGE, "%.100s is no command: the commands are %s", name, known);
+	else
+		eco_fail(error, ECO_BAD_USAGE, "a command is missing: the commands are %s", known);
 	return NULL;
-}
-
-static bool asks_for(int argc, char **argv, const char *option, const char *letter)
-{
-	for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
-		if (strcmp(argv[i], option) == 0 || strcmp(argv[i], letter) == 0)
-			return true;
-	return false;
 }
 
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
+	const char *name = argc > 1 ? argv[1] : NULL;
+	const struct main_command *command = find_command(name, &error);
+	if (!command) {
+		if (name && name[0] == '-' && eco_command_answers(&program, argc - 1, argv + 1))
+			return eco_command_end(&program, ECO_OK, &error);
+		return eco_command_end(&program, ECO_BAD_USAGE, &error);
+	}
 	enum eco_code code = ECO_OK;
-	const struct main_command *command = argc > 1 && argv[1][0] != '-' ? find_command(argv[1], &error) : NULL;
-	if (asks_for(argc, argv, "--version", "--version")) {
-		puts("ecostream " ECO_VERSION);
-	} else if (asks_for(argc, argv, "--help", "-h") && !error.code) {
-		if (command)
-			print_command_help(command);
-		else
-			print_help(stdout);
-	} else if (argc < 2) {
-		print_help(stderr);
-		return eco_exit_status(ECO_BAD_USAGE);
-	} else if (!command) {
-		code = eco_fail(&error, ECO_BAD_USAGE, "%.100s: a command comes first", argv[1]);
-	} else {
+	if (!eco_command_answers(&command->line, argc - 2, argv + 2)) {
 		main_catch_interrupts();
 		code = command->run(argc - 2, argv + 2, &error);
 		main_progress_end();
 	}
-	if (code || error.code) {
-		fprintf(stderr, "ecopack: %s\n", error.text);
-		if (error.code == ECO_BAD_USAGE)
-			fputs("ecopack --help says how it is used\n", stderr);
-		return eco_exit_status(error.code);
-	}
-	if (fflush(stdout) != 0 || ferror(stdout)) {
-		fputs("ecopack: cannot write the output\n", stderr);
-		return eco_exit_status(ECO_IO);
-	}
-	return 0;
+	return eco_command_end(&command->line, code, &error);
 }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/pack_version.h"
+#include "ecofiles/base/version.h"
 #include "lod/build/grid.h"
 
 static json_t *dropped_json(const struct make_plant *plant)

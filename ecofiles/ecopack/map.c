@@ -356,23 +356,21 @@ static void print_map(const struct map *m, const char *path)
 		printf("%" PRIu64 " stand beyond the ground's border\n", m->off_ground);
 }
 
+static struct { const char *scene, *output; uint64_t pixels; } given;
+
 static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 {
 	struct map m = { .error = error };
 	struct eco_chart_file file = { 0 };
-	const char *scene, *output = NULL;
-	uint64_t pixels = 1200;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &output, 0, 0, 0, NULL },
-		{ "size", 0, MAIN_COUNT, &pixels, 200, 8000, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "map", options, "the scene file", &scene, 1, NULL, error);
-	if (!code && !output)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack map: -o MAP.png is missing");
+	memset(&given, 0, sizeof given);
+	given.pixels = 1200;
+	enum eco_code code = main_read(&main_command_map, argc, argv, error);
 	if (!code)
-		code = eco_chart_may_write(output, error);
+		code = eco_chart_may_write(given.output, error);
 	if (!code)
-		code = map_gather(&m, scene);
+		code = map_gather(&m, given.scene);
 	if (!code)
-		code = map_frame(&m, (uint32_t)pixels);
+		code = map_frame(&m, (uint32_t)given.pixels);
 	if (!code)
 		code = draw_map(&m);
 	if (!code && !main_progress("writing", NULL, 1))
@@ -380,16 +378,21 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = eco_chart_png(m.chart, &file, error);
 	if (!code)
-		code = eco_chart_write(&file, output, error);
+		code = eco_chart_write(&file, given.output, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
-		print_map(&m, output);
+		print_map(&m, given.output);
 	free(file.bytes);
 	map_free(&m);
 	return code;
 }
 
-const struct main_command main_command_map = { "map", "SCENE.json -o MAP.png [--size PX]",
-	"draws where everything stands, without building models, and says what was left out",
-	"  -o, --output PATH   a PNG, which appears complete or not at all\n"
-	"      --size PX       longer side of the map without its legend, 200 to 8000; 1200 if not given\n", run_map };
+static const struct eco_option options[] = {
+	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "MAP.png", &given.output, .is_required = true,
+		.help = "a PNG, which appears complete or not at all" },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
+		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" }, { 0 } };
+
+const struct main_command main_command_map = { { "ecopack map", "SCENE.json -o MAP.png [--size PX]",
+	"Draws where everything stands, without building models, and says what was left out.", options, main_common, NULL, NULL }, run_map };

@@ -22,8 +22,6 @@
 #define WELD_BITS 16u
 
 struct seen {
-	const char *paths[FILES_MAX];
-	uint32_t path_count;
 	struct eco_model_options options;
 	const char *unit, *up;       /* as given */
 	struct eco_model model;
@@ -54,7 +52,7 @@ static enum eco_code find_components(struct seen *s, struct eco_error *error)
 	struct eco_component all = { 0 };
 	free(place);
 	if (!good)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s", s->paths[0]);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s", s->options.paths[0]);
 	for (uint32_t i = 0; i < s->components.count; i++)
 		for (int k = 0; k < 3; k++) {
 			all.low[k] = i ? fmin(all.low[k], s->components.items[i].low[k]) : s->components.items[i].low[k];
@@ -72,7 +70,7 @@ static enum eco_code find_organs(struct seen *s, struct eco_error *error)
 	s->organ = malloc(s->model.triangle_count + 1u);
 	if (!s->organ || setjmp(arena.failed)) {
 		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s", s->paths[0]);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s", s->options.paths[0]);
 	}
 	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
 	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
@@ -146,7 +144,7 @@ static json_t *text_json(const char *text)
 /* The first file's name up to its first dot, as a plant's name. */
 static void plant_name(const struct seen *s, char name[64])
 {
-	snprintf(name, 64, "%.63s", eco_path_last(s->paths[0]));
+	snprintf(name, 64, "%.63s", eco_path_last(s->options.paths[0]));
 	char *dot = strrchr(name, '.');
 	if (dot && dot != name)
 		*dot = 0;
@@ -160,12 +158,12 @@ static json_t *plant_json(const struct seen *s)
 {
 	json_t *plant = json_object();
 	const struct eco_model_source *source = &s->model.source;
-	if (s->path_count == 1) {
-		json_object_set_new(plant, "model", text_json(s->paths[0]));
+	if (s->options.path_count == 1) {
+		json_object_set_new(plant, "model", text_json(s->options.paths[0]));
 	} else {
 		json_t *files = json_array();
-		for (uint32_t i = 0; i < s->path_count; i++)
-			json_array_append_new(files, text_json(s->paths[i]));
+		for (uint32_t i = 0; i < s->options.path_count; i++)
+			json_array_append_new(files, text_json(s->options.paths[i]));
 		json_object_set_new(plant, "model", files);
 	}
 	if (s->up || source->up_how == ECO_HOW_SHAPE || source->up_how == ECO_HOW_CONVENTION)
@@ -292,8 +290,8 @@ static void print_organs(const struct seen *s)
 
 static void print_text(const struct seen *s)
 {
-	for (uint32_t i = 0; i < s->path_count; i++)
-		printf("%s%s", i ? " + " : "", s->paths[i]);
+	for (uint32_t i = 0; i < s->options.path_count; i++)
+		printf("%s%s", i ? " + " : "", s->options.paths[i]);
 	printf("\n  format      %s\n", s->model.source.format);
 	print_frame(s);
 	print_counts(&s->model);
@@ -426,14 +424,19 @@ static void print_json(const struct seen *s)
 
 /* ---- The command ---- */
 
+static struct { struct eco_inputs files; const char *unit, *up; double height_m; bool json, as_plant; } given;
+
 static enum eco_code read_options(struct seen *s, struct eco_error *error)
 {
+	s->unit = given.unit;
+	s->up = given.up;
+	s->options.height_m = given.height_m;
 	if (s->unit && !eco_unit_metres(s->unit, &s->options.unit_m))
 		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: the units are " ECO_UNITS, s->unit);
 	if (s->up && !eco_up_of(s->up, &s->options.up))
 		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that points up", s->up);
-	s->options.paths = s->paths;
-	s->options.path_count = s->path_count;
+	s->options.paths = (const char *const *)given.files.names;
+	s->options.path_count = given.files.count;
 	s->options.warn = keep_note;
 	s->options.ctx = s;
 	return ECO_OK;
@@ -442,10 +445,10 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 static enum eco_code see(struct seen *s, struct eco_error *error)
 {
 	enum eco_code code;
-	if (!main_progress("reading", eco_path_last(s->paths[0]), 0))
+	if (!main_progress("reading", eco_path_last(s->options.paths[0]), 0))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	code = eco_model_import(&s->model, &s->options, error);
-	if (!code && !main_progress("looking at it", eco_path_last(s->paths[0]), 0.7))
+	if (!code && !main_progress("looking at it", eco_path_last(s->options.paths[0]), 0.7))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (!code)
 		code = find_components(s, error);
@@ -458,26 +461,22 @@ static enum eco_code see(struct seen *s, struct eco_error *error)
 static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 {
 	struct seen *s = calloc(1, sizeof *s);
-	bool json = false, as_plant = false;
-	enum eco_code code;
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory");
-	const struct main_option options[] = { { "unit", 0, MAIN_TEXT, &s->unit, 0, 0, 0, NULL }, { "up", 0, MAIN_TEXT, &s->up, 0, 0, 0, NULL },
-		{ "height", 0, MAIN_NUMBER, &s->options.height_m, 0.001, 1000, 0, NULL }, { "json", 0, MAIN_FLAG, &json, 0, 0, 0, NULL },
-		{ "as-plant", 0, MAIN_FLAG, &as_plant, 0, 0, 0, NULL }, { 0 } };
-	code = main_arguments(argc, argv, "model", options, "the model file", s->paths, FILES_MAX, &s->path_count, error);
+	memset(&given, 0, sizeof given);
+	enum eco_code code = main_read(&main_command_model, argc, argv, error);
 	if (!code)
 		code = read_options(s, error);
 	if (!code)
 		code = see(s, error);
-	if (!code && json)
+	if (!code && given.json)
 		print_json(s);
-	else if (!code && as_plant)
+	else if (!code && given.as_plant)
 		print_plant(s);
 	else if (!code)
 		print_text(s);
 	for (uint32_t i = 0; i < s->note_count; i++) {
-		if (code || (as_plant && !json))
+		if (code || (given.as_plant && !given.json))
 			main_note("%s", s->notes[i]);
 		free(s->notes[i]);
 	}
@@ -488,10 +487,15 @@ static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_model = { "model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
-	"says what import sees in a model (several files make one plant), as SCENE.json would name it",
-	"      --unit U        unit of the files: " ECO_UNITS "\n"
-	"      --up x|y|z      axis of the files that points up\n"
-	"      --height M      height in metres to which it is scaled\n"
-	"      --json          for scripts\n"
-	"      --as-plant      only the lines for SCENE.json\n", run_model };
+static const struct eco_option options[] = {
+	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", &given.files, .high = FILES_MAX, .is_required = true },
+	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit, .help = "unit of the files: " ECO_UNITS },
+	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up, .help = "axis of the files that points up" },
+	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000, .help = "height in metres to which it is scaled" },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" },
+	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant, .help = "only the lines for SCENE.json" }, { 0 } };
+
+const struct main_command main_command_model = { {
+	"ecopack model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
+	"Says what import sees in a model (several files make one plant), as SCENE.json would name it.", options, main_common, NULL, NULL },
+	run_model };

@@ -378,28 +378,27 @@ static void sheet_free(struct sheet *s)
 	eco_pack_close(s->pack);
 }
 
+static struct { const char *pack, *output, *columns, *plants; uint64_t pixels; } given;
+
 static enum eco_code run_sheet(int argc, char **argv, struct eco_error *error)
 {
 	struct sheet s = { 0 };
-	const char *path, *columns = "1/2,1/4,1/8,1/16,1/32,1/64", *plants = NULL;
-	uint64_t pixels = 200;
-	const struct main_option options[] = { { "output", 'o', MAIN_TEXT, &s.output, 0, 0, 0, NULL },
-		{ "columns", 0, MAIN_TEXT, &columns, 0, 0, 0, NULL }, { "size", 0, MAIN_COUNT, &pixels, 48, 800, 0, NULL },
-		{ "plants", 0, MAIN_TEXT, &plants, 0, 0, 0, NULL }, { 0 } };
-	enum eco_code code = main_arguments(argc, argv, "sheet", options, "the pack", &path, 1, NULL, error);
-	if (!code && !s.output)
-		code = eco_fail(error, ECO_BAD_USAGE, "ecopack sheet: -o SHEET.png is missing");
+	memset(&given, 0, sizeof given);
+	given.columns = "1/2,1/4,1/8,1/16,1/32,1/64";
+	given.pixels = 200;
+	enum eco_code code = main_read(&main_command_sheet, argc, argv, error);
+	s.output = given.output;
+	s.pixels = (uint32_t)given.pixels;
 	if (!code)
-		code = parse_columns(&s, columns, error);
+		code = parse_columns(&s, given.columns, error);
 	if (!code)
 		code = eco_chart_may_write(s.output, error);
 	if (!code)
-		code = eco_pack_open(&s.pack, path, error);
+		code = eco_pack_open(&s.pack, given.pack, error);
 	if (code)
 		return code;
-	s.pixels = (uint32_t)pixels;
 	s.meta = json_loadb(s.pack->meta, s.pack->meta_size, 0, NULL);
-	code = choose_plants(&s, plants, error);
+	code = choose_plants(&s, given.plants, error);
 	if (!code)
 		code = make_pages(&s, error);
 	for (uint32_t i = 0; i < s.plant_count && !code && !main_is_quiet; i++)
@@ -408,9 +407,15 @@ static enum eco_code run_sheet(int argc, char **argv, struct eco_error *error)
 	return code;
 }
 
-const struct main_command main_command_sheet = { "sheet", "OUT.eco -o SHEET.png [--columns LIST] [--size PX] [--plants NAME,...]",
-	"draws every plant of a pack with less and less detail, and how good that is",
-	"  -o, --output PATH   a PNG, which appears complete or not at all; with many plants PATH-1, PATH-2, ...\n"
-	"      --columns LIST  shares of all vertices, or numbers of them: 1/2,1/4,1/8,1/16,1/32,1/64 if not given\n"
-	"      --size PX       side of each picture, 48 to 800; 200 if not given\n"
-	"      --plants LIST   only these, by name\n", run_sheet };
+static const struct eco_option options[] = {
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "SHEET.png", &given.output, .is_required = true,
+		.help = "a PNG, which appears complete or not at all; with many plants SHEET-1.png, SHEET-2.png, ..." },
+	{ "columns", 0, ECO_OPTION_TEXT, "LIST", &given.columns,
+		.help = "shares of all vertices, or numbers of them: 1/2,1/4,1/8,1/16,1/32,1/64 if not given" },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 48, 800, .help = "side of each picture, 48 to 800; 200 if not given" },
+	{ "plants", 0, ECO_OPTION_TEXT, "LIST", &given.plants, .help = "only these, by name" }, { 0 } };
+
+const struct main_command main_command_sheet = { {
+	"ecopack sheet", "OUT.eco -o SHEET.png [--columns LIST] [--size PX] [--plants NAME,...]",
+	"Draws every plant of a pack with less and less detail, and how good that is.", options, main_common, NULL, NULL }, run_sheet };

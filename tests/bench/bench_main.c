@@ -1,5 +1,4 @@
 /* The command line of ecobench. Every section runs even if one before it fails. */
-#include <getopt.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,32 +7,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/options.h"
 #include "tests/bench/bench_state.h"
 
 #define EXIT_INTERRUPTED 130
 #define JOBS_MAX 16u
-
-static void print_help(FILE *out)
-{
-	fputs("ecobench [--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--extreme] [--jobs N] [--trust] [--list]\n"
-		"      error against run time of the methods of the literature and ours, on the same scenes\n"
-		"\n"
-		"      --full          all methods, scenes and frames; else fewer of them, and the same keys\n"
-		"      --data DIR      a folder with models/, inventories/ and terrain/; generated plants and scenes only, if not given\n"
-		"      --out DIR       tables (CSV), plots, report.html and summary.json; BUILD/bench if not given\n"
-		"      --cache DIR     scenes, packs and finished pieces of work; OUT/cache if not given\n"
-		"      --build DIR     where the programs are; build if not given\n"
-		"      --only SECTION  this one only, or these (commas, or said again); the report keeps what is known of the others\n"
-		"      --extreme       --only extreme: the cases at the edge of what numbers can say; status 1 if one does not hold\n"
-		"      --jobs N        sections that run at the same time, each in a process of its own; 1 if not given. Those that measure time run alone\n"
-		"      --trust         pieces of work that another build of ecobench did are taken as they are\n"
-		"      --list          names of sections, and which are finished\n"
-		"      --quiet         no progress\n"
-		"\n"
-		"Ctrl-C finishes the piece of work that runs and writes the report of what is there; run again, it goes on from there.\n"
-		"\n"
-		"Exit status: 0 done, 1 a section failed, 2 wrong usage, 130 interrupted.\n", out);
-}
 
 static void print_list(const struct bench *bench, const struct bench_section *const *sections)
 {
@@ -178,76 +156,88 @@ static int run_sections(struct bench *bench, const struct bench_section *const *
 
 /* ---- The command line ---- */
 
-struct arguments { const char *out, *cache; char only[1024]; uint32_t jobs; bool list, help; };
+struct arguments { struct bench bench; const char *out, *cache; char only[1024]; uint64_t jobs; bool list; };
 
-static enum eco_code read_arguments(int argc, char **argv, struct bench *bench, struct arguments *a, struct eco_error *error)
+static struct arguments given;
+static struct bench_state state;
+
+static enum eco_code read_only(const char *text, void *value, struct eco_error *error)
 {
-	enum { FULL = 256, DATA, OUT, CACHE, BUILD, ONLY, EXTREME, JOBS, TRUST, LIST, QUIET, HELP };
-	static const struct option options[] = { { "full", 0, NULL, FULL }, { "data", 1, NULL, DATA }, { "out", 1, NULL, OUT },
-		{ "cache", 1, NULL, CACHE }, { "build", 1, NULL, BUILD }, { "only", 1, NULL, ONLY },
-		{ "extreme", 0, NULL, EXTREME }, { "jobs", 1, NULL, JOBS },
-		{ "trust", 0, NULL, TRUST }, { "list", 0, NULL, LIST }, { "quiet", 0, NULL, QUIET }, { "help", 0, NULL, HELP }, { 0 } };
-	char *end;
-	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;)
-		switch (c) {
-		case FULL: bench->full = true; break;
-		case DATA: bench->data = *optarg ? optarg : NULL; break;
-		case OUT: a->out = optarg; break;
-		case CACHE: a->cache = optarg; break;
-		case BUILD: bench->build = optarg; break;
-		case EXTREME: optarg = "extreme"; /* fall through */
-		case ONLY:
-			if (strlen(a->only) + strlen(optarg) + 2 > sizeof a->only)
-				return eco_fail(error, ECO_BAD_USAGE, "--only: too many names");
-			strcat(strcat(a->only, *a->only ? "," : ""), optarg);
-			break;
-		case JOBS:
-			a->jobs = (uint32_t)strtoul(optarg, &end, 10);
-			if (*end || a->jobs < 1 || a->jobs > JOBS_MAX)
-				return eco_fail(error, ECO_BAD_USAGE, "--jobs %s: 1 to %u sections can run at the same time", optarg, JOBS_MAX);
-			break;
-		case TRUST: bench->state->trust = true; break;
-		case LIST: a->list = true; break;
-		case QUIET: bench->state->quiet = true; break;
-		case HELP: a->help = true; break;
-		default: return eco_fail(error, ECO_BAD_USAGE, "see ecobench --help");
-		}
-	if (optind < argc)
-		return eco_fail(error, ECO_BAD_USAGE, "what is %s? ecobench takes options only: see ecobench --help", argv[optind]);
+	char *only = value;
+	if (strlen(only) + strlen(text) + 2 > sizeof given.only)
+		return eco_fail(error, ECO_BAD_USAGE, "--only: too many names");
+	strcat(strcat(only, *only ? "," : ""), text);
 	return ECO_OK;
 }
 
-static int fail(const struct eco_error *error)
+static enum eco_code read_extreme(const char *text, void *value, struct eco_error *error)
 {
-	fprintf(stderr, "ecobench: %s\n", error->text);
-	return eco_exit_status(error->code);
+	return text ? eco_fail(error, ECO_BAD_USAGE, "--extreme takes no value") : read_only("extreme", value, error);
+}
+
+static const struct eco_option options[] = {
+	{ "full", 0, ECO_OPTION_FLAG, NULL, &given.bench.full, .help = "all methods, scenes and frames; else fewer of them, and the same keys" },
+	{ "data", 0, ECO_OPTION_TEXT, "DIR", &given.bench.data,
+		.help = "a folder with models/, inventories/ and terrain/; generated plants and scenes only, if not given" },
+	{ "out", 0, ECO_OPTION_TEXT, "DIR", &given.out,
+		.help = "tables (CSV), plots, report.html and summary.json; BUILD/bench if not given" },
+	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &given.cache, .help = "scenes, packs and finished pieces of work; OUT/cache if not given" },
+	{ "build", 0, ECO_OPTION_TEXT, "DIR", &given.bench.build, .help = "where the programs are; build if not given" },
+	{ "only", 0, ECO_OPTION_READ, "SECTION", given.only, .read = read_only,
+		.help = "this one only, or these (commas, or said again); the report keeps what is known of the others" },
+	{ "extreme", 0, ECO_OPTION_READ, NULL, given.only, .read = read_extreme, .has_optional_value = true,
+		.help = "--only extreme: the cases at the edge of what numbers can say; status 1 if one does not hold" },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, JOBS_MAX,
+		.help = "sections that run at the same time, each in a process of its own; 1 if not given. Those that measure time run alone" },
+	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
+		.help = "pieces of work that another build of ecobench did are taken as they are" },
+	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, and which are finished" },
+	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &state.quiet, .help = "no progress" }, { 0 } };
+
+static const struct eco_command command = { .name = "ecobench", .options = options,
+	.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--extreme] [--jobs N] [--trust] [--list]",
+	.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
+	.notes = "Ctrl-C finishes the piece of work that runs, writes the report of what is there and ends with status 130; run again, it goes on "
+		"from there.\n" };
+
+static enum eco_code run(const struct bench_section *const *sections, int *status, struct eco_error *error)
+{
+	struct bench *bench = &given.bench;
+	if (given.list) {
+		print_list(bench, sections);
+		return ECO_OK;
+	}
+	enum eco_code code = check_words(given.only, sections, error);
+	if (!code)
+		code = check_folders(bench, error);
+	if (!code)
+		code = bench_open(bench, error);
+	if (code)
+		return code;
+	bench_catch_interrupts();
+	*status = run_sections(bench, sections, given.only, (uint32_t)given.jobs);
+	bench_close(bench);
+	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", bench->out, bench->out);
+	return ECO_OK;
 }
 
 int bench_main(int argc, char **argv, const struct bench_section *const *sections)
 {
-	static struct bench_state state;
 	static char out[1000], cache[1008];
-	struct bench bench = { .build = "build", .out = out, .cache = cache, .state = &state };
-	struct arguments a = { .jobs = 1 };
+	struct bench *bench = &given.bench;
 	struct eco_error error = { 0 };
-	optind = 0;
-	if (read_arguments(argc, argv, &bench, &a, &error))
-		return fail(&error);
-	if (a.help) {
-		print_help(stdout);
-		return 0;
-	}
-	snprintf(out, sizeof out, "%s%s", a.out ? a.out : bench.build, a.out ? "" : "/bench");
-	snprintf(cache, sizeof cache, "%s%s", a.cache ? a.cache : out, a.cache ? "" : "/cache");
-	if (a.list) {
-		print_list(&bench, sections);
-		return 0;
-	}
-	if (check_words(a.only, sections, &error) || check_folders(&bench, &error) || bench_open(&bench, &error))
-		return fail(&error);
-	bench_catch_interrupts();
-	int status = run_sections(&bench, sections, a.only, a.jobs);
-	bench_close(&bench);
-	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", out, out);
-	return status;
+	int status = 0;
+	state = (struct bench_state){ 0 };
+	given = (struct arguments){ .bench = { .build = "build", .out = out, .cache = cache, .state = &state }, .jobs = 1 };
+	if (eco_command_answers(&command, argc - 1, argv + 1))
+		return eco_command_end(&command, ECO_OK, &error);
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	if (bench->data && !*bench->data)
+		bench->data = NULL;
+	snprintf(out, sizeof out, "%s%s", given.out ? given.out : bench->build, given.out ? "" : "/bench");
+	snprintf(cache, sizeof cache, "%s%s", given.cache ? given.cache : out, given.cache ? "" : "/cache");
+	if (!code)
+		code = run(sections, &status, &error);
+	int ended = eco_command_end(&command, code, &error);
+	return ended ? ended : status;
 }

@@ -191,7 +191,7 @@ static void test_command_line_is_checked(void **state)
 		{ "--only", "tiny,non", 2, "no section is called non" }, { "--only", "tin", 2, "no section is called tin" },
 		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
 		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" },
-		{ "--jobs", "0", 2, "1 to 16" }, { "--jobs", "17", 2, "1 to 16" }, { "--jobs", "3x", 2, "1 to 16" } };
+		{ "--jobs", "0", 2, "from 1 to 16" }, { "--jobs", "17", 2, "from 1 to 16" }, { "--jobs", "3x", 2, "from 1 to 16" } };
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int status = RUN(cases[i].argument, cases[i].value);

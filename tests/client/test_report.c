@@ -14,7 +14,6 @@
 
 #include "client-min/view_fetch.h"
 #include "client-min/view_load.h"
-#include "client-min/view_options.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_report.h"
 
@@ -128,40 +127,6 @@ static void plan_time_is_found_in_its_header(void **state)
 	assert_true(isnan(view_fetch_plan_ms("plan;dur=7", 9)));
 }
 
-static void options_are_read_whole_or_refused(void **state)
-{
-	(void)state;
-	char *argv[] = { "x", "--size", "8x6", "--vertices=12", "--json", "--sizes", "--vertices" };
-	const char *value;
-	uint64_t n;
-	uint32_t w, h;
-	double s;
-	int at = 1;
-	assert_false(view_option(7, argv, &at, "--vertices", &value));
-	assert_true(view_option(7, argv, &at, "--size", &value) && at == 3);
-	assert_string_equal(value, "8x6");
-	assert_true(view_option(7, argv, &at, "--vertices", &value) && at == 4);
-	assert_string_equal(value, "12");
-	assert_true(view_flag(argv, &at, "--json") && at == 5);
-	assert_false(view_option(7, argv, &at, "--size", &value));
-	at = 6;
-	assert_true(view_option(7, argv, &at, "--vertices", &value) && value == NULL);
-	static const char *const bad_sizes[] = { "", "8", "8x", "x6", "8x6x", "0x6", "8x0", "-8x6", "99999x6", "8 x6", NULL };
-	for (size_t i = 0; i < sizeof bad_sizes / sizeof bad_sizes[0]; i++)
-		assert_int_equal(view_parse_size("--size", bad_sizes[i], &w, &h, NULL), ECO_BAD_USAGE);
-	assert_int_equal(view_parse_size("--size", "16384x1", &w, &h, NULL), ECO_OK);
-	assert_true(w == 16384 && h == 1);
-	static const char *const bad_counts[] = { "", "-1", "+1", "1.5", "1e6", " 1", "0x10", "18446744073709551616", "101", NULL };
-	for (size_t i = 0; i < sizeof bad_counts / sizeof bad_counts[0]; i++)
-		assert_int_equal(view_parse_count("--vertices", bad_counts[i], 0, 100, &n, NULL), ECO_BAD_USAGE);
-	assert_int_equal(view_parse_count("--vertices", "9223372036854775807", 0, ECO_VERTICES_MAX, &n, NULL), ECO_OK);
-	assert_true(n == ECO_VERTICES_MAX);
-	static const char *const bad_seconds[] = { "", "0", "-1", "nan", "inf", "1s", NULL };
-	for (size_t i = 0; i < sizeof bad_seconds / sizeof bad_seconds[0]; i++)
-		assert_int_equal(view_parse_seconds("--seconds", bad_seconds[i], &s, NULL), ECO_BAD_USAGE);
-	assert_int_equal(view_parse_seconds("--seconds", "0.5", &s, NULL), ECO_OK);
-}
-
 static void quantiles_are_values_that_occurred(void **state)
 {
 	(void)state;
@@ -191,8 +156,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(line_shows_dashes_for_what_is_not_known), cmocka_unit_test(report_has_every_figure),
 		cmocka_unit_test(report_of_nothing_is_valid),
-		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header),
-		cmocka_unit_test(options_are_read_whole_or_refused), cmocka_unit_test(quantiles_are_values_that_occurred),
+		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header), cmocka_unit_test(quantiles_are_values_that_occurred),
 		cmocka_unit_test(comparison_has_a_colour_for_each_case),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -22,10 +22,10 @@ expect() {
 }
 
 # ---- Usage ----
-expect 0 '^ecostream 0\.1$' --version
+expect 0 '^ecopack 0\.[0-9]+$' --version
 expect 0 'ecopack make SCENE.json -o OUT.eco' --help
 expect 0 'ecopack generate NAME -o DIR' --help
-expect 2 'ecopack make' 
+expect 2 'a command is missing: the commands are make'
 expect 2 'bake.*make, link, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"
@@ -38,8 +38,8 @@ expect 2 '--jobs 0: must be a whole number' make x.json -o x.eco --jobs 0
 expect 2 '--jobs -3' make x.json -o x.eco --jobs -3
 expect 2 '--plants 12x' generate park -o "$DIR/x" --plants 12x
 expect 2 'a value must follow' generate park -o
-expect 2 'the orders are greedy, stochastic, density, orientation, combined' make x.json -o x.eco --order alphabetical
-expect 2 'the orders are' make x.json -o x.eco --order=
+expect 2 'must be one of greedy, stochastic, density, orientation, combined' make x.json -o x.eco --order alphabetical
+expect 2 'must be one of' make x.json -o x.eco --order=
 expect 2 'must be the name of a folder' make x.json -o x.eco --cache=
 expect 2 '--cache-mb 0' make x.json -o x.eco --cache-mb 0
 expect 2 'generate park, forest, meadow' generate desert -o "$DIR/x"

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include "ecofiles/base/version.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
 
@@ -99,8 +100,8 @@ static int finish(struct process *process, char out[8192], char err[8192])
 static void arguments_are_checked_and_errors_help(void **state)
 {
 	static const struct { const char *arguments[6]; int status; const char *out, *err; } rows[] = {
-		{ { "--version" }, 0, "ecostream 0.1\n", "" }, { { "--help" }, 0, "usage: ecoserve", "" },
-		{ { NULL }, 2, "", "no scene to serve" }, { { "--nonsense" }, 2, "", "--help" }, { { "--listen" }, 2, "", "--help" },
+		{ { "--version" }, 0, "ecoserve " ECO_VERSION "\n", "" }, { { "--help" }, 0, "usage: ecoserve", "" },
+		{ { NULL }, 2, "", "a pack is missing" }, { { "--nonsense" }, 2, "", "--help" }, { { "--listen" }, 2, "", "--help" },
 		{ { "--listen", "nowhere", PACK_PATH }, 2, "", "HOST:PORT" }, { { "Bad=" PACK_PATH }, 2, "", "cannot name a scene" },
 		{ { "a=" PACK_PATH, "a=" PACK_PATH }, 2, "", "two scenes are named 'a'" },
 		{ { PACK_PATH, PACK_PATH }, 2, "", "two scenes are named 'sample'" },

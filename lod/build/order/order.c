@@ -5,7 +5,7 @@
 #include "lod/build/order/iso_surface.h"
 #include "lod/sort.h"
 
-const char *const lod_order_names[LOD_ORDER_COUNT] = {
+const char *const lod_order_names[LOD_ORDER_COUNT + 1] = {
 	[LOD_ORDER_GREEDY] = "greedy",
 	[LOD_ORDER_STOCHASTIC] = "stochastic",
 	[LOD_ORDER_DENSITY] = "density",

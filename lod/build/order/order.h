@@ -16,7 +16,7 @@
 
 /* Orders by name: `ecopack make --order NAME`, ecobench. */
 enum lod_order_method { LOD_ORDER_GREEDY, LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED, LOD_ORDER_COUNT };
-extern const char *const lod_order_names[LOD_ORDER_COUNT];      /* indexed by method */
+extern const char *const lod_order_names[LOD_ORDER_COUNT + 1];  /* indexed by method; ends with NULL */
 
 struct lod_order_input {
 	uint32_t count;

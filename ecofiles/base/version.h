@@ -1,0 +1,7 @@
+/* What --version prints of every program; it also stands in packs (META) and in the validators of computed answers. */
+#ifndef ECO_VERSION_H
+#define ECO_VERSION_H
+
+#define ECO_VERSION "0.1"
+
+#endif

@@ -1,0 +1,76 @@
+#!/bin/sh
+# All programs meet their users alike: --help, --version, no arguments, and an option that is none; and no line of a help is longer than 100
+# columns. BUILD is the folder of the programs. Prints what failed; status 0 when nothing did.
+set -u
+BUILD=${BUILD:-build}
+DIR=build/tmp/programs-sh-$$
+failed=0
+mkdir -p "$DIR"
+trap 'rm -rf "$DIR"' EXIT
+
+complain() { echo "test_programs: $*"; failed=1; }
+
+# run STATUS ARGUMENT...: the program's exit status, its output in $DIR/out and $DIR/err
+run() {
+	wanted=$1; shift
+	"$BUILD/$path" "$@" >"$DIR/out" 2>"$DIR/err" </dev/null
+	status=$?
+	[ $status -eq "$wanted" ] || complain "$program $*: status $status instead of $wanted"
+}
+
+# says FILE PATTERN
+says() { grep -Eq -- "$2" "$DIR/$1" || complain "$program: nothing like /$2/ in: $(head -c 300 "$DIR/$1")"; }
+silent() { [ ! -s "$DIR/$1" ] || complain "$program: says on $1: $(head -c 300 "$DIR/$1")"; }
+
+help() { # WHO ARGUMENT...
+	who=$1; shift
+	for option in --help -h; do
+		run 0 "$@" $option
+		silent err
+		[ "$(head -n 1 "$DIR/out" | cut -d ' ' -f "1-$(($(echo "$who" | wc -w) + 1))")" = "usage: $who" ] || complain "$who $option: no usage first"
+		[ "$(tail -n 1 "$DIR/out")" = "Exit status: 0 done, 1 failed, 2 wrong usage." ] || complain "$who $option: no exit status last"
+		says out '^  -h, --help  '
+		says out '^  -V, --version  '
+		awk -v who="$who" 'length($0) > 100 { print "test_programs: " who " --help: " length($0) " columns: " $0; bad = 1 } END { exit bad }' \
+			"$DIR/out" || failed=1
+	done
+}
+
+version=$(sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/version.h)
+[ -n "$version" ] || complain "no version in ecofiles/base/version.h"
+for path in ecopack ecoserve ecoview ecoload bench/ecobench; do
+	program=$(basename $path)
+	help "$program"
+	for option in --version -V; do
+		run 0 $option
+		silent err
+		[ "$(cat "$DIR/out")" = "$program $version" ] || complain "$program $option: $(cat "$DIR/out")"
+	done
+	run 2 --nonsense
+	silent out
+	says err "^$program: .*--nonsense"
+	says err "^$program --help says how it is used$"
+	# without arguments ecobench does all there is to do
+	[ "$program" != ecobench ] || continue
+	run 2
+	silent out
+	says err "^$program: .* is missing: "
+	says err "^$program --help says how it is used$"
+done
+
+path=ecopack program=ecopack
+"$BUILD/ecopack" --help >"$DIR/all"
+commands=$(sed -n 's/^  ecopack \([a-z]*\) .*/\1/p' "$DIR/all")
+[ "$(echo "$commands" | wc -w)" -ge 9 ] || complain "ecopack --help names only: $commands"
+for command in $commands; do
+	help "ecopack $command" "$command"
+	run 0 "$command" --version
+	run 2 "$command"
+	says err "^ecopack: .* is missing: "
+	says err "^ecopack $command --help says how it is used$"
+	run 2 "$command" --nonsense
+	says err "^ecopack: ecopack $command has no --nonsense$"
+done
+run 2 frobnicate
+says err '^ecopack: frobnicate is no command: the commands are make, '
+exit $failed
