@@ -4,7 +4,9 @@
 #   demo                 a generated park, from models to scored pictures
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
-#   test                 everything that tests, counted; layers and headers alone check the includes
+#   test [ONLY=NAME]     everything that tests, counted; or a room of tests/ (ONLY=plan), or one (ONLY=test_turn)
+#   check                the tests that a change reaches, cheapest first, in 30 s of processor time; the layers
+#   layers, headers      what each room may include; every header compiles alone
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
@@ -119,10 +121,13 @@ LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
-.PHONY: all deps told demo test determinism bench forest survey soak layers headers clean fuzz
+.PHONY: all help deps told demo test check determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 
 all: $(PROGRAMS) $(MODULES) | told
+
+help:
+	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
 
 $(foreach room,$(ROOMS) $(BASELINE_ROOM),$(eval $(call archive,$(room)): $(call objects,$(call sources,$(room)))))
 $(LIB_DRACO): $(B)/obj/ecofiles/format/draco_shim.o
@@ -234,12 +239,34 @@ deps:
 told:
 	@tests/packages.sh --tell $(PACKAGES)
 
+# What runs: everything, or what ONLY names: rooms, tests, or some of each.
+SCRIPTS := $(wildcard tests/*/test_*.sh)
+one_room = $(patsubst %.c,$(B)/tests/%,$(notdir $(filter tests/$(1)/%,$(TEST_SOURCES)))) $(filter tests/$(1)/%,$(SCRIPTS)) \
+	$(if $(filter fuzz,$(1)),$(FUZZERS))
+one_test = $(filter %/$(1),$(TESTS) $(FUZZERS)) $(filter %/$(1).sh %/$(1),$(SCRIPTS))
+ifdef ONLY
+  RUN := $(foreach name,$(subst $(comma), ,$(ONLY)),$(or $(strip $(call one_room,$(name)) $(call one_test,$(name))),none-$(name)))
+else
+  RUN := $(TESTS) $(FUZZERS) $(SCRIPTS)
+endif
+TEST_ROOMS = $(sort $(patsubst tests/%/,%,$(dir $(TEST_SOURCES) $(SCRIPTS))) fuzz)
+# scripts run programs; all else is a program
+RUN_BUILT := $(filter-out %.sh,$(RUN)) $(if $(filter %.sh,$(RUN)),$(BENCHES)) \
+	$(if $(filter %/test_determinism.sh,$(RUN)),$(B)/o0/ecopack $(B)/o0/plans)
+# what holds a test to its time
+build/limit: tests/limit.c
+	@mkdir -p $(@D)
+	$(CC) -std=c11 -O2 -D_GNU_SOURCE $(WARN) -o $@ $<
+
 # -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
-test: deps
+test check: deps
+	$(if $(filter none-%,$(RUN)),@echo "ONLY names no test: $(ONLY); rooms are $(TEST_ROOMS)" >&2; exit 2)
 	@mkdir -p $(B)
-	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all $(TESTS) $(BENCHES) $(FUZZERS) $(B)/o0/ecopack $(B)/o0/plans || built=$$?; \
-		echo $$built >$(B)/built
-	@tests/run.sh $(B) $$(cat $(B)/built) $(TESTS) $(FUZZERS)
+	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all build/limit \
+		$(RUN_BUILT) || built=$$?; echo $$built >$(B)/built
+	@$(RUN_$@)
+RUN_test = CHECKS="$(if $(ONLY),,layers headers)" tests/run.sh $(B) $$(cat $(B)/built) $(RUN)
+RUN_check = [ $$(cat $(B)/built) -eq 0 ] && $(MAKE) --no-print-directory layers && tests/check.sh $(B) $(RUN)
 
 determinism:
 	@tests/packages.sh $(PACKAGES) clang valgrind

@@ -1,4 +1,6 @@
-# Part of run.sh: runs $2 (a test binary, a fuzz target's replay or a script), writes its counts to $RESULTS and says what failed.
+# Part of run.sh and check.sh: runs $2 (a test binary, a fuzz target's replay or a script), writes its counts to $RESULTS and says what
+# failed. What passed is noted as green (tests/green.sh).
+. tests/green.sh
 program=$2
 name=$(basename "$program")
 log=$RESULTS/$name.log
@@ -11,8 +13,8 @@ fuzz_*)
 	;;
 *) set -- "$program" ;;
 esac
-started=$(date +%s)
-timeout -k 5 "$LIMIT_S" "$@" >"$log" 2>&1 </dev/null
+key=$(green_key "$program")
+"${LIMIT:-build/limit}" "$LIMIT_CPU_S" "$LIMIT_WALL_S" "$RESULTS/$name.cpu" "$@" >"$log" 2>&1 </dev/null
 status=$?
 
 # cmocka's TAP counts; anything else is one test
@@ -25,11 +27,19 @@ if [ $((passed + failed + skipped)) -eq 0 ]; then
 elif [ $status -ne 0 ] && { [ "$failed" -eq 0 ] || [ $status -ge 124 ]; }; then
 	failed=$((failed + 1))
 fi
+cpu=$(cat "$RESULTS/$name.cpu" 2>/dev/null || echo 0)
+green_note "$program" "$failed" "$cpu" "$key"
+stopped=$(sed -n 's/^limit: //p' "$log" | tail -n 1)
+# check.sh has only so much time, which is no fault of the test
+if [ -n "$stopped" ] && [ -n "${CHECK-}" ]; then
+	echo "not run to its end: $name ($cpu s)"
+	exit 0
+fi
 echo "$passed $failed $skipped" >"$RESULTS/$name.count"
 
 if [ "$failed" -gt 0 ]; then
 	case $status in
-	124|137) how="stopped after $LIMIT_S s" ;;
+	124) how=${stopped:-status 124} ;;
 	127) how="not there or not executable" ;;
 	*) how="status $status" ;;
 	esac
@@ -38,6 +48,5 @@ if [ "$failed" -gt 0 ]; then
 		grep -v -e '^ok ' -e '# SKIP' -e '^1\.\.' -e '^# ok' "$log" | tail -n 60 | sed 's/^/    /')
 	printf '%s\n' "$text"
 else
-	took=$(($(date +%s) - started))
-	echo "ok: $name, $passed$([ "$skipped" -gt 0 ] && echo ", $skipped skipped")$([ $took -ge 5 ] && echo ", $took s")"
+	echo "ok: $name, $passed$([ "$skipped" -gt 0 ] && echo ", $skipped skipped")$([ "${cpu%.*}" -ge 5 ] && echo ", ${cpu%.*} s")"
 fi
