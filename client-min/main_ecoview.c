@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_gl.h"
 #include "client-min/view_progress.h"
@@ -23,7 +24,7 @@
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
 struct options {
-	const char *url, *camera, *dir;
+	const char *url, *camera, *dir, *explain;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes;
 	double ground_px;
@@ -42,6 +43,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_gl *gl;                      /* NULL: no OpenGL; pictures are then flat */
 	struct view_picture picture, reference;
 	struct view_report report;
+	struct view_explain explain;
 	struct view_progress progress;
 	double parts, part;
 	double under_m;                          /* how far the last eye was below the ground that was drawn; else 0 or less */
@@ -100,11 +102,13 @@ static const struct eco_option option_table[] = {
 		.help = "also draw everything at full detail, and score; by default with OpenGL on hardware, else in software" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and orange blends" },
+	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
+		.help = "a table of why each cut of each frame is what it is; the server plans twice for it" },
 	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames, .help = "only these frames of the script (inclusive)" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--tint kind] "
-		"[--frames A..B]",
+		"[--frames A..B] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, reference-0000.mask.png and "
 		"pr-0000.png (light: right, orange: too much, blue: missing).\n" };
@@ -322,6 +326,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	struct view_frame f = view_frame_empty(number, time_s, &request);
 	code = stream_frame(v, &request, &eye, &f, error);
 	if (!code)
+		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
+	if (!code)
 		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
 	if (!code && v->options.reference)
 		code = score_frame(v, &request, &eye, &f, error);
@@ -351,6 +357,8 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	v->report.scene = view_store_scene_name(v->store);
 	v->report.programs = v->gl ? view_gl_programs(v->gl) : 0;
 	enum eco_code written = view_report_write(&v->report, o->dir, error);
+	if (!written)
+		written = view_explain_close(&v->explain, v->report.count > 0, error);
 	if (code == ECO_INTERRUPTED)
 		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n", v->report.count,
 			(unsigned long long)(o->frame_last - o->frame_first + 1), o->dir);
@@ -385,6 +393,8 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
 		code = make_dir(o->dir, error);
+	if (!code && o->explain)
+		code = view_explain_open(&v->explain, o->explain, error);
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
 	if (!code)
@@ -406,6 +416,7 @@ static void finish(struct viewer *v)
 	view_picture_free(&v->reference);
 	view_gl_close(v->gl);
 	view_report_free(&v->report);
+	view_explain_close(&v->explain, false, NULL);
 	view_store_free(v->store);
 	view_store_free(v->full);
 	view_fetch_free(v->fetch);

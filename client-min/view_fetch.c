@@ -17,11 +17,12 @@ struct view_fetch {
 	struct view_fetch_options options;
 	CURL *curl;
 	struct curl_slist *headers;
-	char *url;                               /* up to and including "/stream?" */
+	char *url;                               /* of the scene, without a final slash */
 	char curl_text[CURL_ERROR_SIZE];
 	/* of the request under way */
 	struct eco_wire_parser *parser;
 	struct view_fetch_result *result;
+	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	struct eco_error stream_error;
 	char problem[PROBLEM_MAX];
 	size_t problem_size;
@@ -129,6 +130,10 @@ static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 			(unsigned long long)fetch->options.body_max);
 		return 0;
 	}
+	if (fetch->text) {
+		eco_write_bytes(fetch->text, bytes, size);
+		return fetch->text->failed ? 0 : size;
+	}
 	return eco_wire_feed(fetch->parser, (const uint8_t *)bytes, size, &fetch->stream_error) ? 0 : size;
 }
 
@@ -194,7 +199,7 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	fetch->curl = curl_easy_init();
 	fetch->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
 	if (!fetch->curl || !fetch->headers || !curl_slist_append(fetch->headers, "Expect:") ||
-		asprintf(&fetch->url, "%.*s/stream?", (int)length, options->url) < 0) {
+		asprintf(&fetch->url, "%.*s", (int)length, options->url) < 0) {
 		view_fetch_free(fetch);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
 	}
@@ -246,7 +251,8 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url, fetch->options.stall_ms / 1000);
 	const char *type = NULL;
 	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_TYPE, &type);
-	if (fetch->result->status == 200 && type && strncasecmp(type, "application/octet-stream", 24) != 0)
+	const char *wanted = fetch->text ? "application/json" : "application/octet-stream";
+	if (fetch->result->status == 200 && type && strncasecmp(type, wanted, strlen(wanted)) != 0)
 		return stranger(fetch, ECO_BAD_INPUT, type, error);
 	if (fetch->stream_error.code)
 		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url, fetch->stream_error.text);
@@ -257,20 +263,28 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 		fetch->result->nothing = true;
 		return ECO_OK;
 	}
-	return fetch->result->status == 200 ? eco_wire_finish(fetch->parser, error) : problem(fetch, error);
+	if (fetch->result->status != 200)
+		return problem(fetch, error);
+	return fetch->text ? ECO_OK : eco_wire_finish(fetch->parser, error);
 }
 
+/* A stream if there is a body to post, else an explanation. */
 static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request, const struct eco_writer *body,
 	struct eco_error *error)
 {
 	char query[VIEW_QUERY_BYTES], *url;
 	const char *rule = fetch->options.rule;
 	if (view_fetch_query(request, query, sizeof query) >= sizeof query
-			|| asprintf(&url, "%s%s%s%s", fetch->url, query, rule ? "&rule=" : "", rule ? rule : "") < 0)
+			|| asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query, rule ? "&rule=" : "", rule ? rule : "",
+				body ? "" : "&explain=1") < 0)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
-	curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes : "");
-	curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)body->size);
+	if (body) {
+		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes : "");
+		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)body->size);
+	} else {
+		curl_easy_setopt(fetch->curl, CURLOPT_HTTPGET, 1L);
+	}
 	fetch->start_ms = fetch->heard_ms = view_clock_ms();
 	CURLcode rc = curl_easy_perform(fetch->curl);
 	free(url);
@@ -282,14 +296,19 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	return outcome(fetch, rc, error);
 }
 
-static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
-	struct eco_error *error)
+static void begin(struct view_fetch *fetch)
 {
 	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN };
 	fetch->problem_size = 0;
 	fetch->stopped = fetch->stalled = false;
 	fetch->stream_error = (struct eco_error){ 0 };
 	fetch->curl_text[0] = '\0';
+}
+
+static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
+	struct eco_error *error)
+{
+	begin(fetch);
 	view_store_begin(store);
 	struct eco_holdings holdings;
 	enum eco_code code = view_store_holdings(store, &holdings, error);
@@ -331,4 +350,29 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 			continue;
 		return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
 	}
+}
+
+enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text, struct eco_error *error)
+{
+	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
+	struct view_fetch_result result;
+	struct eco_writer body = { 0 };
+	struct eco_error one;
+	enum eco_code code;
+	fetch->result = &result;
+	fetch->text = &body;
+	do {
+		begin(fetch);
+		eco_writer_free(&body);
+		one = (struct eco_error){ 0 };
+		code = perform(fetch, request, NULL, &one);
+	} while (code && wait_for_retry(fetch, until_ms));
+	fetch->text = NULL;
+	eco_write_u8(&body, 0);
+	if (!code && body.failed)
+		code = eco_fail(&one, ECO_NO_MEMORY, "no memory for an explanation of %llu bytes", (unsigned long long)result.bytes);
+	*text = code ? NULL : (char *)body.bytes;
+	if (code)
+		eco_writer_free(&body);
+	return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
 }

@@ -44,6 +44,10 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
 	struct view_fetch_result *result, struct eco_error *error);
 
+/* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds nothing. *text ends with 0; the
+ * caller frees it. */
+enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text, struct eco_error *error);
+
 /* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same doubles. Returns its length;
  * nothing is written beyond `room`. */
 #define VIEW_QUERY_BYTES 640

@@ -133,7 +133,7 @@ void lod_explain_ground(struct lod_explanation *explanation, const struct eco_pl
 static void say_margin(char *text, size_t size, const char *winner, const char *loser, double margin)
 {
 	if (margin < INFINITY)
-		snprintf(text, size, "%s beat %s by %.2g %%", winner, loser, 100 * margin);
+		snprintf(text, size, "%s beat %s by %.3g %%", winner, loser, 100 * margin);
 	else
 		snprintf(text, size, "%s are drawn: %s would save nothing here", winner, loser);
 }
@@ -171,7 +171,7 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		snprintf(text, size, "the summary is fine enough from here: its plants are not looked at");
 		return;
 	case LOD_WHY_GIVES_WAY:
-		snprintf(text, size, "the summary gives way to plants: %.2g %% of them are drawn", 100 * reason->margin);
+		snprintf(text, size, "the summary gives way to plants: %.3g %% of them are drawn", 100 * reason->margin);
 		return;
 	case LOD_WHY_PLANTS:
 		say_margin(text, size, "plants", "the summary", reason->margin);

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_load.h"
 #include "client-min/view_picture.h"
@@ -151,6 +152,23 @@ static void comparison_has_a_colour_for_each_case(void **state)
 	assert_true(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
 }
 
+static void an_explanation_is_a_table(void **state)
+{
+	(void)state;
+	char *text;
+	size_t size;
+	struct eco_error error = { 0 };
+	FILE *out = open_memstream(&text, &size);
+	assert_int_equal(view_explain_write(out, 3, "{\"explanation\": {\"lambda\": 0.5, \"omitted\": 0, \"rows\": ["
+		"{\"list\": 7, \"first\": 0, \"end\": 4, \"plant\": \"oak, \\\"old\\\"\", \"band\": 99, \"plants\": 2, \"vertices\": 24, \"gain_px\": 1.25, "
+		"\"why\": \"all\", \"reason\": \"all of it is drawn\"}, {\"tile\": 1, \"plants\": 5, \"vertices\": 0, \"why\": \"plants\"}]}}", &error), ECO_OK);
+	fclose(out);
+	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,1.25,,all,all of it is drawn\n3,0.5,,,,1,,,,,,5,0,,,plants,\n");
+	free(text);
+	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &error), ECO_UNSUPPORTED);
+	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -158,6 +176,7 @@ int main(void)
 		cmocka_unit_test(report_of_nothing_is_valid),
 		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header), cmocka_unit_test(quantiles_are_values_that_occurred),
 		cmocka_unit_test(comparison_has_a_colour_for_each_case),
+		cmocka_unit_test(an_explanation_is_a_table),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
