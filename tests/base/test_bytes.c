@@ -1,13 +1,9 @@
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "tests/support/unit_test.h"
 
 static void numbers_come_back_and_are_little_endian(void **state)
 {
@@ -16,7 +12,6 @@ static void numbers_come_back_and_are_little_endian(void **state)
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
 
-	(void)state;
 	eco_write_u8(&w, 0xfe);
 	eco_write_u16(&w, 0x1234);
 	eco_write_u32(&w, 0x12345678);
@@ -48,7 +43,6 @@ static void a_reader_that_ran_out_stays_failed(void **state)
 	const uint8_t bytes[] = { 1, 2, 3 };
 	struct eco_reader r = { .bytes = bytes, .size = sizeof bytes };
 
-	(void)state;
 	assert_int_equal(eco_read_u32(&r), 0);
 	assert_true(r.failed);
 	assert_int_equal(eco_read_u8(&r), 0);
@@ -64,7 +58,6 @@ static void varints_come_back(void **state)
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
 		eco_write_varint(&w, values[i]);
 		eco_write_zigzag(&w, (int64_t)values[i]);
@@ -92,7 +85,6 @@ static void varints_have_one_spelling(void **state)
 		{ { 0 }, 0 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		struct eco_reader r = { .bytes = bad[i].bytes, .size = bad[i].size };
 
@@ -105,7 +97,6 @@ static void zigzag_orders_by_magnitude(void **state)
 {
 	struct eco_writer w = { 0 };
 
-	(void)state;
 	eco_write_zigzag(&w, 0);
 	eco_write_zigzag(&w, -1);
 	eco_write_zigzag(&w, 1);

@@ -1,10 +1,4 @@
 /* The child process that reads files of strangers: what it may do, how its death is told, what is left behind. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -25,6 +19,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/base/guard.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define SANITIZED 1
@@ -151,7 +146,6 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 	};
 	int open_before = descriptors();
 
-	(void)state;
 	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = ends[i].deed;
@@ -180,7 +174,6 @@ static void a_parent_without_standard_descriptors_reads_too(void **state)
 	pid_t parent = fork();
 	int status = 0;
 
-	(void)state;
 	if (parent == 0) {
 		enum deed deed = ANSWER;
 		char text[16] = "";
@@ -221,7 +214,6 @@ static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 	};
 	int open_before = descriptors();
 
-	(void)state;
 	for (size_t i = 0; i < sizeof streams / sizeof *streams; i++) {
 		struct writing what = streams[i].what;
 		struct eco_error error = { .code = ECO_OK };
@@ -243,7 +235,6 @@ static void who_stops_reading_ends_the_child_without_an_error(void **state)
 {
 	int open_before = descriptors();
 
-	(void)state;
 	for (uint32_t wanted = 0; wanted < 3; wanted++) {
 		struct writing what = { .count = UINT32_MAX };
 		struct eco_error error = { .code = ECO_OK };
@@ -266,7 +257,6 @@ static void a_stream_that_stays_silent_ends_by_the_clock(void **state)
 	static const enum deed deeds[] = { SLEEP, DEAF };
 	int open_before = descriptors();
 
-	(void)state;
 	for (size_t i = 0; i < sizeof deeds / sizeof *deeds; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = deeds[i];
@@ -376,7 +366,6 @@ static void a_child_reads_and_does_nothing_else(void **state)
 {
 	int parents_file, result_file;
 
-	(void)state;
 	mkdir("build/tmp", 0777);
 	result_file = open("build/tmp/guard-file", O_RDWR | O_CREAT | O_TRUNC, 0644);
 	assert_true(result_file >= 0 && write(result_file, "kept", 4) == 4);
@@ -437,7 +426,6 @@ static void files_that_name_servers_reach_nobody(void **state)
 	int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 	struct pollfd heard = { .fd = server, .events = POLLIN };
 
-	(void)state;
 	if (server < 0 || bind(server, (struct sockaddr *)&address, size) != 0 || listen(server, 8) != 0
 		|| getsockname(server, (struct sockaddr *)&address, &size) != 0)
 		skip();
@@ -463,7 +451,6 @@ static void files_that_name_other_folders_are_read(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_ground ground;
 
-	(void)state;
 	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"),
 		elsewhere));
 	if (import_text("far.vrt", MOSAIC, elsewhere, &ground, &error) != ECO_OK)
@@ -486,7 +473,6 @@ static void an_interrupted_parent_ends_its_children(void **state)
 {
 	int open_before = descriptors();
 
-	(void)state;
 	for (int streams = 0; streams < 2; streams++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = SLEEP;
@@ -524,7 +510,6 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 	int told[2];
 	pid_t parent, child = 0;
 
-	(void)state;
 	assert_int_equal(pipe(told), 0);
 	parent = fork();
 	if (parent == 0) {
@@ -566,7 +551,6 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 	enum deed deed = SPIN;
 	FILE *result;
 
-	(void)state;
 	setenv(ECO_GUARD_SECONDS_VARIABLE, "1", 1);
 	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "ECO_IMPORT_SECONDS=4 allows more"));
@@ -585,7 +569,6 @@ static void larger_files_may_take_more(void **state)
 {
 	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20), all = eco_guard_limits_for(UINT64_MAX);
 
-	(void)state;
 	assert_true(none.memory_bytes >= 1ull << 30 && none.cpu_s >= 60 && none.clock_s >= none.cpu_s);
 	assert_true(some.memory_bytes > none.memory_bytes && some.cpu_s > none.cpu_s && some.clock_s > none.clock_s);
 	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s && all.clock_s > all.cpu_s);

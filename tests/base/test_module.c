@@ -1,18 +1,13 @@
 /* Modules: found beside the program or in the folder that is named, refused with a helpful text where they are missing or not what they
  * should be, and looked for again after that. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "ecofiles/base/module.h"
+#include "tests/support/unit_test.h"
 
 #define FOLDER "build/tmp/modules"
 
@@ -45,7 +40,6 @@ static void assert_refused(enum eco_module module, const char *says, const char 
 
 static void a_missing_module_says_what_for_and_where_it_was_looked_for(void **state)
 {
-	(void)state;
 	put("ecogdal.so", NULL);
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
 	assert_refused(ECO_MODULE_GDAL, "ecogdal.so, needed for rasters", "in " FOLDER);
@@ -54,7 +48,6 @@ static void a_missing_module_says_what_for_and_where_it_was_looked_for(void **st
 
 static void what_is_no_library_is_refused(void **state)
 {
-	(void)state;
 	put("ecogdal.so", "not a library");
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
 	assert_refused(ECO_MODULE_GDAL, "ecogdal.so, needed for rasters", "cannot be loaded");
@@ -67,7 +60,6 @@ static void another_module_under_that_name_is_refused(void **state)
 	char target[4096], *folder = target;     /* the program's: the last of its path, which may lie below another of that name */
 	ssize_t length = readlink("/proc/self/exe", target, sizeof target - 20);
 
-	(void)state;
 	assert_true(length > 0);
 	target[length] = 0;
 	for (char *next = target; (next = strstr(next + 1, "/tests/"));)
@@ -84,7 +76,6 @@ static void modules_above_the_programs_folder_are_found_and_kept(void **state)
 {
 	const uint32_t *table;
 
-	(void)state;
 	unsetenv(ECO_MODULES_VARIABLE);
 	table = eco_module(ECO_MODULE_PROJ, NULL);
 	assert_non_null(table);

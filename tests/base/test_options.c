@@ -1,15 +1,10 @@
 /* Command lines: what is read, what is refused and how that is said, and that no line of a help is too long. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "ecofiles/base/options.h"
+#include "tests/support/unit_test.h"
 
 static struct {
 	const char *scene, *pack;
@@ -71,7 +66,6 @@ static void options_may_stand_anywhere_and_in_four_forms(void **state)
 	static const char *const lines[] = { "a.json -o b.eco --jobs 3", "-j3 -ob.eco a.json", "--jobs=3 a.json --output=b.eco",
 		"--jobs 9 -j 3 --output b.eco -- a.json" };
 	struct eco_error error;
-	(void)state;
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
 		assert_int_equal(read_line(lines[i], &error), ECO_OK);
 		assert_string_equal(given.scene, "a.json");
@@ -84,7 +78,6 @@ static void options_may_stand_anywhere_and_in_four_forms(void **state)
 static void every_kind_of_value_arrives(void **state)
 {
 	struct eco_error error;
-	(void)state;
 	assert_int_equal(read_line("a -o b c -q --pace 2.5 --at -1,2,3e0 --size 640x480 d --order stochastic --json", &error), ECO_OK);
 	assert_true(given.pace == 2.5 && given.at[0] == -1 && given.at[1] == 2 && given.at[2] == 3 && given.at_given);
 	assert_true(given.size[0] == 640 && given.size[1] == 480 && given.order == 1 && given.json && given.quiet);
@@ -115,7 +108,6 @@ static void what_does_not_fit_is_named(void **state)
 		{ "a --order none", "--order none: must be one of greedy, stochastic" },
 		{ "a --some-option-with-a-name-that-is-long=bad", "--some bad: cannot be" } };
 	struct eco_error error;
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		assert_int_equal(read_line(rows[i].line, &error), ECO_BAD_USAGE);
 		if (!strstr(error.text, rows[i].says))
@@ -130,7 +122,6 @@ static void numbers_are_read_whole_or_refused(void **state)
 		"pace=-1", "pace=nan", "pace=inf", "pace=1s", "vertices=9223372036854775808" };
 	struct eco_error error;
 	char line[64];
-	(void)state;
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		snprintf(line, sizeof line, "a -o b --%s", bad[i]);
 		if (read_line(line, &error) != ECO_BAD_USAGE)
@@ -145,7 +136,6 @@ static void help_names_everything_within_its_columns(void **state)
 	char *text = NULL;
 	size_t size;
 	FILE *out = open_memstream(&text, &size);
-	(void)state;
 	eco_command_help(&command, out);
 	fclose(out);
 	assert_int_equal(strncmp(text, "usage: program do SCENE.json -o OUT.eco", 39), 0);
@@ -164,7 +154,6 @@ static void long_texts_are_wrapped_at_words(void **state)
 	char *text = NULL;
 	size_t size;
 	FILE *out = open_memstream(&text, &size);
-	(void)state;
 	eco_help_wrap(out, "one two [three four] five\nsix", 90, 4);
 	fclose(out);
 	assert_string_equal(text, "one two\n    [three four] five\n    six\n");

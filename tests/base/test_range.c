@@ -1,15 +1,10 @@
 /* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "ecofiles/base/range.h"
+#include "tests/support/unit_test.h"
 
 #define COUNT 20000u
 

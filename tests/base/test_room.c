@@ -1,19 +1,13 @@
 /* Arrays that grow: what is in them stays, and what cannot be had leaves them as they were. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdlib.h>
 
 #include "ecofiles/base/room.h"
+#include "tests/support/unit_test.h"
 
 static void items_stay_when_the_array_moves(void **state)
 {
 	uint32_t *items = NULL, capacity = 0, moves = 0;
 
-	(void)state;
 	for (uint32_t count = 0; count < 100000; count++) {
 		uint32_t before = capacity;
 
@@ -33,7 +27,6 @@ static void what_cannot_be_had_leaves_the_array_alone(void **state)
 	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 }, { 1u << 30, SIZE_MAX >> 33 } };
 	char byte, *items = &byte;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		uint32_t capacity = rows[i].capacity;
 

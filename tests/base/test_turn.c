@@ -1,8 +1,3 @@
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -10,6 +5,7 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/turn.h"
+#include "tests/support/unit_test.h"
 
 static void quarter_turns_are_exact(void **state)
 {
@@ -18,7 +14,6 @@ static void quarter_turns_are_exact(void **state)
 	};
 	double sine, cosine;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		eco_turn_sincos(cases[i].turn, &sine, &cosine);
 		assert_true(sine == cases[i].sine);
@@ -28,7 +23,6 @@ static void quarter_turns_are_exact(void **state)
 
 static void every_turn_is_the_sine_within_an_ulp(void **state)
 {
-	(void)state;
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double sine, cosine, radians = turn * (2 * 3.14159265358979323846 / 65536);
 
@@ -41,7 +35,6 @@ static void every_turn_is_the_sine_within_an_ulp(void **state)
 
 static void opposite_turns_mirror_to_the_bit(void **state)
 {
-	(void)state;
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double s, c, other_s, other_c;
 
@@ -60,7 +53,6 @@ static void results_are_the_golden_ones(void **state)
 	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8, 0x00, 0xec, 0x92, 0xa3, 0xa6 };
 	struct eco_chunk_id id;
 
-	(void)state;
 	for (uint32_t turn = 0; turn < 65536; turn++)
 		eco_turn_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
 	id = eco_chunk_hash((const uint8_t *)all, sizeof all);
@@ -75,7 +67,6 @@ static void degrees_go_to_the_nearest_step(void **state)
 		{ 0.002746, 0 }, { 0.002747, 1 }, { 359.9999, 0 }, { -0.0001, 0 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
 		assert_int_equal(eco_turn_from_deg(cases[i].degrees), cases[i].turn);
 	/* Large angles give some step and no undefined conversion. */
@@ -87,7 +78,6 @@ static void the_first_error_wins(void **state)
 {
 	struct eco_error error = { 0 };
 
-	(void)state;
 	assert_int_equal(eco_fail(&error, ECO_DAMAGED, "%s %d", "first", 1), ECO_DAMAGED);
 	assert_int_equal(eco_fail(&error, ECO_IO, "second"), ECO_IO);
 	assert_int_equal(error.code, ECO_DAMAGED);
@@ -97,7 +87,6 @@ static void the_first_error_wins(void **state)
 
 static void every_code_has_a_name_and_an_exit_status(void **state)
 {
-	(void)state;
 	for (int code = 0; code < ECO_CODE_COUNT; code++) {
 		assert_true(strlen(eco_code_name(code)) > 0);
 		assert_int_equal(eco_exit_status(code), code == ECO_OK ? 0 : code == ECO_BAD_USAGE ? 2 : 1);

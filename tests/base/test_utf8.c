@@ -1,13 +1,8 @@
 /* What counts as UTF-8, byte by byte. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <string.h>
 
 #include "ecofiles/base/utf8.h"
+#include "tests/support/unit_test.h"
 
 static void characters_have_one_form(void **state)
 {
@@ -17,7 +12,6 @@ static void characters_have_one_form(void **state)
 		{ "\xED\xA0\x80", 3, 0 }, { "\xEF\xBF\xBF", 3, 3 }, { "\xEF\xBF\x7F", 3, 0 }, { "\xF0\x8F\xBF\xBF", 4, 0 }, { "\xF0\x90\x80\x80", 4, 4 },
 		{ "\xF4\x8F\xBF\xBF", 4, 4 }, { "\xF4\x90\x80\x80", 4, 0 }, { "\xF5\x80\x80\x80", 4, 0 }, { "\xFF", 1, 0 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_int_equal(eco_utf8_bytes(cases[i].text, cases[i].size), cases[i].bytes);
 	assert_true(eco_utf8_valid("", 0) && eco_utf8_valid("W\xC3\xA4ldchen", 9));
@@ -30,7 +24,6 @@ static void names_are_cut_between_characters(void **state)
 		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 }, { "\xC3\xA4\xC3\xA4", 4, 4 }, { "\xC3\xA4\xC3\xA4", 3, 2 },
 		{ "\xC3\xA4", 1, 0 }, { "a\xE4s", 9, 1 }, { "\xE4", 9, 0 }, { "a\xC3", 9, 1 }, { "\xF0\x9F\x8C\xB2", 4, 4 }, { "\xF0\x9F\x8C\xB2", 3, 0 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most), cases[i].kept);
 }

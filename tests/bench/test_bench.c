@@ -1,10 +1,4 @@
 /* The frame of ecobench, with sections of this file: units are done once, whatever happens; reports say what is there. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -15,6 +9,7 @@
 #include <unistd.h>
 
 #include "tests/bench/bench_state.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/bench"
 
@@ -176,7 +171,6 @@ static uint32_t lines_of(const char *name)
 
 static int set_up(void **state)
 {
-	(void)state;
 	stop_after = -1;
 	return system("rm -rf " ROOT " && mkdir -p " ROOT "/programs && cp /bin/true " ROOT "/programs/ecopack && : >" ROOT "/work.log") != 0;
 }
@@ -192,7 +186,6 @@ static void test_command_line_is_checked(void **state)
 		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
 		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" },
 		{ "--jobs", "0", 2, "from 1 to 16" }, { "--jobs", "17", 2, "from 1 to 16" }, { "--jobs", "3x", 2, "from 1 to 16" } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int status = RUN(cases[i].argument, cases[i].value);
 		if (status != cases[i].status)
@@ -204,7 +197,6 @@ static void test_command_line_is_checked(void **state)
 
 static void test_a_run_leaves_tables_report_and_summary(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_string_equal(text_of("out/tiny.csv"), "unit,square\n0,0\n1,1\n2,4\n3,9\n4,16\n");
 	assert_true(says("out/report.html", "<th class=\"n\">unit<th class=\"n\">square<tr><td class=\"n\">0<td"));
@@ -217,7 +209,6 @@ static void test_a_run_leaves_tables_report_and_summary(void **state)
 
 static void test_interrupted_runs_go_on(void **state)
 {
-	(void)state;
 	stop_after = 2;
 	assert_int_equal(RUN(NULL), 130);
 	assert_int_equal(lines_of("work.log"), 3);
@@ -237,7 +228,6 @@ static void test_interrupted_runs_go_on(void **state)
 
 static void test_damaged_units_are_done_anew(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	static const char *const damages[] = { "truncate -s 0", "truncate -s 9", "sed -i s/tiny/tidy/", "sed -i s/result/resalt/", "cp /bin/true" };
 	for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
@@ -253,7 +243,6 @@ static void test_damaged_units_are_done_anew(void **state)
 
 static void test_units_of_another_program_are_done_anew_unless_trusted(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_int_equal(system("sed -i 's/\"program\":\"[0-9a-f]*\"/\"program\":\"0123456789abcdef\"/' " ROOT "/out/cache/units/*.json"), 0);
 	assert_int_equal(RUN("--only", "tiny", "--trust"), 0);
@@ -264,7 +253,6 @@ static void test_units_of_another_program_are_done_anew_unless_trusted(void **st
 
 static void test_a_failure_does_not_end_the_run(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--only", "tiny,keys,failing,plots,commands"), 1);
 	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
 	assert_true(says("out/report.html", "before it fails"));
@@ -276,7 +264,6 @@ static void test_a_failure_does_not_end_the_run(void **state)
 
 static void test_sections_in_processes_of_their_own_outlive_each_other(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--jobs", "3", "--only", "tiny,keys,failing,crash,last"), 1);
 	assert_true(says("out/report.html", "ended by signal 9"));
 	assert_true(says("out/report.html", "this section fails"));
@@ -287,7 +274,6 @@ static void test_sections_in_processes_of_their_own_outlive_each_other(void **st
 
 static void test_interruption_ends_commands_too(void **state)
 {
-	(void)state;
 	assert_int_equal(RUN("--only", "slow"), 130);
 	assert_true(says("out/report.html", "not complete (interrupted"));
 	int group = atoi(text_of("pid"));
@@ -302,7 +288,6 @@ static void test_bars_in_words_are_compared(void **state)
 {
 	static const struct { const char *key; int reached; } cases[] = { { "more", 0 }, { "percent", 1 }, { "unicode", 1 }, { "exact", 1 },
 		{ "thousands", 1 }, { "unmeasured", 0 }, { "shown", -1 } };
-	(void)state;
 	assert_int_equal(RUN("--only", "keys"), 0);
 	json_t *summary = bench_json_read(ROOT "/out/summary.json"), *reached = json_object_get(summary, "reached");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

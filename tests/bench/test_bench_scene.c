@@ -1,10 +1,4 @@
 /* Scenes, cameras and models of ecobench, with a stand-in for ecopack that writes down what it was asked for. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +7,7 @@
 
 #include "ecofiles/format/view.h"
 #include "tests/bench/bench_state.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/bench-scene"
 

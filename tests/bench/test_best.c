@@ -1,16 +1,11 @@
 /* The planner against everything that could be done instead, in scenes so small that it can be tried; and what benches of planning make. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 
 #include "tests/bench/bench_best.h"
 #include "tests/bench/bench_still.h"
 #include "tests/bench/bench_times.h"
+#include "tests/support/unit_test.h"
 
 #define SCENES 200u
 #define ROUNDING 1e-9
@@ -24,7 +19,6 @@ static void plans_are_close_to_the_best_there_is(void **state)
 {
 	double sum = 0, worst = 0;
 	uint32_t count = 0, tried = 0;
-	(void)state;
 	for (uint64_t i = 0; i < SCENES + HARD; i++) {
 		struct bench_best best;
 		struct eco_error error = { 0 };
@@ -46,7 +40,6 @@ static void plans_are_close_to_the_best_there_is(void **state)
 
 static void the_best_is_found_again(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed <= 5; seed++) {
 		struct bench_best a, b;
 		struct eco_error error = { 0 };
@@ -60,7 +53,6 @@ static void scenes_to_choose_in_are_sound_and_grow(void **state)
 {
 	static const uint32_t species[] = { 1, 25, 63, 100, 200 };
 	uint64_t before = 0;
-	(void)state;
 	for (size_t i = 0; i < sizeof species / sizeof *species; i++) {
 		struct bench_choice choice;
 		struct bench_plan_time time;
@@ -79,7 +71,6 @@ static void scenes_to_choose_in_are_sound_and_grow(void **state)
 static void views_between_two_are_on_the_way(void **state)
 {
 	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40, .width = 8, .height = 6 }, b = a, v;
-	(void)state;
 	b.eye[0] = 4;
 	b.fov_y_deg = 60;
 	v = bench_still_between(&a, &b, 0);
@@ -92,7 +83,6 @@ static void nothing_is_drawn_of_no_pack(void **state)
 {
 	struct bench_still *still;
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_not_equal(bench_still_open(&still, "build/tmp/no-such-pack.eco", &error), ECO_OK);
 	assert_null(still);
 	assert_true(error.text[0] != 0);

@@ -1,14 +1,9 @@
 /* Cook's scales: what is expected to be visible stays. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include "lod/sort.h"
 #include "tests/bench/baseline/cook.h"
+#include "tests/support/unit_test.h"
 
 static double covered(uint32_t count, double share)
 {
@@ -17,7 +12,6 @@ static double covered(uint32_t count, double share)
 
 static void plain_scale_keeps_the_sum_of_areas(void **state)
 {
-	(void)state;
 	assert_true(lod_cook_scale(10, 100) == 10);
 	assert_true(lod_cook_scale(100, 100) == 1);
 	assert_true(lod_cook_scale(0, 100) == 0);
@@ -25,7 +19,6 @@ static void plain_scale_keeps_the_sum_of_areas(void **state)
 
 static void depth_keeps_the_expected_visible_area(void **state)
 {
-	(void)state;
 	static const struct { uint32_t kept, count; double share; } rows[] = { { 1, 10, 0.05 }, { 3, 1000, 0.002 }, { 50, 60, 0.1 }, { 500, 5000, 0.001 },
 		{ 2, 100000, 1e-5 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -37,21 +30,18 @@ static void depth_keeps_the_expected_visible_area(void **state)
 
 static void depth_hardly_matters_for_many_small_elements(void **state)
 {
-	(void)state;
 	assert_true(fabs(lod_cook_scale_depth(2000, 10000, 1e-4) - 5) < 0.005);
 	assert_true(lod_cook_scale_depth(500, 1000, 0) == 2);
 }
 
 static void a_crown_without_gaps_is_covered_by_one_element(void **state)
 {
-	(void)state;
 	double s = lod_cook_scale_depth(1, 100000, 0.01);
 	assert_true(s <= 100 && s > 99.9);
 }
 
 static void the_share_explains_what_is_covered(void **state)
 {
-	(void)state;
 	for (uint32_t n = 2; n < 100000; n *= 7) {
 		double a = 0.3 / sqrt(n), outline = 5000, one = a * outline;
 		assert_true(fabs(lod_cook_share(n, n * one, outline * covered(n, a)) - a) < 1e-6 * a);
@@ -64,7 +54,6 @@ static void the_share_explains_what_is_covered(void **state)
 /* The mean of k colours drawn at random has 1/k of their variance. */
 static void contrast_keeps_the_variance_of_pixels(void **state)
 {
-	(void)state;
 	double variance[2];
 	for (int pruned = 0; pruned < 2; pruned++) {
 		double sum = 0, squares = 0, contrast = pruned ? lod_cook_contrast(1, 4, 16) : 1;

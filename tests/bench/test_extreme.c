@@ -1,11 +1,6 @@
 /* The extreme cases that take little time. Each case is told; see tests/bench/extreme/extreme.h. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "tests/bench/extreme/extreme.h"
+#include "tests/support/unit_test.h"
 
 static void tell(void *ctx, const struct extreme_case *row, const struct extreme *x, bool ran)
 {

@@ -1,13 +1,7 @@
 /* Lee's orders: which leaves of which groups a budget keeps for a view. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/bench/baseline/lee.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 1000
 
@@ -44,7 +38,6 @@ static void cloud(uint32_t count)
 
 static void distance_keeps_the_nearest(void **state)
 {
-	(void)state;
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_DISTANCE, MOST, &from_x, 300), 300);
 	double last = 0, first = 1e9;
@@ -59,7 +52,6 @@ static void distance_keeps_the_nearest(void **state)
 /* Both sides of a leaf count alike. */
 static void normal_keeps_what_faces_the_eye(void **state)
 {
-	(void)state;
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_NORMAL, MOST, &from_x, MOST / 2), MOST / 2);
 	for (uint32_t i = 0; i < MOST; i++)
@@ -69,7 +61,6 @@ static void normal_keeps_what_faces_the_eye(void **state)
 /* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two passes). */
 static void layers_share_the_budget(void **state)
 {
-	(void)state;
 	static const struct { uint32_t n[4]; uint64_t budget; uint32_t expected[4]; } rows[] = {
 		{ { 50, 50, 50, 50 }, 100, { 40, 30, 20, 10 } },
 		{ { 10, 50, 50, 50 }, 100, { 10, 50, 30, 10 } },         /* 30 over go to the second; it uses 20 of them */
@@ -96,7 +87,6 @@ static void layers_share_the_budget(void **state)
 
 static void inside_a_layer_normals_decide(void **state)
 {
-	(void)state;
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_LAYER, MOST, &(struct lod_lee_view){ from_x.eye, from_x.forward, 1 }, 500), 500);
 	for (uint32_t i = 0; i < MOST; i++)
@@ -105,7 +95,6 @@ static void inside_a_layer_normals_decide(void **state)
 
 static void every_budget_is_used_up(void **state)
 {
-	(void)state;
 	cloud(MOST);
 	for (uint32_t i = 0; i < MOST; i++)
 		groups[i].count = i % 7;
@@ -121,7 +110,6 @@ static void every_budget_is_used_up(void **state)
 /* A group of many leaves faces the eye as the root mean square of its leaves does. */
 static void groups_face_as_their_leaves_do(void **state)
 {
-	(void)state;
 	struct lod_v3 at[2] = { { 0, 0, 0 }, { 0, 2, 0 } }, across[2] = { { 0, 1, 0 }, { 0, 0, 1 } }, mixed[2] = { { 1, 0, 0 }, { 0, 0, 1 } };
 	uint32_t both[2] = { 0, 1 };
 	lod_lee_group_make(&groups[0], at, across, both, 2);
@@ -134,7 +122,6 @@ static void groups_face_as_their_leaves_do(void **state)
 
 static void flat_plants_are_one_layer(void **state)
 {
-	(void)state;
 	for (uint32_t i = 0; i < 10; i++)
 		groups[i] = (struct lod_lee_group){ .count = 1 };
 	assert_int_equal(choose(LOD_LEE_LAYER, 10, &from_x, 4), 4);

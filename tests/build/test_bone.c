@@ -1,13 +1,7 @@
 /* Lines of wood: along the axes, as wide as the area asks. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/bone.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 static struct lod_arena arena;
 struct made { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length, error, surface; };
@@ -41,7 +35,6 @@ static void finish(struct soup *soup)
 
 static void a_straight_tube_is_one_line(void **state)
 {
-	(void)state;
 	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 }, { 16, 200 } };
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
 		struct soup soup;
@@ -60,7 +53,6 @@ static void a_straight_tube_is_one_line(void **state)
 
 static void a_tapering_tube_is_a_few_lines(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -96,7 +88,6 @@ static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct 
 
 static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
 {
-	(void)state;
 	static const struct { struct lod_v3 foot, top; uint32_t sides; } stems[] = {
 		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 }, { { 0, 0, 0 }, { 3, 2, 1 }, 12 },
 	};
@@ -112,7 +103,6 @@ static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
 /* Tubes along arcs and hanging ones: wherever the lowest point is, the lines follow. */
 static void a_bent_tube_is_followed(void **state)
 {
-	(void)state;
 	for (int down = 0; down < 2; down++) {
 		struct soup soup;
 		struct made made;
@@ -142,7 +132,6 @@ static void a_bent_tube_is_followed(void **state)
 /* A fork whose arms share the trunk's end ring vertices: one component. */
 static void a_fork_has_a_line_for_each_arm(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -173,7 +162,6 @@ static void a_fork_has_a_line_for_each_arm(void **state)
 
 static void an_open_strip_is_as_wide_as_it_is(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -195,7 +183,6 @@ static void an_open_strip_is_as_wide_as_it_is(void **state)
 /* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean. */
 static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -225,7 +212,6 @@ static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
 
 static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_tree(&soup, 0, 0, false);
@@ -248,7 +234,6 @@ static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
 
 static void any_soup_has_finite_lines(void **state)
 {
-	(void)state;
 	for (uint32_t seed = 1; seed <= 60; seed++) {
 		struct soup soup;
 		struct made made;

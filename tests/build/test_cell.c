@@ -1,13 +1,7 @@
 /* Cells partition a plant. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/cell.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 20000
 static struct lod_v3 center[MOST];
@@ -42,7 +36,6 @@ static uint32_t make(struct lod_cells *cells, uint32_t count, uint32_t limit, ui
 
 static void small_plants_have_none(void **state)
 {
-	(void)state;
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
 	scatter(0);
@@ -52,7 +45,6 @@ static void small_plants_have_none(void **state)
 
 static void large_ones_are_divided_twice_at_most(void **state)
 {
-	(void)state;
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
 	scatter(0);
@@ -64,7 +56,6 @@ static void large_ones_are_divided_twice_at_most(void **state)
 
 static void no_cell_is_nearly_empty(void **state)
 {
-	(void)state;
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
 	for (int shape = 1; shape < 3; shape++) {
@@ -78,7 +69,6 @@ static void no_cell_is_nearly_empty(void **state)
 
 static void points_outside_belong_to_the_nearest(void **state)
 {
-	(void)state;
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
 	scatter(0);
@@ -89,7 +79,6 @@ static void points_outside_belong_to_the_nearest(void **state)
 
 static void a_flat_plant_is_divided_in_its_plane(void **state)
 {
-	(void)state;
 	struct lod_cells cells;
 	scatter(0);
 	for (uint32_t i = 0; i < MOST; i++)

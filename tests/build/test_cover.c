@@ -1,17 +1,12 @@
 /* Orders of leaves that are not scaled: prefixes cover as much as can be, over the wood, in the views that they are for. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "lod/build/order/cover.h"
 #include "tests/support/cone_views.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 400u
 #define VIEWS 12u
@@ -113,7 +108,6 @@ static uint32_t covered(struct measure *m, const uint32_t *list, uint32_t count)
 
 static void the_first_leaves_cover_most(void **state)
 {
-	(void)state;
 	struct measure m;
 	struct lod_foliage f = ball(MOST, 5);
 	order_of(order, &f, around);
@@ -135,7 +129,6 @@ static void the_first_leaves_cover_most(void **state)
 /* Nemhauser, Wolsey, Fisher 1978. */
 static void no_prefix_covers_less_than_63_percent_of_the_best(void **state)
 {
-	(void)state;
 	enum { LEAVES = 9 };
 	for (uint32_t seed = 1; seed <= 4; seed++) {
 		struct measure m;
@@ -160,7 +153,6 @@ static void no_prefix_covers_less_than_63_percent_of_the_best(void **state)
 /* A list for a cone covers more in other views of the cone than the list for all views. */
 static void lists_for_a_sector_serve_the_sector(void **state)
 {
-	(void)state;
 	double cone[VIEWS][3], others[VIEWS][3];
 	const double axis[3] = { 0.9, 0.3, 0.3 };
 	struct measure m;
@@ -179,7 +171,6 @@ static void lists_for_a_sector_serve_the_sector(void **state)
 /* Leaves that stand in front of a board or show nothing of their picture are worth nothing. */
 static void leaves_that_change_nothing_come_last(void **state)
 {
-	(void)state;
 	static const uint8_t clear[4 * 4] = { 0 };
 	const struct eco_image image = { .width = 2, .height = 2, .rgba = (uint8_t *)(uintptr_t)clear };
 	static const float board[18] = { 0, -4, -4, 0, 4, -4, 0, 4, 4, 0, -4, -4, 0, 4, 4, 0, -4, 4 };
@@ -201,7 +192,6 @@ static void leaves_that_change_nothing_come_last(void **state)
 
 static void orders_are_repeatable(void **state)
 {
-	(void)state;
 	struct lod_foliage f = ball(200, 3);
 	order_of(order, &f, around);
 	order_of(again, &f, around);
@@ -217,7 +207,6 @@ static bool stop(void *ctx, double share)
 
 static void it_stops_when_asked(void **state)
 {
-	(void)state;
 	int calls = 0;
 	struct eco_error error = { 0 };
 	struct lod_foliage f = ball(200, 3);
@@ -230,7 +219,6 @@ static void it_stops_when_asked(void **state)
 
 static void odd_leaves_are_ordered_too(void **state)
 {
-	(void)state;
 	const struct lod_v3 zero = { 0, 0, 0 };
 	struct lod_foliage f = empty();
 	f.wood_count = 0;

@@ -1,18 +1,13 @@
 /* Curves of crowns made here: what they must look like whatever the plant, and that cells share the whole plant's. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "lod/build/measure/curve.h"
 #include "lod/build/grid.h"
 #include "lod/ladder.h"
 #include "lod/build/measure/probe.h"
+#include "tests/support/unit_test.h"
 
 #define STEP 0.001
 #define CELLS 4u

@@ -1,13 +1,7 @@
 /* Welding, and leaves as fans: each triangle exactly once, the same triangles as the source's. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/element.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 struct made { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs; struct lod_elements elements; };
 
@@ -64,7 +58,6 @@ static void check_counts(const struct made *made, const struct soup *soup)
 
 static void equal_positions_become_one_vertex(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -83,7 +76,6 @@ static void equal_positions_become_one_vertex(void **state)
 
 static void materials_part_components(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -100,7 +92,6 @@ static void materials_part_components(void **state)
 
 static void useless_triangles_are_dropped_by_reason(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -130,7 +121,6 @@ static void useless_triangles_are_dropped_by_reason(void **state)
 
 static void a_triangle_with_any_opaque_texel_is_kept(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -158,7 +148,6 @@ static void hexagonal_leaf(struct soup *s, uint32_t material, int first, int sec
 
 static void a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals(void **state)
 {
-	(void)state;
 	for (int which = 0; which < 4; which++) {
 		struct soup soup;
 		struct made made;
@@ -178,7 +167,6 @@ static void a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals(void **state)
 
 static void quads_that_are_not_planar_keep_their_diagonal(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -210,7 +198,6 @@ static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
 
 static void a_sheet_is_cut_into_few_fans(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -227,7 +214,6 @@ static void a_sheet_is_cut_into_few_fans(void **state)
 
 static void seams_of_the_texture_part_fans(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
@@ -255,7 +241,6 @@ static void seams_of_the_texture_part_fans(void **state)
 
 static void closed_surfaces_and_trees_keep_every_triangle(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);

@@ -1,13 +1,7 @@
 /* Footprints cover what the rasteriser covers, and count what they add. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/order/footprint.h"
 #include "tests/support/foliage_random.h"
+#include "tests/support/unit_test.h"
 
 #define PIXELS 96u
 #define VIEWS 5u
@@ -67,7 +61,6 @@ static void footprints_are_what_is_drawn(void **state)
 	static const struct { uint32_t corners; double leaf; float scale; bool cutout; double share; } cases[] = {
 		{ 3, 0.3, 1, false, 0.002 }, { 4, 0.3, 1, false, 0.002 }, { 6, 0.2, 2.5f, false, 0.002 }, { 6, 0.02, 1, false, 0.004 },
 		{ 5, 0.5, 40, false, 0.002 }, { 4, 0.4, 1, true, 0.02 }, { 6, 0.3, 3, true, 0.02 } };
-	(void)state;
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		struct lod_foliage f;
 		struct lod_mask mask;
@@ -121,7 +114,6 @@ static void gains_count_right_wrong_and_second(void **state)
 	uint64_t reference[64], times[64][2] = { { 0 } };
 	struct lod_canvas canvas = { 1, reference, times };
 	struct lod_gain gain = { 0 };
-	(void)state;
 	for (uint32_t y = 0; y < 64; y++)
 		reference[y] = y < 16 ? ~UINT64_C(0) : 0;                /* a quarter, at the top */
 	assert_true(cover(half, 4, 1));
@@ -149,7 +141,6 @@ static void gains_of_cutouts_are_those_of_their_footprints(void **state)
 	static const float moved[] = { 0, 0.4f, -1.7f };
 	struct eco_image image = holed();
 	struct lod_mask mask;
-	(void)state;
 	begin();
 	lod_mask_open(&mask, &image, &arena);
 	for (uint32_t round = 0; round < 300; round++) {
@@ -182,7 +173,6 @@ static void points_are_squares_that_face_the_eye(void **state)
 	struct lod_foliage f;
 	struct lod_sights sights;
 	double directions[VIEWS][3];
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 1, 4, 1, 0.12, 3 }, &arena);
 	lod_directions_spread(directions, VIEWS, 7);
@@ -210,7 +200,6 @@ static void what_lies_outside_covers_nothing(void **state)
 	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } }, line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
 	static const float behind[3][3] = { { 0, 0, 2000 }, { 1, 0, 2000 }, { 0, 1, 2000 } };
 	uint64_t bits = 0;
-	(void)state;
 	assert_false(cover(outside, 3, 1));
 	if (cover(line, 3, 1))
 		for (uint32_t i = 0; i < print.rows * print.words; i++)
@@ -222,7 +211,6 @@ static void what_lies_outside_covers_nothing(void **state)
 static void footprints_fill_the_picture_at_any_size(void **state)
 {
 	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 }, { 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
-	(void)state;
 	for (double edge = 4; edge < 1e12; edge *= 10) {
 		uint64_t bits = 0;
 		assert_true(cover(leaf, 6, edge));
@@ -236,7 +224,6 @@ static void footprints_fill_the_picture_at_any_size(void **state)
 static void fans_that_turn_back_are_their_triangles(void **state)
 {
 	uint64_t dice = 5;
-	(void)state;
 	for (uint32_t round = 0; round < 500; round++) {
 		float corner[5][3] = { { 0 } };
 		uint64_t whole[64] = { 0 }, parts[64] = { 0 };
@@ -263,7 +250,6 @@ static void fans_that_turn_back_are_their_triangles(void **state)
 
 static int end(void **state)
 {
-	(void)state;
 	lod_arena_free(&arena);
 	return 0;
 }

@@ -1,11 +1,5 @@
 /* The tree of ground tiles: its errors hold, what a view gets covers all it sees exactly once, and between tiles of any levels there
  * is no gap, not even of one pixel. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
@@ -13,6 +7,7 @@
 #include "lod/build/ground_tree.h"
 #include "lod/raster/raster.h"
 #include "tests/support/ground_tiles.h"
+#include "tests/support/unit_test.h"
 
 /* ---- Terrain of several kinds ---- */
 
@@ -99,7 +94,6 @@ static double height_of(const struct world *w, uint32_t column, uint32_t row)
 static void trees_pass_the_checks_of_a_pack(void **state)
 {
 	static const struct eco_tile tile = { .summary = ECO_NONE };
-	(void)state;
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct eco_error error = { 0 };
 		struct world w;
@@ -131,7 +125,6 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 
 static void errors_hold_everywhere_and_are_met_somewhere(void **state)
 {
-	(void)state;
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
 		noise_state = k;
@@ -170,7 +163,6 @@ static void flat_ground_has_no_finer_tiles(void **state)
 {
 	struct world less;
 	uint32_t all = 0;
-	(void)state;
 	world_make(&less, &terrains[2], 0.01);
 	for (uint32_t level = 0; level <= less.tree.tiles[0].level; level++)
 		all += ((less.ground.columns - 2) / (ECO_GROUND_CELLS << level) + 1) * ((less.ground.rows - 2) / (ECO_GROUND_CELLS << level) + 1);
@@ -206,7 +198,6 @@ static bool covers(const struct world *w, const struct eco_ground_tile *t, doubl
 
 static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
 {
-	(void)state;
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
 		noise_state = 100 + k;
@@ -255,7 +246,6 @@ static void a_bound_on_tiles_is_kept_and_spent_where_it_shows(void **state)
 	struct eco_view view = { { 300, 300, 80 }, { 1200, 900, 0 }, { 0, 0, 1 }, 60, 640, 480 };
 	struct lod_eye eye;
 	double last = INFINITY;
-	(void)state;
 	world_make(&w, &terrains[0], 0);
 	lod_eye_make(&eye, &view);
 	for (uint32_t most = 1; most < 200; most = most * 3 / 2 + 1) {
@@ -328,7 +318,6 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 {
 	static const uint32_t chances[] = { 100, 90, 75, 50 };
-	(void)state;
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
 		noise_state = 200 + k;
@@ -385,7 +374,6 @@ static void the_picture_is_that_of_the_full_detail(void **state)
 {
 	static const double tolerances[] = { 0.5, 1, 3 };
 	struct world w;
-	(void)state;
 	noise_state = 300;
 	world_make(&w, &terrains[0], 0);
 	struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
@@ -433,7 +421,6 @@ static void the_picture_is_that_of_the_full_detail(void **state)
 
 static void a_tile_is_found_by_its_samples(void **state)
 {
-	(void)state;
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
 		world_make(&w, &terrains[k], 0);
@@ -457,7 +444,6 @@ static void coarse_heights_are_rounded_inside_only(void **state)
 	size_t exact_bytes = 0, rounded_bytes = 0;
 	uint32_t rounded = 0;
 	struct world w;
-	(void)state;
 	world_make(&w, &terrains[0], 0);
 	for (uint32_t i = 0; i < w.tree.count; i++) {
 		const struct eco_ground_tile *t = &w.tree.tiles[i];

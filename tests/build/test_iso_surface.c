@@ -1,13 +1,7 @@
 /* The hull: density and normals. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/order/iso_surface.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 4000
 
@@ -28,7 +22,6 @@ static void ball(void)
 
 static void density_is_a_sum_of_balls(void **state)
 {
-	(void)state;
 	assert_int_equal(setjmp(arena.failed), 0);
 	struct lod_v3 one = { 1, 2, 3 }, two[2] = { { 0, 0, 0 }, { 100, 0, 0 } };
 	lod_hull_make(&hull, &one, 1, 20, &arena);
@@ -41,7 +34,6 @@ static void density_is_a_sum_of_balls(void **state)
 
 static void normals_point_outwards(void **state)
 {
-	(void)state;
 	ball();
 	double worst = 1;
 	for (uint32_t i = 0; i < MOST; i++) {

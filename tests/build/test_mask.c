@@ -1,16 +1,10 @@
 /* Triangles of cut-outs that show nothing, against sampling; rims of thick leaves; a bound on all the work. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/format/list.h"
 #include "lod/raster/mask.h"
 #include "lod/build/organ.h"
 #include "lod/build/sample.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 static void open_disc(struct soup *soup, struct lod_mask *mask, struct lod_arena *arena, uint32_t size)
 {
@@ -58,7 +52,6 @@ static double distance_from_discs(const int32_t uv[6], int steps)
 
 static void hidden_is_what_no_sample_sees(void **state)
 {
-	(void)state;
 	for (uint32_t size = 8; size <= 200; size = size * 2 + 3) {
 		struct soup soup;
 		struct lod_mask mask;
@@ -91,7 +84,6 @@ static void hidden_is_what_no_sample_sees(void **state)
 
 static void one_texel_is_enough(void **state)
 {
-	(void)state;
 	struct lod_arena arena = { 0 };
 	uint8_t rgba[130 * 3 * 4] = { 0 };
 	struct eco_image image = { 130, 3, rgba };
@@ -115,7 +107,6 @@ static void one_texel_is_enough(void **state)
 
 static void work_is_bounded(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_mask mask;
 	struct lod_arena arena;
@@ -162,7 +153,6 @@ static void make_slab(struct soup *soup, uint32_t material)
 
 static void rims_that_show_nothing_close_leaves_and_are_not_stored(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_arena arena = { 0 };
 	struct lod_mesh mesh;

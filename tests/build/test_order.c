@@ -1,13 +1,7 @@
 /* Orders by name: at random, by density, by orientation, and both. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/order/order.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 4000
 
@@ -52,7 +46,6 @@ static void crown(uint32_t count)
 
 static void values_are_in_range_and_repeatable(void **state)
 {
-	(void)state;
 	crown(MOST);
 	for (size_t m = 0; m < BASELINES; m++) {
 		order_by(survival, baselines[m], MOST, 10, 1);
@@ -66,7 +59,6 @@ static void values_are_in_range_and_repeatable(void **state)
 /* A seed's random order has no direction: halves of the plant lose alike. */
 static void stochastic_order_ignores_place_and_normal(void **state)
 {
-	(void)state;
 	crown(MOST);
 	order_by(survival, LOD_ORDER_STOCHASTIC, MOST, 10, 1);
 	double sum[2] = { 0, 0 }, count[2] = { 0, 0 };
@@ -83,7 +75,6 @@ static void stochastic_order_ignores_place_and_normal(void **state)
 
 static void every_order_has_a_name(void **state)
 {
-	(void)state;
 	for (int m = 0; m < LOD_ORDER_COUNT; m++)
 		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
 }
@@ -91,7 +82,6 @@ static void every_order_has_a_name(void **state)
 /* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does not know. */
 static void what_faces_outwards_survives(void **state)
 {
-	(void)state;
 	dice.state = 3;
 	for (uint32_t i = 0; i < MOST; i++) {
 		struct lod_v3 d = soup_direction(&dice);
@@ -109,7 +99,6 @@ static void what_faces_outwards_survives(void **state)
 /* Three quarters of the elements in one corner: the first to go come from there, until density is even. */
 static void dense_regions_are_thinned_first(void **state)
 {
-	(void)state;
 	dice.state = 5;
 	for (uint32_t i = 0; i < MOST; i++) {
 		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4), soup_random(&dice, 0, 4) };
@@ -128,7 +117,6 @@ static void dense_regions_are_thinned_first(void **state)
 
 static void odd_plants_are_ordered_too(void **state)
 {
-	(void)state;
 	center[0] = normal[0] = (struct lod_v3){ 1, 2, 3 };
 	order(survival, 1, 0, 1);
 	for (uint32_t i = 0; i < 100; i++)
@@ -143,7 +131,6 @@ static void odd_plants_are_ordered_too(void **state)
 
 static void keys_sort_as_their_numbers(void **state)
 {
-	(void)state;
 	const double values[] = { -1e300, -2, -1.5, -1e-300, 0, 1e-300, 0.5, 1, 1e300 };
 	for (size_t i = 1; i < sizeof values / sizeof *values; i++)
 		assert_true(lod_sort_key(values[i - 1]) < lod_sort_key(values[i]));
@@ -152,7 +139,6 @@ static void keys_sort_as_their_numbers(void **state)
 
 static void sorting_is_stable(void **state)
 {
-	(void)state;
 	struct lod_keyed items[MOST];
 	assert_int_equal(setjmp(arena.failed), 0);
 	for (uint32_t i = 0; i < MOST; i++)

@@ -1,14 +1,8 @@
 /* Wood, foliage and flowers by shape and colour. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/organ.h"
 #include "lod/build/organ_name.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 static struct lod_arena arena;
 
@@ -41,7 +35,6 @@ static void finish(struct soup *soup)
 
 static void tubes_are_measured_by_their_curvature(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -61,7 +54,6 @@ static void tubes_are_measured_by_their_curvature(void **state)
 
 static void a_tree_is_told_apart_whatever_its_textures(void **state)
 {
-	(void)state;
 	for (int textured = 0; textured < 2; textured++) {
 		struct soup soup;
 		struct found found;
@@ -76,7 +68,6 @@ static void a_tree_is_told_apart_whatever_its_textures(void **state)
 
 static void names_do_not_matter(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_tree(&soup, 400, 0, false);
@@ -90,7 +81,6 @@ static void names_do_not_matter(void **state)
 
 static void one_material_for_all_is_no_obstacle(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	uint32_t wood = 0;
@@ -105,7 +95,6 @@ static void one_material_for_all_is_no_obstacle(void **state)
 
 static void hulls_and_blades_are_foliage(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -124,7 +113,6 @@ static void hulls_and_blades_are_foliage(void **state)
 
 static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -143,7 +131,6 @@ static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
 
 static void a_patch_inlaid_in_bark_is_bark(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_tree(&soup, 50, 0, false);
@@ -156,7 +143,6 @@ static void a_patch_inlaid_in_bark_is_bark(void **state)
 
 static void colours_of_the_majority_are_no_flowers(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_tree(&soup, 40, 400, false);    /* autumn: mostly red */
@@ -167,7 +153,6 @@ static void colours_of_the_majority_are_no_flowers(void **state)
 
 static void closed_surfaces_count_half(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	double area = 0;
@@ -182,7 +167,6 @@ static void closed_surfaces_count_half(void **state)
 
 static void transparent_parts_do_not_count(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -441,7 +425,6 @@ static void hollow_log(struct soup *s)   /* with a sheet of snow */
 
 static void plants_are_what_they_look_like(void **state)
 {
-	(void)state;
 	static const struct { const char *name; void (*make)(struct soup *s); int organ[4]; } plants[] = {
 		{ "palm", palm, { W, F, -1, -1 } },
 		{ "palm of rings", ringed_palm, { W, F, -1, -1 } },
@@ -499,7 +482,6 @@ static double organ_area(const struct found *found, int organ)
 /* One mesh, one material: leaves share a corner with the twig that they sit on. */
 static void leaves_welded_to_twigs_are_foliage(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -523,7 +505,6 @@ static void leaves_welded_to_twigs_are_foliage(void **state)
 /* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
 static void a_palette_texture_parts_trunk_and_crown(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	static uint8_t pixels[2][4] = { { 110, 80, 60, 255 }, { 60, 120, 50, 255 } };
@@ -552,7 +533,6 @@ static void a_palette_texture_parts_trunk_and_crown(void **state)
 /* An import makes a material of each colour: same name, no image. */
 static void vertex_colours_do_not_shatter_a_trunk(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
@@ -569,7 +549,6 @@ static void vertex_colours_do_not_shatter_a_trunk(void **state)
 
 static void what_has_no_colour_has_that_of_its_organ(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_tree(&soup, 400, 0, false);
@@ -588,7 +567,6 @@ static void what_has_no_colour_has_that_of_its_organ(void **state)
 
 static void rules_win_over_everything(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct found found;
 	soup_tree(&soup, 200, 0, false);
@@ -612,7 +590,6 @@ static void rules_win_over_everything(void **state)
 
 static void names_hint_in_many_languages(void **state)
 {
-	(void)state;
 	static const struct { const char *name; enum lod_hint hint; } names[] = {
 		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD }, { "Birkenrinde", LOD_HINT_WOOD }, { "TreeTrunk01", LOD_HINT_WOOD },
 		{ "écorce", LOD_HINT_WOOD }, { "corteza de pino", LOD_HINT_WOOD }, { "кора", LOD_HINT_WOOD }, { "PotMat", LOD_HINT_WOOD },

@@ -1,15 +1,9 @@
 /* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/format/chunk.h"
 #include "lod/build/plant.h"
 #include "lod/geometry.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 /* ---- Plants to try ---- */
 
@@ -112,7 +106,6 @@ static uint32_t source_triangles(const struct lod_plant *plant, const struct eco
 
 static void every_triangle_is_stored_once(void **state)
 {
-	(void)state;
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
 		struct lod_plant plant;
@@ -135,7 +128,6 @@ static void every_triangle_is_stored_once(void **state)
 
 static void organs_are_counted(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, TREE_WITH_CELLS);
@@ -216,7 +208,6 @@ static void check_form(const struct lod_plant *plant, const struct lod_list_draf
 
 static void lists_are_consistent(void **state)
 {
-	(void)state;
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
 		struct lod_plant plant;
@@ -236,7 +227,6 @@ static void lists_are_consistent(void **state)
 
 static void every_chunk_can_be_coded(void **state)
 {
-	(void)state;
 	struct eco_error error = { 0 };
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
@@ -314,7 +304,6 @@ static void check_ladder(const struct lod_plant *plant, const struct eco_ladder 
 
 static void ladders_are_consistent(void **state)
 {
-	(void)state;
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
 		struct lod_plant plant;
@@ -334,7 +323,6 @@ static void ladders_are_consistent(void **state)
 /* Regions of the cells add up to the whole: samples, area, and what the coarse list holds of them. */
 static void cells_add_up(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, TREE_WITH_CELLS);
@@ -365,7 +353,6 @@ static void cells_add_up(void **state)
 
 static void small_groups_are_not_sharded(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, TEXTURED_TREE);         /* 40 flowers */
@@ -379,7 +366,6 @@ static void small_groups_are_not_sharded(void **state)
 
 static void blades_become_points_and_lines_of_the_same_area(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, GRASS);
@@ -405,7 +391,6 @@ static void blades_become_points_and_lines_of_the_same_area(void **state)
 
 static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
 {
-	(void)state;
 	struct lod_plant plant;
 	struct soup soup;
 	struct eco_error error = { 0 };
@@ -432,7 +417,6 @@ static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
 
 static void two_builds_are_equal(void **state)
 {
-	(void)state;
 	struct soup soup, other;
 	struct lod_plant a, b;
 	build(&a, &soup, TEXTURED_TREE);
@@ -468,7 +452,6 @@ static bool watch_progress(void *ctx, double share)
 
 static void progress_ascends_and_may_stop_the_build(void **state)
 {
-	(void)state;
 	struct soup soup;
 	make_model(&soup, TREE_WITH_CELLS);
 	for (int i = 0; i < 5; i++) {
@@ -489,7 +472,6 @@ static void progress_ascends_and_may_stop_the_build(void **state)
 
 static void models_without_anything_to_draw_are_refused(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	struct lod_plant_options options = { .name = "nothing" };
@@ -509,7 +491,6 @@ static void models_without_anything_to_draw_are_refused(void **state)
 
 static void coarse_grids_drop_and_count(void **state)
 {
-	(void)state;
 	struct soup soup;
 	make_model(&soup, SMALL_TREE);
 	for (uint32_t bits = 1; bits <= 12; bits++) {
@@ -531,7 +512,6 @@ static void coarse_grids_drop_and_count(void **state)
 /* Random triangles with few vertices: fans, loops and edges with many triangles of every kind. */
 static void any_soup_is_stored_completely(void **state)
 {
-	(void)state;
 	for (uint32_t seed = 1; seed <= 40; seed++) {
 		struct soup soup;
 		struct lod_plant plant;
@@ -570,7 +550,6 @@ static double area_of(const float *p)
 
 static void geometry_of_a_range_is_part_of_the_whole(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, TEXTURED_TREE);
@@ -596,7 +575,6 @@ static void geometry_of_a_range_is_part_of_the_whole(void **state)
 
 static void scale_is_a_factor_of_area_about_the_centre(void **state)
 {
-	(void)state;
 	struct soup soup;
 	struct lod_plant plant;
 	build(&plant, &soup, SMALL_TREE);

@@ -1,15 +1,10 @@
 /* Finished plants as bytes: what is read is what was written, and what is cut off or changed is refused or harmless. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/plant_bytes.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 /* A stem, coloured leaves and textured ones; cells where there are many. */
 static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_triangles)
@@ -38,7 +33,6 @@ static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_t
 static void what_is_read_is_what_was_written(void **state)
 {
 	static const uint32_t rows[][2] = { { 0, 0 }, { 1, 0 }, { 60, 0 }, { 900, 300 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct lod_plant plant, again;
 		struct eco_writer first = { 0 }, second = { 0 };
@@ -72,7 +66,6 @@ static void every_truncation_is_refused(void **state)
 {
 	struct lod_plant plant, again;
 	struct eco_writer w = { 0 };
-	(void)state;
 	make_plant(&plant, 12, 0);
 	lod_plant_write(&w, &plant);
 	for (size_t size = 0; size <= w.size + 1; size++) {
@@ -98,7 +91,6 @@ static void changed_bytes_are_refused_or_harmless(void **state)
 	struct eco_writer w = { 0 };
 	uint64_t random = 9;
 	uint32_t refused = 0;
-	(void)state;
 	make_plant(&plant, 40, 0);
 	lod_plant_write(&w, &plant);
 	for (int i = 0; i < 20000; i++) {

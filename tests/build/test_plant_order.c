@@ -1,13 +1,7 @@
 /* Plants with the greedy order: growth codes, simpler forms, and when the order is made. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "lod/build/plant.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define LEAVES 200u
 
@@ -52,7 +46,6 @@ static void each_leaf_has_a_code_and_a_simpler_form(void **state)
 {
 	struct lod_plant plant;
 	const struct lod_list_draft *simple;
-	(void)state;
 	build(&plant, LOD_ORDER_GREEDY, 12);
 	const struct lod_list_draft *leaves = leaves_of(&plant, &simple);
 	assert_true(leaves->list.attributes & ECO_ATTR_GROWTH);
@@ -74,7 +67,6 @@ static void each_leaf_has_a_code_and_a_simpler_form(void **state)
 
 static void static_orders_have_neither(void **state)
 {
-	(void)state;
 	for (int order = LOD_ORDER_STOCHASTIC; order < LOD_ORDER_COUNT; order++) {
 		struct lod_plant plant;
 		const struct lod_list_draft *simple;
@@ -89,7 +81,6 @@ static void orders_differ(void **state)
 {
 	struct lod_plant a, b;
 	const struct lod_list_draft *simple;
-	(void)state;
 	build(&a, LOD_ORDER_STOCHASTIC, 12);
 	for (int order = 0; order < LOD_ORDER_COUNT; order++) {
 		build(&b, (enum lod_order_method)order, 12);
@@ -104,7 +95,6 @@ static void orders_differ(void **state)
 static void the_same_again(void **state)
 {
 	struct lod_plant a, b;
-	(void)state;
 	build(&a, LOD_ORDER_GREEDY, 12);
 	build(&b, LOD_ORDER_GREEDY, 12);
 	assert_int_equal(a.list_count, b.list_count);
@@ -128,7 +118,6 @@ static void order_waits_for_the_grid(void **state)
 	struct eco_error error = { 0 };
 	struct lod_plant_options o = options;
 	const struct lod_list_draft *simple;
-	(void)state;
 	build(&plant, LOD_ORDER_GREEDY, 0);
 	assert_false(leaves_of(&plant, &simple)->list.attributes & ECO_ATTR_GROWTH);
 	o.grid_bits = 0;
@@ -153,7 +142,6 @@ static bool lose_patience(void *ctx, double share)
 /* Wherever it is stopped, nothing is left behind. */
 static void it_can_be_stopped(void **state)
 {
-	(void)state;
 	enum eco_code code = ECO_INTERRUPTED;
 	for (uint32_t calls = 0; code; calls += 1 + calls) {
 		struct patience patience = { calls, 0 };

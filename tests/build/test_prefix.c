@@ -1,17 +1,12 @@
 /* What a plant's ladders draw for more and more vertices, on views that took no part in making lists and curves: no fewer right pixels for
  * more vertices, and the scale of the curve is about the best. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include "lod/ladder.h"
 #include "lod/build/plant.h"
 #include "lod/build/measure/probe.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define VIEWS 7u                 /* none of the curves' */
 #define PIXELS 128u
@@ -57,7 +52,6 @@ static const struct eco_ladder *leaves_of(const struct lod_plant *plant)
 
 static void more_vertices_are_no_worse_and_the_scale_is_about_the_best(void **state)
 {
-	(void)state;
 	for (size_t c = 0; c < sizeof crowns / sizeof *crowns; c++) {
 		struct soup soup;
 		struct lod_plant plant;

@@ -1,16 +1,10 @@
 /* Our order: what prefixes cover on views that it was not made from, and that nothing but the leaves and the seed decides it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
 #include "lod/build/order/rank.h"
 #include "lod/build/order/rank_simple.h"
 #include "tests/support/foliage_random.h"
+#include "tests/support/unit_test.h"
 
 #define PIXELS 128u
 #define VIEWS 6u
@@ -105,7 +99,6 @@ static void prefixes_beat_chance_on_other_views(void **state)
 {
 	static const struct foliage_random plants[] = { { 500, 6, 1, 0.12, 3 }, { 400, 4, 1, 0.12, 4 }, { 300, 3, 1, 0.16, 5 } };
 	static const double share[] = { 0.02, 0.1, 0.3, 0.6, 0.9 };
-	(void)state;
 	for (size_t p = 0; p < sizeof plants / sizeof *plants; p++) {
 		struct lod_foliage f;
 		double won = 0;
@@ -129,7 +122,6 @@ static void prefixes_beat_chance_on_other_views(void **state)
 static void a_triangle_for_each_leaf_keeps_most_of_the_picture(void **state)
 {
 	struct lod_foliage f;
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 300, 6, 1, 0.12, 8 }, &arena);
 	struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 2, .pixels = 64 });
@@ -141,7 +133,6 @@ static void a_triangle_for_each_leaf_keeps_most_of_the_picture(void **state)
 static void a_plain_order_has_plain_codes(void **state)
 {
 	struct lod_foliage f;
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 200, 4, 1, 0.1, 2 }, &arena);
 	struct lod_rank rank = make(&f, (struct lod_rank_options){ .plain = true });
@@ -153,7 +144,6 @@ static void a_plain_order_has_plain_codes(void **state)
 static void unscaled_prefixes_cover_more_than_chance(void **state)
 {
 	struct lod_foliage f;
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 600, 4, 1, 0.12, 6 }, &arena);
 	struct lod_rank rank = make(&f, (struct lod_rank_options){ .unscaled = true });
@@ -177,7 +167,6 @@ static void orders_for_wrong_pixels_have_fewer(void **state)
 {
 	struct lod_foliage f;
 	double ours = 0, of_q = 0;
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 7 }, &arena);
 	struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 24, .wrong_pixels = true, .from_share = 0.08 });
@@ -203,7 +192,6 @@ static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uin
 static void threads_decide_nothing(void **state)
 {
 	struct lod_foliage f;
-	(void)state;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 700, 5, 1, 0.1, 9 }, &arena);
 	struct lod_rank a = make(&f, (struct lod_rank_options){ .seed = 4 });
@@ -225,7 +213,6 @@ static bool until(void *ctx, double share)
 
 static void an_interrupted_order_says_so(void **state)
 {
-	(void)state;
 	for (uint32_t asked = 0; asked < 6; asked++) {
 		struct lod_foliage f;
 		struct lod_rank rank;
@@ -244,7 +231,6 @@ static void odd_plants_are_ordered_too(void **state)
 {
 	static const struct foliage_random odd[] = { { 1, 4, 0, 0.1, 1 }, { 2, 3, 0, 0.1, 1 }, { 40, 6, 0, 0, 1 }, { 40, 5, 0, 0.2, 1 },
 		{ 50, 4, 1e-6, 1e-7, 1 }, { 50, 4, 1e5, 1, 1 }, { 30, 6, 1, 1e-9, 1 }, { 5, 6, 0.01, 5, 1 } };
-	(void)state;
 	for (size_t k = 0; k < sizeof odd / sizeof *odd; k++)
 		for (uint32_t flat = 0; flat < 2; flat++) {
 			struct lod_foliage f;
@@ -266,7 +252,6 @@ static void a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque(void **state)
 	const float uv[5][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0.5f, 1 }, { 0, 1 } };
 	uint64_t opaque[16];
 	struct lod_simple simple;
-	(void)state;
 	for (uint32_t y = 0; y < 16; y++)
 		opaque[y] = y >= 4 && y < 12 ? 0x0ff0 : 0;
 	struct lod_mask mask = { 16, 16, 1, opaque };
@@ -283,7 +268,6 @@ static void leaves_of_one_triangle_stand_for_themselves(void **state)
 {
 	const float corner[3][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 2 } };
 	struct lod_simple simple;
-	(void)state;
 	lod_simple_fit(&simple, &(struct lod_fan){ corner, NULL, 3, NULL });
 	assert_int_equal(simple.corners, 3);
 	assert_memory_equal(simple.corner, corner, sizeof corner);
@@ -291,7 +275,6 @@ static void leaves_of_one_triangle_stand_for_themselves(void **state)
 
 static int end(void **state)
 {
-	(void)state;
 	lod_arena_free(&arena);
 	return 0;
 }

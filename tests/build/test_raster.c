@@ -1,16 +1,11 @@
 /* The rasteriser against a slow twin that tests every pixel with 128-bit edge functions, and what it promises about depth, merging,
  * hiding, cut-outs, lines and points. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "lod/raster/raster_state.h"
+#include "tests/support/unit_test.h"
 
 static uint64_t seed;
 

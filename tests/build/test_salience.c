@@ -1,13 +1,8 @@
 /* Importance from colours: what few leaves have and most differ from. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "lod/build/salience.h"
+#include "tests/support/unit_test.h"
 
 static struct lod_salience plant;
 
@@ -30,7 +25,6 @@ static void grow(const uint8_t leaf[3], double leaves, const uint8_t petal[3], d
 
 static void rare_clear_colours_stand_out(void **state)
 {
-	(void)state;
 	const uint8_t *const petals[] = { white, red, yellow };
 	for (int i = 0; i < 3; i++) {
 		grow(green, 10, petals[i], 0.5);
@@ -41,14 +35,12 @@ static void rare_clear_colours_stand_out(void **state)
 
 static void shades_of_one_colour_do_not(void **state)
 {
-	(void)state;
 	grow(green, 10, light_green, 1);
 	assert_true(importance(light_green) == 1 && importance(green) == 1);
 }
 
 static void the_more_it_differs_and_the_rarer_it_is_the_more_it_counts(void **state)
 {
-	(void)state;
 	double last = 10;
 	for (double petals = 0.1; petals < 30; petals *= 2) {
 		grow(green, 10, red, petals);
@@ -63,7 +55,6 @@ static void the_more_it_differs_and_the_rarer_it_is_the_more_it_counts(void **st
 
 static void half_and_half_has_no_majority(void **state)
 {
-	(void)state;
 	grow(green, 5, red, 5);
 	assert_true(importance(red) == 1 && importance(green) == 1);
 	memset(&plant, 0, sizeof plant);

@@ -1,23 +1,16 @@
 /* Middles of triangles, of what is opaque of them; and palettes for their colours. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/format/list.h"
 #include "lod/light.h"
 #include "lod/build/palette.h"
 #include "lod/build/sample.h"
 #include "lod/raster/texel.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 static const uint8_t green[3] = { 20, 200, 40 };
 
 static void a_plain_triangle_is_seen_at_its_middle(void **state)
 {
-	(void)state;
 	struct soup dice = { .state = 9 };
 	for (uint32_t i = 0; i < 200; i++) {
 		int32_t corner[3][3];
@@ -39,7 +32,6 @@ static void a_plain_triangle_is_seen_at_its_middle(void **state)
 
 static void cut_outs_are_seen_where_they_are_opaque(void **state)
 {
-	(void)state;
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
@@ -64,7 +56,6 @@ static void cut_outs_are_seen_where_they_are_opaque(void **state)
 
 static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
 {
-	(void)state;
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
@@ -87,7 +78,6 @@ static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
 
 static void texels_wrap(void **state)
 {
-	(void)state;
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
@@ -172,7 +162,6 @@ static __attribute__((noinline)) void compare_means(const struct mean_case *c, b
 
 static void means_are_those_of_brute_force(void **state)
 {
-	(void)state;
 	static const struct mean_case cases[] = {
 		{ 256, 256, 0.002, 0, 0.03 },        /* less than a texel */
 		{ 256, 256, 0.02, 3.7, 0.03 },
@@ -193,7 +182,6 @@ static void means_are_those_of_brute_force(void **state)
 
 static void light_survives_the_way_there_and_back(void **state)
 {
-	(void)state;
 	for (uint32_t i = 0; i < 256; i++) {
 		double c = i / 255.0, linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
 		assert_int_equal(lod_light_byte(lod_light_of[i]), i);
@@ -208,7 +196,6 @@ static struct lod_palette palette;
 
 static void few_colours_are_kept_exactly(void **state)
 {
-	(void)state;
 	struct lod_arena arena = { 0 };
 	uint8_t rgb[200][3];
 	uint32_t weights[200];
@@ -227,7 +214,6 @@ static void few_colours_are_kept_exactly(void **state)
 
 static void many_colours_are_cut_to_near_ones(void **state)
 {
-	(void)state;
 	struct lod_arena arena = { 0 };
 	static uint8_t rgb[30000][3];
 	static uint32_t weights[30000];

@@ -1,15 +1,10 @@
 /* Precision and Recall of masks known by hand. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "ecofiles/format/plan.h"
 #include "lod/raster/raster.h"
+#include "tests/support/unit_test.h"
 
 #define NEAR(a, b) assert_true(fabs((a) - (b)) < 1e-12)
 

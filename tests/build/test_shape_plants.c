@@ -1,21 +1,16 @@
 /* Whole plants of all kinds, as models have them: their leaves in at most three quarters of what plain corners take, no chunk in
  * more, and every corner as near to where it was as rounding to the grid would put it. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include <cmocka.h>
-
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/generate/generate_plants.h"
 #include "ecofiles/import/model/model_import.h"
 #include "lod/build/plant.h"
+#include "tests/support/unit_test.h"
 
 #define FOLDER "build/tmp/shape_plants"
 #define SOUP_BITS 85.0           /* a leaf: where corners are few and coarse, less is saved */

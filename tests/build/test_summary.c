@@ -1,10 +1,4 @@
 /* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match; through placements too. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +8,7 @@
 #include "lod/plan/visibility.h"
 #include "lod/build/summary.h"
 #include "tests/support/scene_builder.h"
+#include "tests/support/unit_test.h"
 
 /* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one (area 1) with a pool near its
  * foot, a large one (area 8) with a pool two metres up. */
@@ -79,7 +74,6 @@ static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint3
 static void test_as_many_points_as_asked(void **state)
 {
 	static struct world w;
-	(void)state;
 	make_world(&w);
 	for (uint32_t tile = 0; tile < TILES; tile++) {
 		for (uint32_t count = 0; count < 400; count += 37) {
@@ -94,7 +88,6 @@ static void test_points_follow_area(void **state)
 {
 	static struct world w;
 	double per[4] = { 0 };               /* leaf 1, leaf 2, placed right, placed left */
-	(void)state;
 	make_world(&w);
 	struct lod_summary s = summary_of(&w, 0, 1700);
 	for (uint32_t i = 0; i < s.count; i++) {
@@ -118,7 +111,6 @@ static void test_points_follow_area(void **state)
 static void test_points_lie_on_plants(void **state)
 {
 	static struct world w;
-	(void)state;
 	make_world(&w);
 	struct lod_summary s = summary_of(&w, 1, 300);
 	for (uint32_t i = 0; i < s.count; i++) {
@@ -150,7 +142,6 @@ static void test_points_lie_on_plants(void **state)
 static void test_keys_match_owners(void **state)
 {
 	static struct world w;
-	(void)state;
 	make_world(&w);
 	struct lod_summary s = summary_of(&w, 0, 500);
 	for (uint32_t i = 0; i < s.count; i++) {
@@ -171,7 +162,6 @@ static int by_place(const void *a, const void *b) { return memcmp(a, b, sizeof(s
 static void test_parents_merge_children(void **state)
 {
 	static struct world w;
-	(void)state;
 	make_world(&w);
 	struct lod_summary parent = summary_of(&w, 0, 170), leaf = summary_of(&w, 2, 200);
 	uint32_t taken = 0;
@@ -196,7 +186,6 @@ static void test_nested_summaries_stand_for_their_files(void **state)
 	struct lod_summary_root root = { 0 };
 	const struct lod_summary_root *roots[TILES] = { NULL };
 	struct lod_summary_input input = { .scene = &w.b.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
-	(void)state;
 	make_world(&w);
 	w.b.tiles[0].child_first = w.b.tiles[0].child_count = 2;     /* both of tile 3 */
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
@@ -219,7 +208,6 @@ static void test_list_holds_the_points(void **state)
 	static struct world w;
 	struct eco_list list;
 	struct eco_elements e;
-	(void)state;
 	make_world(&w);
 	struct lod_summary s = summary_of(&w, 2, 256);
 	assert_int_equal(lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e, NULL), ECO_OK);
@@ -243,7 +231,6 @@ static void test_counts_are_bounded(void **state)
 {
 	static const struct { uint64_t instances; uint32_t points; } cases[] = { { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
 		{ 5000, 4096 }, { UINT64_MAX, 4096 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_int_equal(lod_summary_count(&(struct eco_tile){ .instance_count = cases[i].instances }), cases[i].points);
 }
@@ -289,7 +276,6 @@ static uint32_t pooled_leaves(int32_t stem_z)
 static void test_pool_follows_what_is_seen(void **state)
 {
 	uint32_t below = pooled_leaves(90), above = pooled_leaves(150);
-	(void)state;
 	print_message("          leaves %u of 1000 with the stem below them, %u with it above\n", below, above);
 	assert_true(above > 650 && above < 850);         /* nearly what the areas are */
 	assert_true(below > 900);                        /* what hides is seen, from nearly everywhere */
@@ -297,7 +283,6 @@ static void test_pool_follows_what_is_seen(void **state)
 
 static void test_power_below(void **state)
 {
-	(void)state;
 	assert_true(lod_power_below(1) == 1);
 	assert_true(lod_power_below(0.9999) == 0.5);
 	assert_true(lod_power_below(1023.9) == 512);
@@ -307,7 +292,6 @@ static void test_power_below(void **state)
 /* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much of it. */
 static void test_large_splats_do_not_fill_a_low_tile(void **state)
 {
-	(void)state;
 	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096 };
 	double last = 0;
 	for (double high = 100; high >= 1.5; high /= 2) {
@@ -328,7 +312,6 @@ static void test_large_splats_do_not_fill_a_low_tile(void **state)
 /* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far larger, hardly any of many small ones. */
 static void test_large_splats_stand_out_around_their_tile(void **state)
 {
-	(void)state;
 	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .weight_px = 100 };
 	assert_true(lod_summary_outside(&view, 1) == 0);         /* where the tile lies in the picture is not known */
 	view.wide = 200;
@@ -346,7 +329,6 @@ static void test_large_splats_stand_out_around_their_tile(void **state)
 /* Ellipsoids from all around, against points on them. */
 static void test_heights_in_the_picture_are_those_of_points(void **state)
 {
-	(void)state;
 	for (int pitch = -60; pitch <= 60; pitch += 30)
 		for (int k = -2; k <= 2; k++) {
 			double sine = sin(pitch * 0.017453292519943295), cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;

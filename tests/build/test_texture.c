@@ -1,14 +1,9 @@
 /* What is drawn of an image's clear texels where they are mixed with others. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "client-min/view_texture.h"
+#include "tests/support/unit_test.h"
 
 /* Letters: r red, g green, opaque; . clear and white. */
 static uint8_t *fill(const char *const *rows, uint32_t width, uint32_t height)
@@ -34,7 +29,6 @@ static void clear_texels_take_the_colour_beside_them(void **state)
 {
 	static const char *const rows[] = { "r...g...", "........", "..r...g.", "........" };
 	uint8_t *filled = fill(rows, 8, 4);
-	(void)state;
 	for (uint32_t i = 0; i < 32; i++)
 		assert_memory_equal(filled + 4 * i, i % 8 < 4 ? "\xC8\0\0" : "\0\x64\0", 3);
 	free(filled);
@@ -44,7 +38,6 @@ static void far_from_all_they_take_the_mean(void **state)
 {
 	static const char *const rows[] = { "r......g", "........", "........", "........", "........", "........", "........", "........" };
 	uint8_t *filled = fill(rows, 8, 8);
-	(void)state;
 	assert_memory_equal(filled + 4 * (7 * 8), "\x64\x32\0", 3);
 	free(filled);
 }
@@ -53,7 +46,6 @@ static void one_opaque_texel_is_enough_in_a_picture_of_any_shape(void **state)
 {
 	char row[301];
 	const char *rows[] = { row };
-	(void)state;
 	memset(row, '.', 300);
 	row[300] = 0;
 	row[299] = 'g';
@@ -66,7 +58,6 @@ static void nothing_opaque_stays_as_it_is(void **state)
 {
 	static const char *const rows[] = { "...", "..." };
 	uint8_t *filled = fill(rows, 3, 2);
-	(void)state;
 	for (uint32_t i = 0; i < 6; i++)
 		assert_memory_equal(filled + 4 * i, "\xFF\xFF\xFF", 3);
 	free(filled);

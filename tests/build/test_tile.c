@@ -1,10 +1,4 @@
 /* Tiling: every thing in one leaf, bounds that hold bodies, leaves of few, order that a pack can rely on. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +6,7 @@
 #include "ecofiles/base/mix.h"
 #include "ecofiles/format/model.h"
 #include "lod/build/tile.h"
+#include "tests/support/unit_test.h"
 
 enum layout { SCATTERED, CLUSTERED, ONE_PLACE, ONE_LINE, FAR_AWAY };
 
@@ -105,7 +100,6 @@ static void check(uint32_t count, uint32_t most, enum layout layout)
 static void test_each_thing_in_one_leaf(void **state)
 {
 	static const uint32_t counts[] = { 0, 1, 2, 127, 128, 129, 1000, 5000 }, mosts[] = { 1, 4, 128 };
-	(void)state;
 	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
 		for (size_t m = 0; m < sizeof mosts / sizeof *mosts; m++)
 			for (int layout = SCATTERED; layout <= FAR_AWAY; layout++)
@@ -116,7 +110,6 @@ static void test_each_thing_in_one_leaf(void **state)
 static void test_leaves_are_not_nearly_empty(void **state)
 {
 	static struct lod_tile_item items[10000];
-	(void)state;
 	for (uint32_t count = 129; count <= 10000; count += count / 8) {
 		struct lod_tiles tiles;
 		uint32_t leaves = 0;
@@ -135,7 +128,6 @@ static void test_same_input_same_tiles(void **state)
 {
 	struct lod_tile_item items[800];
 	struct lod_tiles a, b;
-	(void)state;
 	lay_out(items, 800, CLUSTERED);
 	assert_int_equal(lod_tiles_build(&a, items, 800, 16, NULL), ECO_OK);
 	assert_int_equal(lod_tiles_build(&b, items, 800, 16, NULL), ECO_OK);
@@ -151,7 +143,6 @@ static void test_neighbours_lie_near(void **state)
 	struct lod_tile_item items[1000];
 	struct lod_tiles tiles;
 	double steps = 0, before = 0;
-	(void)state;
 	lay_out(items, 1000, SCATTERED);
 	for (int i = 0; i < 1000; i++)
 		items[i].plant = 0;
@@ -167,7 +158,6 @@ static void test_neighbours_lie_near(void **state)
 
 static void test_morton_interleaves(void **state)
 {
-	(void)state;
 	assert_int_equal(lod_morton(0, 0), 0);
 	assert_int_equal(lod_morton(1, 0), 1);
 	assert_int_equal(lod_morton(0, 1), 2);

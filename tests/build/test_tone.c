@@ -1,15 +1,9 @@
 /* Beginnings of orders look like all that is seen; colours stay a plant's own where they are few. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/base/mix.h"
 #include "lod/light.h"
 #include "lod/build/tone.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 #define MOST 4096u
 
@@ -42,7 +36,6 @@ static void beginnings_have_the_tone_of_what_is_seen(void **state)
 {
 	static const struct { uint32_t count, colors; double within; } cases[] = { { 4096, 7, 0.06 }, { 4096, 32, 0.06 }, { 4096, 110, 0.06 },
 		{ 700, 5, 0.08 }, { 64, 4, 0.1 }, { 64, 60, 0.1 } };
-	(void)state;
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		double whole[3], part[3];
 		dark_first(cases[c].count, cases[c].colors);
@@ -63,7 +56,6 @@ static void beginnings_have_the_tone_of_what_is_seen(void **state)
 
 static void few_colours_stay_what_they_are(void **state)
 {
-	(void)state;
 	dark_first(MOST, 12);
 	uint8_t before[MOST][3];
 	memcpy(before, rgb, sizeof before);
@@ -79,7 +71,6 @@ static void few_colours_stay_what_they_are(void **state)
 static void one_colour_and_nothing_seen_change_nothing(void **state)
 {
 	uint8_t before[MOST][3];
-	(void)state;
 	for (int unseen = 0; unseen < 2; unseen++) {
 		dark_first(MOST, unseen ? 60 : 1);
 		memcpy(before, rgb, sizeof before);
@@ -99,7 +90,6 @@ static void a_leaf_in_a_box_is_not_seen(void **state)
 	struct lod_organs organs;
 	struct lod_elements elements;
 	uint32_t pixels[16];
-	(void)state;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false);
 	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0.2, 0, 0 }, (struct lod_v3){ 0, 0.2, 0 });

@@ -1,10 +1,4 @@
 /* Drawing with OpenGL: what is counted, hidden, coloured, and kept on the GPU between frames. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +6,7 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_shade.h"
 #include "tests/support/plan_twin.h"
+#include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
 static struct scene_builder scene;
@@ -19,7 +14,6 @@ static struct view_gl *gl;
 
 static int open_all(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_error error = { 0 };
@@ -33,7 +27,6 @@ static int open_all(void **state)
 
 static int close_all(void **state)
 {
-	(void)state;
 	view_gl_close(gl);
 	scene_free(&scene);
 	return 0;
@@ -86,7 +79,6 @@ static void assert_same(const struct view_picture *a, const struct view_picture 
 
 static void empty_store_draws_an_empty_picture(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct eco_view view = scene_view();
@@ -100,7 +92,6 @@ static void empty_store_draws_an_empty_picture(void **state)
 
 static void ground_hides_and_is_not_covered(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct eco_view view = scene_view(), below = scene_view();
@@ -135,7 +126,6 @@ static void ground_hides_and_is_not_covered(void **state)
 
 static void mask_does_not_depend_on_shading(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct scene_held h = scene_hold(&scene);
@@ -152,7 +142,6 @@ static void mask_does_not_depend_on_shading(void **state)
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
 static void tint_shows_all_four_kinds(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct scene_held h = scene_hold(&scene);
@@ -187,7 +176,6 @@ static void held_stream(const struct view_store *store, const struct eco_plan *p
 /* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing before. */
 static void uploads_in_parts_draw_the_same(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct eco_view view = scene_view();
@@ -220,7 +208,6 @@ static void uploads_in_parts_draw_the_same(void **state)
 
 static void repeated_frames_are_the_same(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct scene_held h = scene_hold(&scene);
@@ -233,7 +220,6 @@ static void repeated_frames_are_the_same(void **state)
 
 static void wrong_size_is_refused(void **state)
 {
-	(void)state;
 	if (!gl)
 		skip();
 	struct view_store *store = empty_store();
@@ -250,7 +236,6 @@ static void wrong_size_is_refused(void **state)
 /* Needs no OpenGL: shadows fall away from the sun, to the north-east, and nowhere without plants. */
 static void shadows_fall_to_the_north_east(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	scene_select(&h);
 	const struct view_selection s = h.selection;

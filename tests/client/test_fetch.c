@@ -1,10 +1,4 @@
 /* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of canned answers. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <arpa/inet.h>
 #include <math.h>
 #include <pthread.h>
@@ -15,6 +9,7 @@
 #include <unistd.h>
 
 #include "client-min/view_fetch.h"
+#include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
 #define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
@@ -133,7 +128,6 @@ static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-str
 
 static void stream_arrives_in_pieces(void **state)
 {
-	(void)state;
 	struct server s;
 	struct eco_plan plan;
 	struct eco_writer w;
@@ -156,7 +150,6 @@ static void stream_arrives_in_pieces(void **state)
 
 static void nothing_fits_is_no_failure(void **state)
 {
-	(void)state;
 	struct server s;
 	struct view_fetch_result result;
 	struct eco_error error = { 0 };
@@ -170,7 +163,6 @@ static void nothing_fits_is_no_failure(void **state)
 
 static void problems_become_readable_errors(void **state)
 {
-	(void)state;
 	static const struct { const char *head, *body; enum eco_code code; const char *text; } rows[] = {
 		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no scene 'test'\"}", ECO_NOT_FOUND,
 			"the server answered 404: No such scene: there is no scene 'test'" },
@@ -195,7 +187,6 @@ static void problems_become_readable_errors(void **state)
 
 static void a_busy_server_is_asked_again(void **state)
 {
-	(void)state;
 	struct server s;
 	struct eco_plan plan;
 	struct eco_writer w;
@@ -217,7 +208,6 @@ static void a_busy_server_is_asked_again(void **state)
 
 static void huge_problem_does_not_fill_memory(void **state)
 {
-	(void)state;
 	struct server s;
 	struct view_fetch_result result;
 	struct eco_error error = { 0 };
@@ -235,7 +225,6 @@ static void huge_problem_does_not_fill_memory(void **state)
 
 static void cut_or_damaged_streams_are_refused(void **state)
 {
-	(void)state;
 	struct eco_plan plan;
 	struct eco_writer w;
 	good_stream(&plan, &w);
@@ -260,7 +249,6 @@ static void cut_or_damaged_streams_are_refused(void **state)
 
 static void stop_flag_and_bad_urls_end_at_once(void **state)
 {
-	(void)state;
 	static volatile sig_atomic_t flag = 1;
 	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y", "file:///etc/passwd" };
 	struct view_fetch *fetch;
@@ -283,14 +271,12 @@ static void stop_flag_and_bad_urls_end_at_once(void **state)
 
 static int set_up(void **state)
 {
-	(void)state;
 	scene_make(&scene, NULL, 0);
 	return view_fetch_setup(NULL);
 }
 
 static int tear_down(void **state)
 {
-	(void)state;
 	scene_free(&scene);
 	view_fetch_teardown();
 	return 0;

@@ -1,11 +1,5 @@
 /* Tiled ground on its way: coarse before fine, within the bytes there are and before plants give way, never twice; and drawn alike by
  * OpenGL and in software. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +11,7 @@
 #include "server/stream.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
 
 #define PATH "build/tmp/ground_stream.eco"
 #define SIDE 1025u
@@ -40,7 +35,6 @@ static int open_all(void **state)
 {
 	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
 	struct eco_error error = { 0 };
-	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	remove(PATH);
@@ -55,7 +49,6 @@ static int open_all(void **state)
 
 static int close_all(void **state)
 {
-	(void)state;
 	srv_store_free(&store);
 	remove(PATH);
 	return 0;
@@ -112,7 +105,6 @@ static void ground_comes_coarse_to_fine(void **state)
 {
 	struct eco_request request = request_of(900, 120, 300000);
 	struct srv_stream stream;
-	(void)state;
 	request.ground_px = 0.1;
 	plan(&stream, &request, NULL);
 	assert_true(stream.step_count >= 2);
@@ -133,7 +125,6 @@ static void the_same_view_has_the_same_ground_whatever_came_before(void **state)
 {
 	static const double walk[][2] = { { 900, 120 }, { 60, 4 }, { 500, 400 }, { 120, 9 } };
 	struct view_store *held = NULL;
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		struct eco_request request = request_of(walk[i][0], walk[i][1], 20000);
 		struct srv_stream fresh, after;
@@ -169,7 +160,6 @@ static void ground_gives_way_before_plants(void **state)
 	struct srv_stream whole, stream;
 	uint32_t coarser = 0, fewer = 0, none = 0;
 	double last = 0;
-	(void)state;
 	plan(&whole, &request, NULL);
 	for (uint64_t part = 40; part > 0; part--) {
 		request.bytes = whole.body_bytes * part / 40;
@@ -201,7 +191,6 @@ static void a_tolerance_that_is_asked_for_is_kept(void **state)
 {
 	struct eco_request request = request_of(400, 80, 1000);
 	uint32_t last = UINT32_MAX;
-	(void)state;
 	for (double px = ECO_GROUND_PX_MIN; px < 1000; px *= 8) {
 		struct srv_stream stream;
 		request.ground_px = px;
@@ -222,7 +211,6 @@ static void heights_of_the_drawn_ground_are_those_of_its_samples(void **state)
 	struct lod_eye eye;
 	uint32_t found = 0;
 	double z;
-	(void)state;
 	request.ground_px = ECO_GROUND_PX_MIN;
 	plan(&stream, &request, NULL);
 	struct view_store *held = receive(NULL, &stream);
@@ -250,7 +238,6 @@ static void opengl_and_software_draw_the_same_ground(void **state)
 	static const double views[][2] = { { 300, 60 }, { 40, 3 }, { 900, 500 }, { 30, 900 } };
 	struct view_gl *gl = NULL;
 	uint32_t seams = 0;
-	(void)state;
 	if (view_gl_open(&gl, &(struct view_gl_options){ 480, 320 }, NULL))
 		skip();
 	for (int i = 0; i < 4; i++) {

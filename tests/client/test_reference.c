@@ -1,10 +1,4 @@
 /* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +8,7 @@
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "lod/raster/raster.h"
+#include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
 #define TOLERANCE 0.0005                 /* of all pixels: vertices that floats snap to another 1/256 pixel */
@@ -43,7 +38,6 @@ static void make_png(void)
 
 static int open_all(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_error error = { 0 };
@@ -56,7 +50,6 @@ static int open_all(void **state)
 
 static int close_all(void **state)
 {
-	(void)state;
 	view_gl_close(gl);
 	scene_free(&scene);
 	free(png);
@@ -102,7 +95,6 @@ static void compare(const struct view_picture *a, const struct view_picture *b, 
 
 static void opengl_and_software_agree(void **state)
 {
-	(void)state;
 	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 }, { 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
 		{ 30, 3, 2, 0, 0, 4 } };
 	if (!gl)
@@ -135,7 +127,6 @@ static void opengl_and_software_agree(void **state)
 
 static void threads_do_not_change_the_picture(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_picture one, many;
 	double masks, owners;
@@ -154,7 +145,6 @@ static void threads_do_not_change_the_picture(void **state)
 
 static void something_is_seen_and_scores_as_itself(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_picture p;
 	struct lod_score score;
@@ -175,7 +165,6 @@ static void something_is_seen_and_scores_as_itself(void **state)
 
 static void software_stops_when_told(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_picture p;
 	static volatile sig_atomic_t stop = 1;

@@ -1,10 +1,4 @@
 /* What the viewer says: figures of frames, report.json, command lines, and the little arithmetic behind them. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,13 +11,13 @@
 #include "client-min/view_load.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_report.h"
+#include "tests/support/unit_test.h"
 
 static const struct eco_request request = { .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
 	.bytes = ECO_BYTES_UNBOUNDED };
 
 static void line_shows_dashes_for_what_is_not_known(void **state)
 {
-	(void)state;
 	char *text = NULL;
 	size_t size;
 	struct view_frame f = view_frame_empty(7, 3.5, &request);
@@ -51,7 +45,6 @@ static json_t *written(const struct view_report *report)
 
 static void report_has_every_figure(void **state)
 {
-	(void)state;
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes", "bytes", "precision", "recall",
 		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms", "draw_ms", "reference_ms",
 		"reference_summaries" };
@@ -85,7 +78,6 @@ static void report_has_every_figure(void **state)
 
 static void report_of_nothing_is_valid(void **state)
 {
-	(void)state;
 	struct view_report report = { 0 };
 	json_t *root = written(&report);
 	assert_int_equal(json_array_size(json_object_get(root, "frames")), 0);
@@ -98,7 +90,6 @@ static void report_of_nothing_is_valid(void **state)
 
 static void query_keeps_every_digit(void **state)
 {
-	(void)state;
 	char text[VIEW_QUERY_BYTES];
 	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
 	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,1&fov_y_deg=45&width=800&height=600"
@@ -116,7 +107,6 @@ static void query_keeps_every_digit(void **state)
 
 static void plan_time_is_found_in_its_header(void **state)
 {
-	(void)state;
 	static const struct { const char *text; double ms; } rows[] = {
 		{ " plan;dur=12.5", 12.5 }, { "cache;dur=1, plan;dur=3\r\n", 3 }, { "plan;dur=0", 0 }, { "airplan;dur=4", NAN },
 		{ "plan;dur=", NAN }, { "plan;dur=-1", NAN }, { "plan;dur=nan", NAN }, { "", NAN }, { "total;dur=5", NAN },
@@ -130,7 +120,6 @@ static void plan_time_is_found_in_its_header(void **state)
 
 static void quantiles_are_values_that_occurred(void **state)
 {
-	(void)state;
 	float ms[100];
 	for (int i = 0; i < 100; i++)
 		ms[i] = (float)(i + 1);
@@ -142,7 +131,6 @@ static void quantiles_are_values_that_occurred(void **state)
 
 static void comparison_has_a_colour_for_each_case(void **state)
 {
-	(void)state;
 	const uint8_t cover[4] = { 0, 255, 0, 255 }, reference[4] = { 0, 0, 255, 255 };
 	uint8_t rgb[12];
 	view_picture_compare(cover, reference, 4, rgb);
@@ -154,7 +142,6 @@ static void comparison_has_a_colour_for_each_case(void **state)
 
 static void an_explanation_is_a_table(void **state)
 {
-	(void)state;
 	char *text;
 	size_t size;
 	struct eco_error error = { 0 };

@@ -1,10 +1,4 @@
 /* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and wrong. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,27 +7,25 @@
 #include "client-min/view_table.h"
 #include "client-min/view_select.h"
 #include "ecofiles/format/chunk.h"
+#include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
 static struct scene_builder scene;
 
 static int make_scene(void **state)
 {
-	(void)state;
 	scene_make(&scene, NULL, 0);
 	return 0;
 }
 
 static int free_scene(void **state)
 {
-	(void)state;
 	scene_free(&scene);
 	return 0;
 }
 
 static void table_keeps_what_was_put(void **state)
 {
-	(void)state;
 	struct view_table table = { 0 };
 	assert_int_equal(view_table_get(&table, 3), UINT32_MAX);
 	for (uint32_t i = 0; i < 5000; i++)
@@ -49,7 +41,6 @@ static void table_keeps_what_was_put(void **state)
 
 static void stream_fills_the_store(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
 	struct eco_error error = { 0 };
@@ -89,7 +80,6 @@ static void stream_fills_the_store(void **state)
 /* ROWS keep their order: what was coded is what comes back. */
 static void ground_and_instances_come_back_in_order(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
 		const struct eco_elements *in = &scene.elements[id], *out = &view_store_list(h.store, id)->elements;
@@ -114,7 +104,6 @@ static void holdings_of(const struct view_store *store, uint32_t held[L_COUNT])
 
 static void second_stream_extends_the_first(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct eco_plan small, large;
 	uint32_t held[L_COUNT];
@@ -207,7 +196,6 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 
 static void wrong_streams_are_refused_with_a_reason(void **state)
 {
-	(void)state;
 	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice", "described twice", "are held",
 		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground", "a tile of ground", "palette" };
 	struct eco_view view = scene_view();
@@ -297,7 +285,6 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 
 static void forms_that_do_not_pair_are_refused(void **state)
 {
-	(void)state;
 	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2", "which is not one of fans",
 		"forms of the same", "which is not one of fans", "growth code 8", "size code -1", "more than 8 forms" };
 	for (int fault = 0; fault < FORM_FAULTS; fault++)
@@ -319,7 +306,6 @@ static void forms_that_do_not_pair_are_refused(void **state)
 /* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
 static void forms_pair_with_their_elements(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements, *points = &view_store_list(h.store, L_LOW_POINTS)->elements;
 	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
@@ -334,7 +320,6 @@ static void forms_pair_with_their_elements(void **state)
 
 static void chunk_that_is_held_is_refused(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	struct eco_error error = { 0 };
 	struct eco_writer w;
@@ -351,7 +336,6 @@ static void chunk_that_is_held_is_refused(void **state)
 
 static void memory_is_bounded(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct view_store *store;
 	struct view_store_options options = { .memory_max = 20000 };
@@ -372,7 +356,6 @@ static void memory_is_bounded(void **state)
 
 static void selection_draws_what_the_plan_says(void **state)
 {
-	(void)state;
 	for (int step = 0; step < 12; step++) {
 		struct eco_view view = scene_view();
 		struct eco_plan plan;
@@ -403,7 +386,6 @@ static void selection_draws_what_the_plan_says(void **state)
 
 static void selection_refuses_a_plan_that_miscounts(void **state)
 {
-	(void)state;
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
 	struct lod_eye eye;
@@ -422,7 +404,6 @@ static void selection_refuses_a_plan_that_miscounts(void **state)
 
 static void blends_are_recognised(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	scene_select(&h);
 	const struct view_selection s = h.selection;
@@ -438,7 +419,6 @@ static void blends_are_recognised(void **state)
 
 static void no_plan_selects_nothing(void **state)
 {
-	(void)state;
 	struct view_store *store;
 	struct view_store_options options = { 0 };
 	struct view_selection s;
@@ -455,7 +435,6 @@ static void no_plan_selects_nothing(void **state)
 /* The shader adds a placement's path to a record's owner; that must be what the library says. */
 static void summary_records_carry_owners(void **state)
 {
-	(void)state;
 	struct scene_held h = scene_hold(&scene);
 	const struct view_list *list = view_store_list(h.store, L_SUMMARY);
 	uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);

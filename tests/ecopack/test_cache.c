@@ -1,11 +1,5 @@
 /* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its size is bounded, and a folder
  * that cannot be used fails nothing. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +12,7 @@
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
+#include "tests/support/unit_test.h"
 
 static char root[256], folder[300];
 
@@ -112,7 +107,6 @@ static void put(struct main_cache *cache, unsigned number, const char *text)
 static void gives_back_what_was_put(void **state)
 {
 	struct main_cache cache;
-	(void)state;
 	empty_folder();
 	main_cache_open(&cache, folder, 1 << 20);
 	assert_false(holds(&cache, 1, ""));
@@ -132,7 +126,6 @@ static void gives_back_what_was_put(void **state)
 static void without_a_folder_all_is_missed(void **state)
 {
 	struct main_cache cache;
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		main_cache_open(&cache, i ? "" : NULL, 1 << 20);
 		put(&cache, 1, "an oak");
@@ -147,7 +140,6 @@ static void every_damage_is_noticed(void **state)
 	struct main_cache cache;
 	char path[512];
 	size_t size;
-	(void)state;
 	empty_folder();
 	main_cache_open(&cache, folder, 1 << 20);
 	put(&cache, 5, "some leaves");
@@ -175,7 +167,6 @@ static void what_was_used_least_recently_goes(void **state)
 {
 	struct main_cache cache;
 	char path[512], text[101];
-	(void)state;
 	empty_folder();
 	memset(text, 'x', 100);
 	text[100] = 0;
@@ -203,7 +194,6 @@ static void what_others_left_unfinished_goes_after_a_while(void **state)
 {
 	struct main_cache cache;
 	char path[600];
-	(void)state;
 	empty_folder();
 	for (int i = 0; i < 2; i++) {
 		snprintf(path, sizeof path, "%s/000102030405060708090a0b0c0d0e0f.plant.aBcD0%d", folder, i);
@@ -224,7 +214,6 @@ static void what_others_left_unfinished_goes_after_a_while(void **state)
 static void an_entry_beyond_the_limit_is_not_kept(void **state)
 {
 	struct main_cache cache;
-	(void)state;
 	empty_folder();
 	main_cache_open(&cache, folder, 10);
 	put(&cache, 1, "longer than ten bytes");
@@ -236,7 +225,6 @@ static void an_entry_beyond_the_limit_is_not_kept(void **state)
 static void a_folder_that_cannot_be_fails_nothing(void **state)
 {
 	static const char *const folders[] = { "/proc/nothing/here", "/dev/null", "/dev/null/x" };
-	(void)state;
 	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
 		struct main_cache cache;
 		main_cache_open(&cache, folders[i], 1 << 20);
@@ -259,7 +247,6 @@ static void the_default_follows_the_environment(void **state)
 		{ NULL, "", "" },
 	};
 	static char path[MAIN_CACHE_PATH];
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		if (rows[i].base) setenv("XDG_CACHE_HOME", rows[i].base, 1); else unsetenv("XDG_CACHE_HOME");
 		if (rows[i].home) setenv("HOME", rows[i].home, 1); else unsetenv("HOME");
@@ -325,7 +312,6 @@ static void write_scene(void)
 
 static void packs_are_the_same_with_and_without(void **state)
 {
-	(void)state;
 	empty_folder();
 	write_scene();
 	make("none.eco", NULL, LOD_ORDER_GREEDY, "scene.json");
@@ -353,7 +339,6 @@ static void packs_are_the_same_with_and_without(void **state)
 /* An entry whose hashes hold and whose plant is none. */
 static void an_entry_that_is_no_plant_is_built_anew(void **state)
 {
-	(void)state;
 	DIR *dir = opendir(folder);
 	struct main_cache cache;
 	main_cache_open(&cache, folder, 1 << 30);
@@ -376,7 +361,6 @@ static void an_entry_that_is_no_plant_is_built_anew(void **state)
 
 static void a_pack_is_made_where_the_cache_cannot_be(void **state)
 {
-	(void)state;
 	make("unwritable.eco", "/dev/null/cache", LOD_ORDER_GREEDY, "scene.json");
 	assert_true(same_packs("none.eco", "unwritable.eco"));
 }

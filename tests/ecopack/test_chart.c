@@ -1,10 +1,4 @@
 /* The canvas: round numbers, texts of any bytes, pixels where they were drawn, files that are whole or not there. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <cairo/cairo.h>
 #include <locale.h>
 #include <math.h>
@@ -17,6 +11,7 @@
 #include "ecofiles/base/phrase.h"
 
 #include "ecofiles/ecopack/chart.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_chart"
 
@@ -50,7 +45,6 @@ static void test_numbers_are_rounded_down_to_1_2_5(void **state)
 {
 	static const struct { double value, rounded; } cases[] = { { 1, 1 }, { 1.99, 1 }, { 2, 2 }, { 4.9, 2 }, { 5, 5 }, { 9.9, 5 }, { 10, 10 },
 		{ 0.01, 0.01 }, { 0.049, 0.02 }, { 123456, 100000 }, { 1e-9, 1e-9 }, { 7e12, 5e12 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_true(fabs(eco_chart_round_below(cases[i].value) / cases[i].rounded - 1) < 1e-9);
 }
@@ -59,7 +53,6 @@ static void test_ticks_are_round_few_and_inside(void **state)
 {
 	static const struct { double low, high; uint32_t most; double step; } cases[] = { { 0, 10, 11, 1 }, { 0, 10, 6, 2 }, { 0, 64, 14, 5 },
 		{ 747300, 747800, 6, 100 }, { -3, 3, 4, 2 }, { 0.001, 0.0099, 10, 0.001 }, { 4308500.4, 4308500.9, 4, 0.2 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_chart_ticks ticks = eco_chart_ticks(cases[i].low, cases[i].high, cases[i].most);
 		assert_true(fabs(ticks.step / cases[i].step - 1) < 1e-6);
@@ -72,7 +65,6 @@ static void test_ticks_are_round_few_and_inside(void **state)
 static void test_ticks_of_nothing_end(void **state)
 {
 	static const double cases[][2] = { { 5, 5 }, { 5, 4 }, { 0, INFINITY }, { NAN, 1 }, { 1e15, 1e15 + 1 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_in_range(eco_chart_ticks(cases[i][0], cases[i][1], 5).count, 0, 5);
 }
@@ -84,7 +76,6 @@ static void test_counts_and_lengths_are_written_alike_in_every_locale(void **sta
 	static const struct { double metres; const char *text; } lengths[] = { { 1000, "1 km" }, { 2500, "2.5 km" }, { 50, "50 m" }, { 0.2, "20 cm" },
 		{ 0.005, "5 mm" } };
 	char text[32];
-	(void)state;
 	setlocale(LC_ALL, "");
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		assert_string_equal(eco_phrase_count(counts[i].count, text), counts[i].text);
@@ -97,7 +88,6 @@ static void test_shapes_lie_where_they_were_drawn(void **state)
 {
 	struct eco_chart *chart = blank(40, 30);
 	const uint8_t pixels[] = { 10, 20, 30, 255, 0, 0, 0, 0, 200, 100, 50, 255, 1, 2, 3, 255 };
-	(void)state;
 	eco_chart_box(chart, 0, 0, 10, 10, ECO_COLOR(0x123456));
 	eco_chart_disc(chart, 30, 15, 6, ECO_COLOR(0x00ff00));
 	eco_chart_clip(chart, 0, 20, 5, 10);
@@ -120,7 +110,6 @@ static void test_text_of_any_bytes_is_drawn(void **state)
 	struct eco_chart_style style = { .size = 12, .room = 30, .halo = { 1, 1, 1, 1 } };
 	struct eco_chart *chart = blank(100, 100);
 	char long_text[5000];
-	(void)state;
 	memset(long_text, 'x', sizeof long_text - 1);
 	long_text[sizeof long_text - 1] = 0;
 	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
@@ -139,7 +128,6 @@ static void test_paragraphs_break_at_spaces(void **state)
 {
 	struct eco_chart_style style = { .size = 12, .room = 100 };
 	struct eco_chart *chart = blank(200, 200);
-	(void)state;
 	assert_true(eco_chart_paragraph(chart, 0, 0, 10, &style, "one") == 10);
 	double lines = eco_chart_paragraph(chart, 0, 0, 10, &style, "one two three four five six seven eight nine ten eleven") / 10;
 	assert_true(lines >= 3 && lines <= 6);
@@ -150,7 +138,6 @@ static void test_paragraphs_break_at_spaces(void **state)
 static void test_same_drawing_gives_same_bytes(void **state)
 {
 	struct eco_chart_file files[2];
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		struct eco_chart *chart = blank(64, 64);
 		eco_chart_text(chart, 3, 30, &(struct eco_chart_style){ .size = 14 }, "maple 12");
@@ -173,7 +160,6 @@ static void put_file(const char *path, const void *bytes, size_t size)
 
 static void test_only_pictures_are_replaced(void **state)
 {
-	(void)state;
 	put_file(ROOT "/text", "hello, world", 12);
 	put_file(ROOT "/short", "\x89PN", 3);
 	put_file(ROOT "/empty", "", 0);
@@ -191,7 +177,6 @@ static void test_a_file_that_cannot_be_written_leaves_nothing(void **state)
 {
 	struct eco_chart_file file = png_of(blank(4, 4));
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(eco_chart_write(&file, ROOT "/nowhere/x.png", &error), ECO_IO);
 	assert_int_equal(eco_chart_write(&file, ROOT, NULL), ECO_IO);            /* a folder */
 	char beside[200];
@@ -203,7 +188,6 @@ static void test_a_file_that_cannot_be_written_leaves_nothing(void **state)
 static void test_sides_are_bounded(void **state)
 {
 	struct eco_chart *chart;
-	(void)state;
 	assert_int_equal(eco_chart_new(&chart, 0, 5, NULL), ECO_TOO_LARGE);
 	assert_int_equal(eco_chart_new(&chart, 5, ECO_CHART_SIDE_MAX + 1, NULL), ECO_TOO_LARGE);
 	assert_null(chart);

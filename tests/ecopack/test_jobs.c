@@ -1,16 +1,11 @@
 /* Work in threads, results in order: the same outcome with any number of threads; the first failure counts; nothing is lost or freed
  * twice. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/ecopack/jobs.h"
+#include "tests/support/unit_test.h"
 
 struct made { uint64_t *value; };
 struct run { uint64_t fails_at, take_fails_at, taken, sum; atomic_uint alive; };
@@ -63,7 +58,6 @@ static void results_come_in_order_with_any_number_of_threads(void **state)
 	static const uint64_t counts[] = { 0, 1, 2, 7, 1023, 1024, 1025, 5000 };
 	static const uint32_t threads[] = { 0, 1, 2, 3, 16, 200 };
 
-	(void)state;
 	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
 		uint64_t sum = 0;
 
@@ -86,7 +80,6 @@ static void the_first_failure_is_the_one_that_is_told(void **state)
 		{ UINT64_MAX, 1200, ECO_IO, "taking 1200", 1200 }, { 40, 30, ECO_IO, "taking 30", 30 }, { 30, 40, ECO_DAMAGED, "piece 30", 30 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		for (uint32_t threads = 1; threads < 4; threads++) {
 			struct run run = { .fails_at = cases[i].work, .take_fails_at = cases[i].take };

@@ -1,10 +1,4 @@
 /* Packs that are built apart and linked, and packs that are built again after a change, are those that one full build gives: byte for byte. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +12,7 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/mix.h"
 #include "tests/support/scratch.h"
+#include "tests/support/unit_test.h"
 
 #define PARTS 3u
 #define PLANTS 150u
@@ -126,7 +121,6 @@ static bool same(const char *a, const char *b)
 static void linked_parts_equal_the_whole(void **state)
 {
 	struct eco_error error = { 0 };
-	(void)state;
 	write_parts(1);
 	make_parts();
 	make("whole.json", "whole.eco", true);
@@ -142,7 +136,6 @@ static void parts_keep_plants_of_their_own(void **state)
 	struct eco_pack *pack = NULL;
 	struct inspect_counts counts;
 	FILE *out = tmpfile();
-	(void)state;
 	write_parts(2);
 	write_part(1, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, \"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}");
 	make_parts();
@@ -159,7 +152,6 @@ static void parts_keep_plants_of_their_own(void **state)
 static void parts_of_other_frames_are_refused(void **state)
 {
 	struct eco_error error = { 0 };
-	(void)state;
 	write_parts(3);
 	make_parts();
 	FILE *file = open_text("utm.json");
@@ -204,7 +196,6 @@ static void edited_packs_equal_full_builds(void **state)
 	int edits = wanted ? atoi(wanted) : 4;
 	uint64_t seed = 4;
 	struct eco_error error = { 0 };
-	(void)state;
 	write_parts(5);
 	unlink(in_root("whole.eco"));
 	make("whole.json", "whole.eco", true);
@@ -228,7 +219,6 @@ static void only_what_depends_on_a_change_is_built(void **state)
 {
 	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };
 	struct eco_error error = { 0 };
-	(void)state;
 	write_parts(6);
 	make("whole.json", "whole.eco", true);
 	main_cache_open(&m.cache, cache, 1 << 30);
@@ -266,7 +256,6 @@ static void damage(const char *name)
 
 static void a_damaged_pack_is_built_anew(void **state)
 {
-	(void)state;
 	write_parts(7);
 	unlink(in_root("full.eco"));
 	make("whole.json", "full.eco", true);
@@ -280,7 +269,6 @@ static void a_damaged_pack_is_built_anew(void **state)
 static void a_damaged_part_is_named(void **state)
 {
 	struct eco_error error = { 0 };
-	(void)state;
 	write_parts(8);
 	make_parts();
 	damage("part1.eco");
@@ -298,7 +286,6 @@ static void summaries_of_others_are_refused(void **state)
 	struct eco_pack *pack;
 	struct eco_pack_writer *writer;
 	char *meta;
-	(void)state;
 	write_parts(9);
 	make_parts();
 	assert_int_equal(eco_pack_open(&pack, in_root("part1.eco"), NULL), ECO_OK);
@@ -321,7 +308,6 @@ static void summaries_of_others_are_refused(void **state)
 
 static int set_up(void **state)
 {
-	(void)state;
 	scratch_open("link");
 	snprintf(cache, sizeof cache, "%s/cache", scratch_root);
 	main_progress_quiet(true);
@@ -333,7 +319,6 @@ static int set_up(void **state)
 
 static int clean_up(void **state)
 {
-	(void)state;
 	scratch_remove(cache);
 	scratch_remove(scratch_root);
 	return 0;

@@ -1,10 +1,4 @@
 /* From scene files to packs, end to end: what stands where, what is shared, what is refused, and that a failure leaves nothing. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <jansson.h>
 #include <math.h>
@@ -20,6 +14,7 @@
 #include "lod/eye.h"
 #include "tests/support/pack_resign.h"
 #include "tests/support/scratch.h"
+#include "tests/support/unit_test.h"
 
 static void write_text(const char *name, const char *text)
 {
@@ -88,7 +83,6 @@ static void test_plant_at_the_origin_is_exact(void **state)
 {
 	double at[4][3];
 	uint32_t plant[4];
-	(void)state;
 	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, "
 		"0, 0]}]}");
 	struct eco_pack *pack = made("lone.json", "lone.eco");
@@ -131,7 +125,6 @@ static void test_plants_stand_where_the_scene_says(void **state)
 {
 	static double at[200][3];
 	static uint32_t plant[200];
-	(void)state;
 	write_slope();
 	struct eco_pack *pack = made("slope.json", "slope.eco");
 	const struct eco_scene *s = &pack->scene;
@@ -169,7 +162,6 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 {
 	double at[8][3];
 	uint32_t plant[8];
-	(void)state;
 	write_tree("narrow.obj", 1);
 	write_tree("wide.obj", 5);
 	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
@@ -196,7 +188,6 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 
 static void test_what_stands_beyond_the_ground_is_counted(void **state)
 {
-	(void)state;
 	write_slope();
 	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
 	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}");
@@ -214,7 +205,6 @@ static void test_what_stands_beyond_the_ground_is_counted(void **state)
 
 static void test_tiles_are_small_and_summed_up(void **state)
 {
-	(void)state;
 	write_slope();
 	struct eco_pack *pack = made("slope.json", "slope.eco");
 	const struct eco_scene *s = &pack->scene;
@@ -240,7 +230,6 @@ static void test_tiles_are_small_and_summed_up(void **state)
 
 static void test_nested_files_are_built_once(void **state)
 {
-	(void)state;
 	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
 		"\"c\", \"at\": [0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
 	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
@@ -268,7 +257,6 @@ static void test_nested_files_are_built_once(void **state)
 static void test_threads_change_nothing(void **state)
 {
 	size_t size_a, size_b;
-	(void)state;
 	write_slope();
 	assert_int_equal(make("slope.json", "one.eco", 1, NULL), ECO_OK);
 	assert_int_equal(make("slope.json", "four.eco", 4, NULL), ECO_OK);
@@ -281,7 +269,6 @@ static void test_threads_change_nothing(void **state)
 
 static void test_every_triangle_is_accounted_for(void **state)
 {
-	(void)state;
 	write_model("worse.obj", 3, 30);
 	FILE *file = fopen(in_root("worse.obj"), "ab");
 	fputs("v 1 1 1\nv 1 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 2 6\nf 1 2 6\n", file);
@@ -332,7 +319,6 @@ static void test_failure_leaves_the_old_pack(void **state)
 		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
 			"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 	};
-	(void)state;
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
 	write_text("two.csv", "x,y\n1,2\n500,1\n");
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -353,7 +339,6 @@ static void test_failure_leaves_the_old_pack(void **state)
 static void test_damage_is_found_and_named(void **state)
 {
 	size_t size;
-	(void)state;
 	write_slope();
 	eco_pack_close(made("slope.json", "whole.eco"));
 	char *bytes = read_all("whole.eco", &size);
@@ -400,7 +385,6 @@ static void test_ground_is_tiles_that_hold_what_they_say(void **state)
 	struct inspect_counts counts;
 	struct eco_error error = { 0 };
 	size_t size;
-	(void)state;
 	write_hills();
 	struct eco_pack *pack = made("hills.json", "hills.eco");
 	const struct eco_scene *s = &pack->scene;
@@ -434,7 +418,6 @@ static void test_ground_is_tiles_that_hold_what_they_say(void **state)
 /* Whole metres are kept as such. */
 static void test_whole_heights_are_kept_exactly(void **state)
 {
-	(void)state;
 	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 110 99\n");
 	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
 		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
@@ -447,7 +430,6 @@ static void test_whole_heights_are_kept_exactly(void **state)
 
 static void test_info_speaks_json(void **state)
 {
-	(void)state;
 	write_slope();
 	eco_pack_close(made("slope.json", "info.eco"));
 	FILE *out = tmpfile();
@@ -465,7 +447,6 @@ static void test_info_speaks_json(void **state)
 
 static int prepare(void **state)
 {
-	(void)state;
 	scratch_open("make");
 	main_progress_quiet(true);
 	write_model("a.obj", 4, 60);
@@ -475,7 +456,6 @@ static int prepare(void **state)
 
 static int clean_up(void **state)
 {
-	(void)state;
 	scratch_remove(scratch_root);
 	return 0;
 }

@@ -1,10 +1,4 @@
 /* Maps: what is counted, what is said to be left out, which part of the world is shown, and that a failure leaves nothing. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <cairo/cairo.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_map"
 #define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": \"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"
@@ -30,7 +25,6 @@ static void write_text(const char *path, const char *text)
 
 static int make_files(void **state)
 {
-	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	mkdir(ROOT, 0777);
@@ -80,7 +74,6 @@ static uint64_t left(const struct map *m, const char *reason)
 static void test_plants_are_counted_by_kind_with_their_heights(void **state)
 {
 	struct map m;
-	(void)state;
 	gather(&m, ROOT "/one.json");
 	assert_int_equal(m.total, 4);
 	assert_int_equal(m.points.count, 4);
@@ -95,7 +88,6 @@ static void test_plants_are_counted_by_kind_with_their_heights(void **state)
 static void test_what_is_left_out_is_counted_by_reason(void **state)
 {
 	struct map m;
-	(void)state;
 	gather(&m, ROOT "/one.json");
 	assert_int_equal(left(&m, "rows.csv: 8 rows, 3 plants"), 8);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_NO_COORDINATES]), 1);
@@ -111,7 +103,6 @@ static void test_what_is_left_out_is_counted_by_reason(void **state)
 static void test_nested_files_count_as_often_as_they_stand(void **state)
 {
 	struct map m;
-	(void)state;
 	gather(&m, ROOT "/nested.json");
 	assert_int_equal(m.total, 1 + 3 * 3);
 	assert_int_equal(kind(&m, "oak")->count, 6);
@@ -126,7 +117,6 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 {
 	struct map m;
 	bool found = false;
-	(void)state;
 	gather(&m, ROOT "/nested.json");
 	for (uint64_t i = 0; i < m.points.count; i++)        /* oak at [10, 0], turned to [0, 10], twice as large, at [100, 0] */
 		found |= fabsf(m.points.items[i].x - 100) < 1e-3f && fabsf(m.points.items[i].y - 20) < 1e-3f && m.points.items[i].height_m == 40;
@@ -137,7 +127,6 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 static void test_scattered_plants_are_shown_with_their_areas(void **state)
 {
 	struct map m;
-	(void)state;
 	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
 		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, 47]]]}}]}");
 	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], [9.002, 47.0003]]}");
@@ -174,7 +163,6 @@ static void test_strays_do_not_shrink_the_rest(void **state)
 	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] = { { 1000, "", 1100, 0 },
 		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 }, { 1000, "2000,2000\n", 2200, 0 },
 		{ 3, "4000000,0\n", 5e6, 0 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct map m;
 		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
@@ -192,7 +180,6 @@ static void test_strays_do_not_shrink_the_rest(void **state)
 static void test_one_plant_and_rows_of_plants_have_a_map(void **state)
 {
 	static const char *const rows[] = { "5,5\n", "0,0\n100,0\n", "7,1\n7,900\n", "1,1\n1,1\n1,1\n" };
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct map m;
 		write_rows(ROOT "/few.csv", 0, rows[i]);
@@ -207,7 +194,6 @@ static void test_one_plant_and_rows_of_plants_have_a_map(void **state)
 static void test_many_plants_become_density(void **state)
 {
 	struct map m;
-	(void)state;
 	for (uint32_t count = 500; count <= 200000; count *= 400) {
 		FILE *file = fopen(ROOT "/dense.csv", "wb");
 		fputs("x,y\n", file);
@@ -262,7 +248,6 @@ static void write_ground(void)
 static void test_ground_has_contour_lines(void **state)
 {
 	struct map m;
-	(void)state;
 	write_ground();
 	gather(&m, ROOT "/hill.json");
 	assert_true(m.has_ground);
@@ -280,7 +265,6 @@ static void test_the_same_scene_gives_the_same_picture(void **state)
 {
 	static uint8_t a[1 << 20], b[1 << 20];
 	struct eco_error error;
-	(void)state;
 	write_ground();
 	static const char *const scenes[] = { ROOT "/one.json", ROOT "/nested.json", ROOT "/hill.json" };
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
@@ -303,7 +287,6 @@ static void test_bad_command_lines_and_scenes_are_told(void **state)
 		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" }, { ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT,
 			"nothing to show" },
 		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
-	(void)state;
 	unlink(ROOT "/x.png");
 	write_text(ROOT "/nothing.json", "{" PLANTS "}");
 	write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": \"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");

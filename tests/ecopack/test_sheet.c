@@ -1,10 +1,4 @@
 /* Contact sheets: what the planner draws of one plant, colours where they belong, pages, and that a failure leaves nothing. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <cairo/cairo.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +14,7 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/sheet.h"
 #include "lod/plan/planner.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_sheet"
 #define PIXELS 64u
@@ -69,7 +64,6 @@ static void write_text(const char *path, const char *text)
 
 static int make_packs(void **state)
 {
-	(void)state;
 	struct eco_error error = { 0 };
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
@@ -119,7 +113,6 @@ static void test_full_detail_is_everything_and_perfect(void **state)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
-	(void)state;
 	struct eco_pack *pack = open_plant(&plant, "tree");
 	struct sheet_picture all = draw(&plant, ECO_VERTICES_MAX, SHEET_NATURAL, rgb);
 	assert_int_equal(all.vertices, plant.full);
@@ -134,7 +127,6 @@ static void test_budgets_are_kept_and_more_is_better(void **state)
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
 	double first = 0, last = 0;
-	(void)state;
 	struct eco_pack *pack = open_plant(&plant, "tree");
 	draw(&plant, ECO_VERTICES_MAX, SHEET_NATURAL, rgb);
 	for (uint64_t share = 64; share > 0; share /= 2) {
@@ -223,7 +215,6 @@ static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 {
 	static const struct { enum lod_order_method order; double mean; } cases[] = { { LOD_ORDER_GREEDY, 0.895 }, { LOD_ORDER_COMBINED, 0.87 } };
 	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20, .seed = 1 };
-	(void)state;
 	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
 	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", \"height_m\": 15}},"
 		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
@@ -249,7 +240,6 @@ static void test_organs_have_their_colours(void **state)
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
 	uint32_t brown = 0, green = 0, magenta = 0, covered = 0;
-	(void)state;
 	struct eco_pack *pack = open_plant(&plant, "tree");
 	draw(&plant, ECO_VERTICES_MAX, SHEET_ORGANS, rgb);
 	for (size_t i = 0; i < PIXELS * PIXELS; i++) {
@@ -271,7 +261,6 @@ static void test_textures_lie_the_right_way_round_and_holes_are_holes(void **sta
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
-	(void)state;
 	struct eco_pack *pack = open_plant(&plant, "card");
 	draw(&plant, ECO_VERTICES_MAX, SHEET_NATURAL, rgb);
 	static const struct { uint32_t x, y; char color; } cases[] = { { 16, 16, 'r' }, { 16, 48, 'r' }, { 48, 48, 'b' }, { 48, 16, '-' } };
@@ -290,7 +279,6 @@ static void test_scale_bar_measures_the_plant(void **state)
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
 	uint32_t left = PIXELS, right = 0;
-	(void)state;
 	struct eco_pack *pack = open_plant(&plant, "card");
 	draw(&plant, ECO_VERTICES_MAX, SHEET_NATURAL, rgb);
 	for (uint32_t i = 0; i < PIXELS * PIXELS; i++)
@@ -330,7 +318,6 @@ static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
 {
 	struct eco_error error;
 	int wide, high, wide1, high1;
-	(void)state;
 	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/two.png --size 50 --columns 1/2,0.1,300", &error), ECO_OK);
 	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 50 --columns 1/2 --plants tree", &error), ECO_OK);
 	size_of(ROOT "/two.png", &wide, &high);
@@ -355,7 +342,6 @@ static void test_bad_command_lines_are_told_what_fits(void **state)
 		{ ROOT "/two.eco -o " ROOT "/x.png --plants fir", ECO_NOT_FOUND, "tree" }, { ROOT "/none.eco -o " ROOT "/x.png", ECO_IO, "none.eco" },
 		{ ROOT "/two.json -o " ROOT "/x.png", ECO_DAMAGED, "not a pack" }, { ROOT "/two.eco -o " ROOT "/two.json", ECO_BAD_INPUT, "kept" },
 		{ ROOT "/two.eco -o " ROOT "/none/x.png", ECO_NOT_FOUND, "none" } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error;
 		enum eco_code code = run(cases[i].line, &error);
@@ -371,7 +357,6 @@ static void test_damaged_packs_are_an_error(void **state)
 {
 	static uint8_t bytes[1 << 22];
 	struct eco_pack *pack;
-	(void)state;
 	assert_int_equal(eco_pack_open(&pack, ROOT "/two.eco", NULL), ECO_OK);
 	const struct eco_scene *s = &pack->scene;
 	const uint8_t *payload;
@@ -397,7 +382,6 @@ static void test_many_plants_are_several_pages(void **state)
 	char text[6000] = "{\"plants\": {", at[2000] = "";
 	struct eco_error error = { 0 };
 	int wide, high;
-	(void)state;
 	for (int i = 0; i < 19; i++) {
 		sprintf(text + strlen(text), "%s\"t%d\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": \"y\", \"height_m\": %d}", i ? ", " : "",
 			i, i + 1);

@@ -1,10 +1,4 @@
 /* Camera scripts and views: what they mean to the number, and that whatever cannot be drawn is refused by name. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/format/view.h"
+#include "tests/support/unit_test.h"
 
 #define KEY(time, x) "{\"time_s\": " time ", \"eye\": [" x ", 0, 2], \"target\": [0, 50, 1], \"fov_y_deg\": 45}"
 #define SCRIPT(fps, keys) "{\"fps\": " fps ", \"keyframes\": [" keys "]}"
@@ -38,7 +33,6 @@ static void frames_run_to_the_last_keyframe(void **state)
 		{ SCRIPT("0.001", KEY("0", "1") "," KEY("5", "2")), 1, 0 },
 		{ SCRIPT("1000", KEY("0", "1") "," KEY("999.999", "2")), 1000000, 999.999 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_camera *camera = camera_of(rows[i].json);
 		struct eco_view view = { .width = 640, .height = 480 };
@@ -54,7 +48,6 @@ static void keyframes_are_met_exactly_and_up_defaults_to_z(void **state)
 	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
 		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], \"fov_y_deg\": 60.5}"));
 	struct eco_view view;
-	(void)state;
 	assert_true(eco_camera_frame(camera, 0, &view) == 0 && view.eye[0] == 0.1 && view.up[2] == 1 && view.up[0] == 0);
 	assert_true(eco_camera_frame(camera, 7, &view) == 0.7 && view.eye[0] == 12.3 && view.fov_y_deg == 45);
 	assert_true(eco_camera_frame(camera, 20, &view) == 2 && view.eye[0] == 1e6 && view.target[2] == 0.3 && view.up[1] == 1);
@@ -66,7 +59,6 @@ static void what_does_not_change_stays_to_the_last_bit(void **state)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
 	struct eco_view view;
-	(void)state;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		eco_camera_frame(camera, i, &view);
 		assert_true(view.eye[0] == 0.1 && view.target[1] == 50 && view.fov_y_deg == 45 && view.up[2] == 1);
@@ -78,7 +70,6 @@ static void equal_speed_stays_equal_at_unequal_times(void **state)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4", "40")));
 	struct eco_view view;
-	(void)state;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		double t = eco_camera_frame(camera, i, &view);
 		assert_true(fabs(view.eye[0] - 10 * t) < 1e-9);
@@ -100,7 +91,6 @@ static void between_keyframes_lies_a_catmull_rom_spline(void **state)
 		(x[3] - x[2]) / (t[3] - t[2]) };
 	struct eco_camera *camera = camera_of(SCRIPT("50", KEY("0", "3") "," KEY("1", "10") "," KEY("1.5", "-2") "," KEY("4", "5")));
 	struct eco_view view;
-	(void)state;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		double time = eco_camera_frame(camera, i, &view);
 		int k = time < 1 ? 0 : time < 1.5 ? 1 : 2;
@@ -158,7 +148,6 @@ static void impossible_scripts_are_refused_by_name(void **state)
 			"{\"time_s\": 2, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1}"),
 			"tour.json:2:1: frame 11 at 1.1 s, from this keyframe on, cannot be drawn: fov_y_deg: -" },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_camera *camera = (void *)1;
 		struct eco_error error = { 0 };
@@ -171,7 +160,6 @@ static void impossible_scripts_are_refused_by_name(void **state)
 static void every_truncation_of_a_script_is_refused(void **state)
 {
 	static const char json[] = SCRIPT("2", KEY("0", "1") "," KEY("3", "2"));
-	(void)state;
 	for (size_t size = 0; size + 1 < sizeof json; size++) {
 		struct eco_camera *camera;
 		char *exact = malloc(size + 1);
@@ -186,7 +174,6 @@ static void scripts_are_loaded_from_files(void **state)
 	static const char path[] = "build/tmp/test_camera.json";
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };
-	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_IO);
@@ -211,7 +198,6 @@ static void scripts_are_loaded_from_files(void **state)
 static void views_that_cannot_be_drawn_are_refused(void **state)
 {
 	static const struct eco_view good = { { 0, 0, 1 }, { 0, 5, 1 }, { 0, 0, 1 }, 45, 800, 600 };
-	(void)state;
 	assert_int_equal(eco_view_check(&good, NULL), ECO_OK);
 	for (int fault = 0; fault < 14; fault++) {
 		struct eco_view v = good;

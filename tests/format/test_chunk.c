@@ -3,7 +3,6 @@
 
 static void what_goes_in_comes_out(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct kind *k = &kinds[i];
 		const struct eco_list list = kind_list(k);
@@ -32,7 +31,6 @@ static void what_goes_in_comes_out(void **state)
 
 static void the_same_elements_give_the_same_bytes(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
 		struct eco_elements in = kind_elements(&kinds[i], kinds[i].count, 3);
@@ -58,7 +56,6 @@ static void forms_follow_their_elements(void **state)
 	};
 	enum { COUNT = 300, FIRST = 20, END = 270 };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		const struct kind fan = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, COUNT, 0,
 			4095, SCATTERED };
@@ -102,7 +99,6 @@ static void first_chunks_keep_their_order(void **state)
 	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] = { { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
 		{ 4, 4, 0, 1, true }, { 3, 6, 0, 48, true }, { 4, 4, 64, 128, true }, { 4, 4, 200, 250, false }, { 4, 4, 0, 300, false } };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
 		const struct eco_list list = kind_list(&k);
@@ -143,7 +139,6 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	for (int32_t i = 0; i < SIDE * SIDE; i++) {
 		corners[i] = 1;
 		position[3 * i] = 4 * (i % SIDE);
@@ -166,7 +161,6 @@ static void equal_texture_coordinates_are_free(void **state)
 	struct eco_elements in = kind_elements(k, 300, 4);
 	size_t size[2];
 
-	(void)state;
 	assert_string_equal(k->name, "textured quads");
 	for (int textured = 0; textured < 2; textured++) {
 		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured ? ECO_ATTR_UV : 0 };
@@ -185,7 +179,6 @@ static void permutations_are_fair_and_fixed(void **state)
 	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
 	uint32_t order[1000], seen[1000] = { 0 }, first[10] = { 0 };
 
-	(void)state;
 	eco_chunk_permutation(3, 8, order);
 	assert_memory_equal(order, golden, sizeof golden);
 	eco_chunk_permutation(0, 1000, order);
@@ -209,7 +202,6 @@ static void splits_start_small_and_grow(void **state)
 	};
 	static uint32_t ends[5000];
 
-	(void)state;
 	assert_int_equal(eco_chunk_split(0, 32, ends, 10), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		uint32_t n = eco_chunk_split(cases[i].count, cases[i].smallest, ends, cases[i].max), last = 0, before = 0;
@@ -258,7 +250,6 @@ static void a_small_chunk_is_the_golden_one(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
 	assert_int_equal(size, sizeof golden);
 	assert_memory_equal(bytes, golden, size);
@@ -275,7 +266,6 @@ static void names_are_xxh3_of_the_payload(void **state)
 	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3, 0x24, 0x46, 0x8d, 0x49, 0x7f };
 	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
 
-	(void)state;
 	assert_memory_equal(id.bytes, empty, sizeof empty);
 }
 

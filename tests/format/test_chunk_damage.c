@@ -4,7 +4,6 @@
 
 static void every_truncation_is_refused(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
 		uint32_t count = kinds[i].count < 60 ? kinds[i].count : 60;
@@ -47,7 +46,6 @@ static void assert_bounded(const struct eco_list *list, const struct eco_chunk *
 
 static void every_flipped_bit_is_refused_or_bounded(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
 		uint32_t count = kinds[i].count < 10 ? kinds[i].count : 10;
@@ -83,7 +81,6 @@ static void counts_must_be_those_of_the_record(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 	chunk = kind_chunk(&in, 0, 50, size);
 	wrong = chunk;
@@ -118,7 +115,6 @@ static void impossible_input_is_refused(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_BAD_INPUT);
 	input.end = 51;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_BAD_INPUT);

@@ -40,7 +40,6 @@ static void connected_wood_is_small_and_keeps_its_texture(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
@@ -65,7 +64,6 @@ static void no_wood_triangle_is_lost(void **state)
 		{ { 1, 0, 2 }, { 0, 2, 3 }, { 0, 3, 1 }, { 1, 3, 2 } },        /* one face turned */
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		const struct kind k = { "tangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 0, 0, 0, SCATTERED };
 		const struct eco_list list = kind_list(&k);

@@ -1,9 +1,5 @@
 /* What stands in for Draco's count of symbols gives Draco's result to the bit, so that streams are the same. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/support/unit_test.h"
 
 /* As the linker names them (--wrap in the Makefile): Draco's own, and ours. */
 int64_t draco_own(const uint32_t *symbols, int count, int largest, int *unique)
@@ -22,7 +18,6 @@ static void sparse_symbols_weigh_what_they_do_in_draco(void **state)
 	static uint32_t symbols[5000];
 	uint64_t random = 7;
 
-	(void)state;
 	for (int round = 0; round < 400; round++) {
 		int count = 1 + (int)(next_random(&random) % (round % 4 == 0 ? 5000u : 40u)), largest = 0, own_unique = -1, our_unique = -2;
 		uint32_t range = 1u << (next_random(&random) % 21), step = 1 + next_random(&random) % 3;

@@ -1,12 +1,7 @@
 /* Pictures: what is written comes back, what is read has straight alpha, what is no picture is an error. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "ecofiles/format/image.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 /* 4 x 3 pixels in which every channel and every row differs. */
 static void sample(uint8_t *bytes, uint32_t channels)
@@ -19,7 +14,6 @@ static void png_gives_back_every_pixel(void **state)
 {
 	static const uint32_t kinds[] = { 1, 3, 4 };
 
-	(void)state;
 	for (size_t k = 0; k < 3; k++) {
 		uint32_t channels = kinds[k];
 		struct eco_error error = { .code = ECO_OK };
@@ -51,7 +45,6 @@ static void memory_and_file_agree_whatever_the_name_says(void **state)
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
 	size_t size;
 
-	(void)state;
 	sample(bytes, 4);
 	bytes[3] = 0;                        /* the colour under zero alpha survives too */
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, &error), ECO_OK);
@@ -70,7 +63,6 @@ static void the_same_pixels_give_the_same_bytes(void **state)
 	const struct eco_pixels pixels = { 4, 3, 3, bytes };
 	size_t a_size, b_size;
 
-	(void)state;
 	sample(bytes, 3);
 	assert_int_equal(eco_png_encode(&pixels, &a, &a_size, NULL), ECO_OK);
 	assert_int_equal(eco_png_encode(&pixels, &b, &b_size, NULL), ECO_OK);
@@ -93,7 +85,6 @@ static void colours_are_not_multiplied_by_alpha(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
 
-	(void)state;
 	if (eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(image.width, 4);
@@ -111,7 +102,6 @@ static void what_is_no_picture_is_an_error_that_names_it(void **state)
 		{ "head.png", "\x89PNG\r\n\x1a\n", 8 }, { "none.jpg", "\xff\xd8\xff\xe0", 4 }, { "noise.bin", "\0\1\2\3\4\5\6\7", 8 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_image image;
@@ -134,7 +124,6 @@ static void every_damage_to_a_png_is_found(void **state)
 	struct eco_image image;
 	size_t size;
 
-	(void)state;
 	sample(bytes, 4);
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, NULL), ECO_OK);
 	for (size_t cut = 0; cut < size; cut++)
@@ -159,7 +148,6 @@ static void a_huge_picture_is_refused_before_it_is_read(void **state)
 	const struct eco_pixels pixels = { 60000, 60000, 1, &byte };
 	size_t size;
 
-	(void)state;
 	assert_int_not_equal(eco_image_read_memory(&image, huge, sizeof huge, "huge.png", &error), ECO_OK);
 	assert_non_null(strstr(error.text, "60000x60000"));
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, NULL), ECO_TOO_LARGE);
@@ -171,7 +159,6 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
 	uint8_t bytes[48];
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
 
-	(void)state;
 	sample(bytes, 4);
 	assert_int_equal(eco_png_write(&pixels, "build/tmp/image/no/such/folder.png", &error), ECO_IO);
 	assert_non_null(strstr(error.text, "folder.png"));
@@ -182,7 +169,6 @@ static void people_see_patches_of_another_hue_but_no_steps_of_one(void **state)
 	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false }, { 120, 24, true } };
 	enum { SIDE = 96 };
 	static uint8_t a[SIDE * SIDE * 3], b[SIDE * SIDE * 3];
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const struct eco_pixels first = { SIDE, SIDE, 3, a }, second = { SIDE, SIDE, 3, b };
 		struct eco_error error = { 0 };

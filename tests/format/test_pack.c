@@ -1,10 +1,4 @@
 /* Packs: what is written is read, whatever is damaged is found, nothing half written stays. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <math.h>
 #include <signal.h>
@@ -19,6 +13,7 @@
 #include "ecofiles/format/chunk.h"
 #include "tests/support/pack_resign.h"
 #include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
 
 #define FOLDER "build/tmp/pack"
 #define PATH FOLDER "/small.eco"
@@ -112,7 +107,6 @@ static void all_tables_come_back(void **state)
 	struct eco_pack *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
 
-	(void)state;
 	empty_folder();
 	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
 		fail_msg("%s", error.text);
@@ -165,7 +159,6 @@ static void all_payloads_decode(void **state)
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
 
-	(void)state;
 	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pack->scene.list_count; i++) {
 		const struct eco_list *list = &pack->scene.lists[i];
@@ -207,7 +200,6 @@ static void the_small_pack_is_the_golden_one(void **state)
 	uint8_t *bytes = small_pack(&size), *golden = read_file(GOLDEN_PATH, &golden_size);
 	struct eco_error error = { 0 };
 
-	(void)state;
 	if (open_exact(golden, golden_size, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(size, golden_size);
@@ -221,7 +213,6 @@ static void every_truncation_is_found(void **state)
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
 
-	(void)state;
 	assert_int_equal(open_exact(bytes, size, NULL), ECO_OK);
 	for (size_t cut = 0; cut < size; cut++)
 		assert_int_not_equal(open_exact(bytes, cut, NULL), ECO_OK);
@@ -237,7 +228,6 @@ static void every_flipped_bit_is_found(void **state)
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
 
-	(void)state;
 	for (size_t bit = 0; bit < 8 * size; bit++) {
 		bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
 		assert_int_not_equal(open_exact(bytes, size, NULL), ECO_OK);
@@ -267,7 +257,6 @@ static void forged_tables_do_no_harm(void **state)
 	size_t size;
 	uint8_t *bytes = small_pack(&size), *forged = malloc(size);
 
-	(void)state;
 	for (int i = 0; i < 20000; i++) {
 		memcpy(forged, bytes, size);
 		for (int k = 0; k <= i % 3; k++) {
@@ -290,7 +279,6 @@ static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
 	size_t size, payload_size;
 	uint8_t *bytes = small_pack(&size);
 
-	(void)state;
 	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
 	bytes[pack->scene.chunks[3].offset + 5] ^= 1;
 	assert_int_equal(eco_pack_payload(pack, 3, &payload, &payload_size, &error), ECO_DAMAGED);
@@ -311,7 +299,6 @@ static void equal_payloads_are_stored_once(void **state)
 	struct eco_pack *pack;
 	uint32_t first = 0, last = 0;
 
-	(void)state;
 	empty_folder();
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	struct eco_list list = scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0, 0 });
@@ -341,7 +328,6 @@ static void a_failed_pack_leaves_the_old_one(void **state)
 	struct eco_pack_writer *w = NULL;
 	struct scene_builder p;
 
-	(void)state;
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	assert_int_equal(count_files(), 2);
 	eco_pack_abort(w);
@@ -367,7 +353,6 @@ static void a_full_disk_is_reported_and_leaves_nothing(void **state)
 	struct rlimit old, limit;
 	size_t size;
 
-	(void)state;
 	free(small_pack(&size));
 	signal(SIGXFSZ, SIG_IGN);
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
@@ -394,7 +379,6 @@ static void impossible_targets_are_named(void **state)
 	static const char *const paths[] = { FOLDER "/missing/x.eco", FOLDER, "/dev/null", "" };
 	struct eco_pack *pack;
 
-	(void)state;
 	empty_folder();
 	for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
 		struct eco_error error = { 0 };
@@ -417,7 +401,6 @@ static void only_packs_and_empty_files_are_replaced(void **state)
 		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK }, { "ECOPACK1, cut off", ECO_OK },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct eco_error error = { 0 };
 		struct eco_pack_writer *w = NULL;
@@ -450,7 +433,6 @@ static void bad_lists_are_refused(void **state)
 	struct eco_pack_writer *w = NULL;
 	uint32_t id;
 
-	(void)state;
 	empty_folder();
 	assert_int_equal(eco_pack_create(&w, PATH, &error), ECO_OK);
 	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, NULL), ECO_BAD_INPUT);
@@ -474,7 +456,6 @@ static void records_have_the_stated_sizes(void **state)
 	struct eco_writer w = { 0 };
 	size_t before;
 
-	(void)state;
 #define SIZE(kind, call) before = w.size; call; assert_int_equal(w.size - before, eco_section_info[ECO_SECTION_##kind].record_bytes)
 	SIZE(SCENE, eco_scene_write(&w, &scene));
 	SIZE(PLANTS, eco_plant_write(&w, &(struct eco_plant){ 0 }));

@@ -1,20 +1,14 @@
 /* Plans as data: their order and checks, holdings, and owners that match where the same plant, or one like it, is meant. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdlib.h>
 
 #include "ecofiles/format/plan.h"
+#include "tests/support/unit_test.h"
 
 static void owners_of_plants_are_all_different(void **state)
 {
 	static const uint32_t tiles[] = { 0, 1, 2, 65535 }, plants[] = { 0, 1, 200 }, indices[] = { 0, 1, 2, 4095, (1u << 30) - 1 };
 	uint64_t all[4 * 3 * 5];
 	uint32_t count = 0;
-	(void)state;
 	for (int t = 0; t < 4; t++)
 		for (int p = 0; p < 3; p++)
 			for (int i = 0; i < 5; i++)
@@ -27,7 +21,6 @@ static void owners_of_plants_are_all_different(void **state)
 static void leaf_keys_of_a_file_differ_in_their_low_bits(void **state)
 {
 	uint8_t *seen = calloc(65536, 1);
-	(void)state;
 	for (uint32_t tile = 0; tile < 65536; tile++)
 		assert_int_equal(seen[eco_owner_leaf(tile) & 0xFFFF]++, 0);
 	free(seen);
@@ -38,7 +31,6 @@ static void paths_through_nested_files_have_keys_of_their_own(void **state)
 {
 	enum { N = 40 };
 	uint32_t sums[N * (N - 1) / 2], count = 0;
-	(void)state;
 	for (uint32_t a = 0; a < N; a++)
 		for (uint32_t b = a + 1; b < N; b++)
 			sums[count++] = eco_owner_child(a) + eco_owner_child(b);
@@ -51,7 +43,6 @@ static void a_summary_matches_any_plant_of_its_tile_and_species(void **state)
 {
 	uint32_t key = eco_owner_leaf(7) + eco_owner_child(3), other = eco_owner_leaf(8) + eco_owner_child(3);
 	uint64_t summary = eco_owner_summary(key, 5);
-	(void)state;
 	assert_true(eco_owner_match(summary, eco_owner_instance(key, 5, 0)));
 	assert_true(eco_owner_match(eco_owner_instance(key, 5, 123456), summary));
 	assert_true(eco_owner_match(summary, eco_owner_summary(key & 0xFFFF, 5)));
@@ -62,7 +53,6 @@ static void a_summary_matches_any_plant_of_its_tile_and_species(void **state)
 
 static void nothing_matches_nothing(void **state)
 {
-	(void)state;
 	assert_true(eco_owner_instance(0, 0, 0) != 0);
 	assert_true(eco_owner_summary(0, 0) != 0);
 	assert_false(eco_owner_match(0, 0));
@@ -74,7 +64,6 @@ static void chunks_held_are_found_by_list(void **state)
 {
 	struct eco_holding items[] = { { 0, 4 }, { 3, 1 }, { 4, 9 }, { 4000000000u, 2 } };
 	struct eco_holdings held = { items, 4 }, none = { NULL, 0 };
-	(void)state;
 	for (size_t i = 0; i < 4; i++)
 		assert_int_equal(eco_holdings_chunks(&held, items[i].list), items[i].chunks);
 	assert_int_equal(eco_holdings_chunks(&held, 1), 0);
@@ -102,7 +91,6 @@ static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
 	struct eco_error error = { 0 };
 	static const struct { uint32_t anchor, list; uint8_t band; } order[] = { { ECO_NONE, 9, 0 }, { 0, 7, 7 }, { 1, 0, 4 }, { 1, 0, 5 },
 		{ 1, 1, 0 }, { 2, 0, 1 } };
-	(void)state;
 	assert_int_equal(eco_plan_check(&plan, NULL), ECO_DAMAGED);
 	eco_plan_sort(&plan);
 	assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
@@ -115,7 +103,6 @@ static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
 static void freeing_empties_a_plan(void **state)
 {
 	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1, .runs = malloc(sizeof *plan.runs) };
-	(void)state;
 	eco_plan_free(&plan);
 	assert_true(plan.cuts == NULL && plan.runs == NULL && plan.cut_count == 0 && plan.vertices == 0);
 	eco_plan_free(&plan);

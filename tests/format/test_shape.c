@@ -1,18 +1,13 @@
 /* Shapes that repeat: found whatever their turn, size and stretch, placed no further off than rounding would put them, and refused when
  * damaged; and what is coded beside them. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/chunk_payload.h"
 #include "ecofiles/format/shape.h"
+#include "tests/support/unit_test.h"
 
 #define LEAVES 400u
 

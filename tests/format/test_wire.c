@@ -1,13 +1,8 @@
 /* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is damaged is found. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
 /* ---- Streams ---- */
@@ -109,7 +104,6 @@ static struct eco_writer random_stream(uint64_t seed, uint32_t steps)
 static void portions_do_not_matter(void **state)
 {
 	static const size_t portions[] = { 0, 1, 2, 3, 5, 15, 16, 17, 64, 1000, 4096 };
-	(void)state;
 	for (uint64_t seed = 1; seed <= 20; seed++) {
 		struct eco_writer w = random_stream(seed, 8);
 		struct told whole = { 0 };
@@ -151,7 +145,6 @@ static void damage_is_found(void **state)
 	struct told sound = { 0 };
 	struct damage d = { .sound = &sound };
 	struct wire_random r = { 99 };
-	(void)state;
 	assert_int_equal(parse(w.bytes, w.size, w.size, &sound, NULL), ECO_OK);
 	for (size_t bit = 0; bit < 8 * w.size; bit++) {
 		w.bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
@@ -186,7 +179,6 @@ static void lost_repeated_and_swapped_frames_are_found(void **state)
 {
 	struct eco_writer w = random_stream(8, 6);
 	uint8_t *copy = malloc(2 * w.size);
-	(void)state;
 	for (size_t at = 0; at < w.size; at += frame_size(w.bytes + at)) {
 		struct told told = { 0 };
 		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size ? frame_size(w.bytes + after) : 0;
@@ -291,7 +283,6 @@ static struct eco_writer faulty_stream(enum fault fault)
 
 static void impossible_contents_are_refused(void **state)
 {
-	(void)state;
 	for (int fault = 0; fault < FAULT_COUNT; fault++) {
 		struct eco_writer w = faulty_stream(fault);
 		struct told told = { 0 };
@@ -310,7 +301,6 @@ static void first_failure_is_final(void **state)
 {
 	struct eco_writer w = random_stream(9, 3);
 	struct told whole = { 0 };
-	(void)state;
 	assert_int_equal(parse(w.bytes, w.size, 0, &whole, NULL), ECO_OK);
 	for (uint32_t n = 1; n <= whole.events; n++) {
 		struct told told = { .fail_at = n };
@@ -336,7 +326,6 @@ static void events_without_a_callback_are_checked_and_ignored(void **state)
 	static const struct eco_wire_events none = { 0 };
 	struct eco_writer w = random_stream(10, 4);
 	struct eco_wire_parser *parser;
-	(void)state;
 	assert_int_equal(eco_wire_parser_new(&parser, &none, NULL, NULL), ECO_OK);
 	assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, NULL), ECO_OK);
 	assert_int_equal(eco_wire_finish(parser, NULL), ECO_OK);
@@ -358,7 +347,6 @@ static void golden_stream(void **state)
 	struct eco_writer w = { 0 };
 	uint32_t number = 0;
 	char hex[1024], *p = hex;
-	(void)state;
 	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
 	put_faulty_plan(&w, &number, FAULT_NONE);
 	wire_put_end(&w, &number, 77, 0);
@@ -373,7 +361,6 @@ static void names_in_other_encodings_do_not_break_a_stream(void **state)
 	static const struct { const char *name, *sent; } names[] = { { "Ahorn", "Ahorn" }, { "W\xC3\xA4ldchen", "W\xC3\xA4ldchen" },
 		{ "W\xE4ldchen", "W?ldchen" }, { "cut\xC3", "cut?" }, { "\xED\xA0\x80", "???" }, { "\xC0\x80", "??" }, { "\xF5\x80\x80\x80", "????" },
 		{ "\xF0\x9F\x8C\xB3", "\xF0\x9F\x8C\xB3" }, { "\xF0\x80\x80\x80", "????" }, { "\xE0\x80\x80", "???" } };
-	(void)state;
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		struct eco_scene scene = { .near_m = 1 };
 		struct eco_chunk_id id = { { 0 } };
@@ -391,7 +378,6 @@ static void names_in_other_encodings_do_not_break_a_stream(void **state)
 static void holdings_survive_the_wire(void **state)
 {
 	struct wire_random r = { 11 };
-	(void)state;
 	for (int i = 0; i < 500; i++) {
 		struct eco_holding items[64];
 		struct eco_holdings held = { items, wire_random_below(&r, 65) }, back;
@@ -442,7 +428,6 @@ static void impossible_holdings_are_refused(void **state)
 		{ "a list beyond 32 bits", { 1, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 1 }, 10, ECO_BAD_INPUT },
 		{ "chunks beyond 32 bits", { 1, 0, 0, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x10 }, 10, ECO_BAD_INPUT },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_holdings held;
 		if (eco_wire_read_holdings(rows[i].bytes, rows[i].size, &held, NULL) != rows[i].code)

@@ -1,13 +1,8 @@
 /* Plans as they travel: one encoding each, read back the same, small; whatever breaks a rule is neither written nor read. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
 static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
@@ -32,7 +27,6 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 static void plan_survives_the_wire_and_has_one_encoding(void **state)
 {
 	struct wire_random r = { 1 };
-	(void)state;
 	for (int i = 0; i < 3000; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1, i % 3 ? 40 : UINT32_MAX), back;
 		struct eco_writer w = { 0 }, again = { 0 };
@@ -58,7 +52,6 @@ static void plan_survives_the_wire_and_has_one_encoding(void **state)
 static void order_of_a_plan_does_not_change_its_bytes(void **state)
 {
 	struct wire_random r = { 2 };
-	(void)state;
 	for (int i = 0; i < 200; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 30, 20, 50);
 		struct eco_writer a = { 0 }, b = { 0 };
@@ -128,7 +121,6 @@ static size_t plan_bytes(const struct eco_plan *plan)
 
 static void plans_are_small(void **state)
 {
-	(void)state;
 	struct eco_plan plan = forest_plan(0), blends = forest_plan(100), empty = { 0 };
 	size_t fixed = plan_bytes(&empty), all = plan_bytes(&plan), more = plan_bytes(&blends);
 	uint32_t runs = plan.run_count, cuts = plan.cut_count;
@@ -147,7 +139,6 @@ static void plans_are_small(void **state)
 static void rounded_scales_are_near_and_short(void **state)
 {
 	struct wire_random r = { 3 };
-	(void)state;
 	for (int i = 0; i < 100000; i++) {
 		float s = (float)ldexp(1 + (double)wire_random_below(&r, 1u << 24) / (1u << 24), (int)wire_random_below(&r, 40) - 12);
 		float t = eco_wire_scale_round(s);
@@ -171,7 +162,6 @@ static void rounded_scales_are_near_and_short(void **state)
 static void every_truncation_of_a_plan_is_refused(void **state)
 {
 	struct wire_random r = { 4 };
-	(void)state;
 	for (int i = 0; i < 40; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
 		struct eco_writer w = { 0 };
@@ -195,7 +185,6 @@ static void changed_plans_are_refused_or_other_plans(void **state)
 {
 	struct wire_random r = { 5 };
 	uint32_t refused = 0, other = 0;
-	(void)state;
 	for (int i = 0; i < 40; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
 		struct eco_writer w = { 0 }, again = { 0 };
@@ -225,7 +214,6 @@ static void changed_plans_are_refused_or_other_plans(void **state)
 
 static void plans_that_break_a_rule_are_not_written(void **state)
 {
-	(void)state;
 	for (int fault = 0; fault < 17; fault++) {
 		struct eco_plan plan = forest_plan(1);
 		struct eco_writer w = { 0 };

@@ -1,10 +1,4 @@
 /* Areas and blue noise: what is inside, what is near, what is spread evenly, against brute force. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +6,7 @@
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/import/places/blue_noise.h"
 #include "ecofiles/base/mix.h"
+#include "tests/support/unit_test.h"
 
 struct wkb { uint8_t bytes[65536]; size_t size; };
 
@@ -59,7 +54,6 @@ static void holes_and_several_polygons_are_one_area(void **state)
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
 
-	(void)state;
 	put_head(&w, 6);
 	put(&w, &(uint32_t){ 2 }, 4);
 	put_head(&w, 3);
@@ -87,7 +81,6 @@ static void bands_agree_with_every_edge(void **state)
 	struct wkb w = { .size = 0 };
 	uint32_t differ = 0;
 
-	(void)state;
 	for (uint32_t i = 0; i < CORNERS; i++)
 		for (int k = 0; k < 2; k++)
 			at[i][k] = (double)(eco_mix(7, 2 * i + (uint32_t)k) >> 40) / 1000;
@@ -141,7 +134,6 @@ static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
 {
 	static const double reach[] = { 0.3, 4, 70 };
 
-	(void)state;
 	for (size_t r = 0; r < sizeof reach / sizeof *reach; r++) {
 		double at[60][2];
 		struct eco_areas areas = { .items = NULL };
@@ -180,7 +172,6 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 	struct wkb w = { .size = 0 };
 	bool kept = true;
 
-	(void)state;
 	put_head(&w, 3);
 	put(&w, &(uint32_t){ 1 }, 4);
 	put_path(&w, square, 5);
@@ -206,7 +197,6 @@ static void every_beginning_of_the_set_is_spread_evenly(void **state)
 {
 	static uint16_t p[ECO_BLUE_NOISE_POINTS][2];
 
-	(void)state;
 	assert_true(eco_blue_noise(p));
 	for (uint32_t n = ECO_BLUE_NOISE_POINTS; n >= 8; n = n * 5 / 7) {
 		double least = INFINITY;

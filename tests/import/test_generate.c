@@ -1,10 +1,4 @@
 /* Generated scenes: the same seed gives the same bytes, another seed another scene; plants have believable sizes; scenes parse. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +12,7 @@
 #include "ecofiles/generate/generate_scenes.h"
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/format/view.h"
+#include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/generate"
 
@@ -98,7 +93,6 @@ static const struct { const char *name; uint32_t plants; const char *files[12]; 
 
 static void test_same_seed_same_bytes(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < SCENES; i++) {
 		const char *a = fresh("a"), *b = fresh("b"), *c = fresh("c");
 		generate(scenes[i].name, a, scenes[i].plants, 5);
@@ -115,7 +109,6 @@ static void test_same_seed_same_bytes(void **state)
 
 static void test_scenes_and_cameras_parse(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < SCENES; i++) {
 		const char *folder = fresh("parse");
 		char path[512];
@@ -140,7 +133,6 @@ static void test_scenes_and_cameras_parse(void **state)
 static void test_park_has_about_as_many_as_asked(void **state)
 {
 	static const uint32_t wanted[] = { 60, 240 };
-	(void)state;
 	for (size_t i = 0; i < 2; i++) {
 		const char *folder = fresh("count");
 		char path[512];
@@ -160,7 +152,6 @@ static void test_stems_keep_their_distance(void **state)
 	const char *folder = fresh("stems");
 	static double x[1000], y[1000];
 	size_t size, count = 0;
-	(void)state;
 	generate("forest", folder, 600, 3);
 	char *text = read_file(folder, "stems.csv", &size), *line = strchr(text, '\n') + 1;
 	text[size] = 0;
@@ -178,7 +169,6 @@ static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
 {
 	static const struct { const char *name; uint32_t plants; } cases[] = { { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
 		{ "sunflowers", 900 }, { "outdoor", 1000 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const char *folder = fresh("exact");
 		size_t size, lines = 0;
@@ -208,7 +198,6 @@ static uint64_t plants_of(const struct eco_sources *sources, uint32_t source)
 static void test_blocks_of_blocks_hold_any_number(void **state)
 {
 	static const uint64_t wanted[] = { 1, 700, 100000, 230000 };
-	(void)state;
 	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
 		const char *folder = fresh("blocks");
 		char path[512];
@@ -230,7 +219,6 @@ static void test_blocks_of_blocks_hold_any_number(void **state)
 static void test_detail_multiplies_leaves(void **state)
 {
 	static const struct { const char *name; double least, most; } cases[] = { { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
 		gen_plant_find(cases[i].name)->grow(&once, &(struct gen_random){ 5 });
@@ -251,7 +239,6 @@ static void test_plants_have_believable_sizes(void **state)
 		{ "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
 		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 }, { "daisy", 0.3, 0.8, 0.6, 300 },
 		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 }, { "sunflower", 1.4, 2.1, 0.7, 1000 } };
-	(void)state;
 	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
 	for (uint32_t i = 0; i < gen_plant_count; i++) {
 		struct gen_mesh mesh = { 0 };
@@ -278,7 +265,6 @@ static void test_plants_have_believable_sizes(void **state)
 static void test_ground_is_smooth(void **state)
 {
 	struct gen_terrain terrain = { 4, 20, 100, 2, 30 };
-	(void)state;
 	for (int i = 0; i < 20000; i++) {
 		double x = i * 0.37 - 3000, y = 11 + i * 0.11, h = gen_terrain_height(&terrain, x, y);
 		assert_true(h >= 0 && h <= 22);
@@ -299,7 +285,6 @@ static void test_stopping_leaves_no_scene(void **state)
 	char path[512];
 	int left = 4;
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder, .seed = 1, .progress = stop, .ctx = &left },
 		&error), ECO_INTERRUPTED);
 	snprintf(path, sizeof path, "%s/scene.json", folder);
@@ -310,7 +295,6 @@ static void test_stopping_leaves_no_scene(void **state)
 static void test_errors_say_what(void **state)
 {
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" }, &error), ECO_BAD_USAGE);
 	assert_non_null(strstr(error.text, "park"));
 	error = (struct eco_error){ 0 };

@@ -1,17 +1,12 @@
 /* glTF documents: containers, numbers, compression, nodes: what the specification and its extensions say is what arrives, and what does
  * not fit is refused by name. Each oddity is the small file that shows it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <meshoptimizer.h>
 
 #include "ecofiles/import/model/gltf.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 #define CHUNK_JSON ",\"meshes\":[]"
 
@@ -70,7 +65,6 @@ static void json_may_be_padded_with_zeros_or_begin_with_a_mark(void **state)
 	size_t size;
 	char text[130000];
 
-	(void)state;
 	gw_begin();
 	size = gw_glb_bytes(CHUNK_JSON, 0, &bytes);
 	assert_int_equal(eco_gltf_open_memory(&doc, "a.glb", bytes, size, NULL), ECO_OK);
@@ -87,7 +81,6 @@ static void a_document_that_is_cut_off_is_refused(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	gw_begin();
 	gw_floats(p, 1, "VEC3", 3);
 	size = gw_glb_bytes(CHUNK_JSON, ' ', &bytes);
@@ -115,7 +108,6 @@ static void what_is_no_gltf_2_is_named(void **state)
 		{ "{\"asset\":\n{]}", ECO_BAD_INPUT, "line 2" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
@@ -132,7 +124,6 @@ static void buffers_are_found_beside_or_within(void **state)
 	static const char *const uris[] = { "two words.bin", "two%20words.bin", ".\\\\two words.bin", "C:\\\\plants\\\\Two Words.BIN",
 		"data:application/octet-stream;base64,AACAPwAAAEAAAEBA", "data:;base64,AACA\\nPwAAAEAAAEBA", "data:,%00%00%80%3f%00%00%00%40%00%00%40%40" };
 
-	(void)state;
 	input_bytes("gltf", "two words.bin", p, sizeof p);
 	for (size_t i = 0; i < sizeof uris / sizeof *uris; i++) {
 		struct eco_error error = { .code = ECO_OK };
@@ -158,7 +149,6 @@ static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
 	};
 	static const float p[3] = { 1, 2, 3 };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_gltf *doc;
 
@@ -187,7 +177,6 @@ static void numbers_of_every_type_are_read(void **state)
 		{ 5130, doubles, 32, false, { -1e100, 0, 1, 0.1 } },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_gltf *doc;
 
@@ -205,7 +194,6 @@ static void strides_offsets_and_columns_are_kept(void **state)
 	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15, 16, 0, 17, 18, 19, 0 };
 	struct eco_gltf *doc;
 
-	(void)state;
 	gw_begin();
 	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2", ",\"byteOffset\":4");
 	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
@@ -224,7 +212,6 @@ static void sparse_accessors_are_filled_in(void **state)
 	int v, i8, i32;
 	struct eco_gltf *doc;
 
-	(void)state;
 	gw_begin();
 	v = gw_view(values, sizeof values, "");
 	i8 = gw_view(bytes, sizeof bytes, "");
@@ -256,7 +243,6 @@ static void accessors_beyond_their_bytes_are_refused(void **state)
 		{ "", (size_t)1 << 40, "SCALAR", ECO_TOO_LARGE, "more numbers" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
@@ -283,7 +269,6 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	double wanted[400], corners[300];
 	struct eco_gltf *doc;
 
-	(void)state;
 	for (unsigned i = 0; i < 100; i++)
 		for (unsigned k = 0; k < 4; k++)
 			wanted[i * 4 + k] = (double)(places[i][k] = (float)(i * k) * 0.25f - 3);
@@ -330,7 +315,6 @@ static void filters_of_meshopt_are_undone(void **state)
 	uint64_t count;
 	struct eco_gltf *doc;
 
-	(void)state;
 	gw_begin();
 	meshopt_encodeFilterOct(filtered, 4, 8, 16, normals[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8, "ATTRIBUTES", "OCTAHEDRAL",
@@ -378,7 +362,6 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 	const uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	gw_begin();
 	gw_packed(golden, sizeof golden, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
 	gw_accessor(gw_packed(narrow, sizeof narrow, 4, 4, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_UBYTE, 4, "VEC4",
@@ -420,7 +403,6 @@ static void meshopt_that_makes_no_sense_is_refused(void **state)
 		{ (size_t)1 << 31, 256, "ATTRIBUTES", "NONE", ECO_TOO_LARGE }, { (size_t)1 << 20, 256, "ATTRIBUTES", "NONE", ECO_DAMAGED },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const uint8_t *view;
 		struct eco_gltf *doc;
@@ -442,7 +424,6 @@ static void nodes_stand_where_their_ancestors_put_them(void **state)
 	struct eco_gltf *doc;
 	double m[16], p[3];
 
-	(void)state;
 	gw_begin();
 	doc = open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
 		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,\"x\"]}]");
@@ -478,7 +459,6 @@ static void what_a_viewer_would_show_is_walked(void **state)
 		{ ",\"nodes\":[{\"children\":[-1]}]", "0 ", ECO_DAMAGED },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char order[200] = "";
 		struct eco_gltf *doc;
@@ -504,7 +484,6 @@ static void a_tree_that_is_none_ends(void **state)
 	static const char *const cases[] = { ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]",
 		",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]" };
 
-	(void)state;
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_gltf *doc;
 

@@ -1,10 +1,4 @@
 /* glTF models: what a viewer would show at rest is what arrives; the rest is counted, said, or refused by name. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 
 #include "ecofiles/format/draco_shim.h"
@@ -14,6 +8,7 @@
 #include "ecofiles/import/model/model_import.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 /* ---- Models: as they are read, before anything is dropped or moved ---- */
 
@@ -86,7 +81,6 @@ static void indices_of_every_type_or_none_make_triangles(void **state)
 	static const uint32_t words[6] = { 0, 1, 2, 2, 1, 3 };
 	struct eco_model m;
 
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		gw_begin();
 		gw_floats(square[0], i < 3 ? 4 : 3, "VEC3", 3);
@@ -110,7 +104,6 @@ static void strips_and_fans_become_triangles(void **state)
 	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
@@ -135,7 +128,6 @@ static void points_and_lines_are_counted_and_said(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
@@ -155,7 +147,6 @@ static void a_broken_index_is_kept_apart(void **state)
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
@@ -172,7 +163,6 @@ static void quantized_meshes_are_read(void **state)
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
@@ -191,7 +181,6 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
@@ -209,7 +198,6 @@ static void parts_are_nodes_and_meshes(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
@@ -234,7 +222,6 @@ static void instances_of_a_model_are_expanded(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(places[0], 3, "VEC3", 3);
@@ -256,7 +243,6 @@ static void instances_without_end_are_refused_at_once(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
@@ -274,7 +260,6 @@ static void skins_stand_where_their_joints_hold_them(void **state)
 	static const float weights[3][4] = { { 1, 0 }, { 0.5f, 0.5f }, { 1, 0 } };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
@@ -295,7 +280,6 @@ static void morph_targets_have_their_default_weights(void **state)
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
@@ -312,7 +296,6 @@ static void vertex_colours_count_in_linear_light(void **state)
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
@@ -328,7 +311,6 @@ static void the_older_materials_and_those_without_any_have_colours(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
@@ -356,7 +338,6 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 	uint8_t *png;
 	size_t size;
 
-	(void)state;
 	if (eco_png_encode(&(struct eco_pixels){ 1, 1, 4, rgba }, &png, &size, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	input_bytes("gltf_model", "bark one.png", png, size);
@@ -409,7 +390,6 @@ static void draco_meshes_of_any_size_are_read(void **state)
 	size_t size;
 	char rest[600];
 
-	(void)state;
 	for (uint32_t v = 0; v < vertices; v++) {
 		position[v * 3] = (int32_t)(v % DRACO_SIDE);
 		position[v * 3 + 1] = (int32_t)(v / DRACO_SIDE);
@@ -471,7 +451,6 @@ static void draco_attributes_are_found_by_their_ids(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	assert_int_equal(eco_draco_encode_mesh(position, 3, index, 1, &bytes, &size, NULL), ECO_OK);
 	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 3, a, 1, &mesh, NULL), ECO_OK);
 	assert_true(mesh.faces == 1 && mesh.points == 3);
@@ -499,7 +478,6 @@ static void what_a_file_requires_and_is_not_read_is_named(void **state)
 		{ "\"extensionsRequired\":[\"KHR_materials_anything\"]", "", ECO_OK },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[500];
 
@@ -524,7 +502,6 @@ static void references_to_nothing_are_refused(void **state)
 			"Draco" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
@@ -543,7 +520,6 @@ static void a_glb_is_known_by_its_content(void **state)
 	uint8_t *bytes;
 	size_t size;
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
@@ -565,7 +541,6 @@ static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
 		{ "", "no scene in it: all of its nodes are read", 2 }, { ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char rest[1000];

@@ -1,16 +1,11 @@
 /* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <gdal.h>
 #include <math.h>
 #include <ogr_srs_api.h>
 
 #include "ecofiles/import/ground/ground.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 static char warnings[4000];
 
@@ -76,7 +71,6 @@ static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
 	static const float wanted[] = { 4, 5, 6, 1, 2, 3 };
 	struct eco_ground g;
 
-	(void)state;
 	import_good(&g, &(struct given){ .path = input_text("ground", "a.asc", GRID "11 12 13\n14.0 15 16\n"),
 		.origin = { 90, 190, 10 } });
 	assert_int_equal(g.columns, 3);
@@ -93,7 +87,6 @@ static void what_is_missing_grows_in_from_its_neighbours(void **state)
 {
 	struct eco_ground g;
 
-	(void)state;
 	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\n"
 		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 1e6 -9999 -9999 -9999\n") });
 	assert_int_equal(g.filled, 12);
@@ -114,7 +107,6 @@ static void a_hole_in_a_slope_is_levelled(void **state)
 	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
 	struct eco_ground g;
 
-	(void)state;
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++) {
 			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
@@ -166,7 +158,6 @@ static void scale_offset_and_row_order_of_the_file_are_honoured(void **state)
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 } };
 	struct eco_ground g;
 
-	(void)state;
 	o.path = write_tiff("north.tif", false, 2, 3, samples, "EPSG:32631");
 	import_good(&g, &o);
 	assert_true(g.x_m == 5 && g.y_m == 5 && g.columns == 2 && g.rows == 3);
@@ -185,7 +176,6 @@ static void a_crs_is_converted_and_never_guessed(void **state)
 	struct eco_ground g;
 	double z;
 
-	(void)state;
 	for (int i = 0; i < 40 * 30; i++)
 		samples[i] = (int16_t)(i % 40 * 10);
 	o.path = write_tiff("utm.tif", false, 40, 30, samples, "EPSG:32631");
@@ -220,7 +210,6 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 	static int16_t samples[64 * 32];
 	struct eco_ground g;
 
-	(void)state;
 	for (int i = 0; i < 64 * 32; i++)
 		samples[i] = (int16_t)(i % 64);
 	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL), .side_max = 16,
@@ -233,7 +222,6 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 
 static void what_is_no_raster_is_refused(void **state)
 {
-	(void)state;
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
 	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") }, "not a raster that GDAL can read");
 	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\n"
@@ -283,7 +271,6 @@ static void a_png_takes_its_meaning_from_the_scene(void **state)
 	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL), .no_holes = true };
 	struct eco_ground ground;
 
-	(void)state;
 	remove("build/tmp/ground/map.png.aux.xml");
 	import_fails(&g, "add to the ground \"north_west\": [x, y]");
 	g.has_place = true;
@@ -313,7 +300,6 @@ static void a_world_file_says_where_a_picture_lies(void **state)
 	struct given g = { .path = write_raster("PNG", "world.png", GDT_UInt16, 4, 4, samples, NULL, NULL) };
 	struct eco_ground ground;
 
-	(void)state;
 	remove("build/tmp/ground/world.png.aux.xml");
 	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
 	import_good(&ground, &g);
@@ -328,7 +314,6 @@ static void units_of_the_file_are_converted_and_said(void **state)
 	struct eco_ground ground;
 	GDALDatasetH file;
 
-	(void)state;
 	for (int i = 0; i < 16; i++)
 		samples[i] = 1000 + i;
 	path = write_raster("GTiff", "feet.tif", GDT_Float32, 4, 4, samples, at_zero, NULL);
@@ -351,7 +336,6 @@ static void a_band_is_chosen_and_colours_are_no_heights(void **state)
 	struct eco_ground ground;
 	GDALDatasetH file;
 
-	(void)state;
 	GDALAllRegister();
 	file = GDALCreate(GDALGetDriverByName("GTiff"), path, 2, 2, 3, GDT_Byte, NULL);
 	GDALSetGeoTransform(file, (double *)at_zero);
@@ -381,7 +365,6 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 	static double samples[HOLES_SIDE * HOLES_SIDE];
 	static const double transform[6] = { 0, 1, 0, HOLES_SIDE, 0, -1 };
 
-	(void)state;
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		struct given g = { 0 };
 		struct eco_ground ground;
@@ -432,7 +415,6 @@ static void ground_that_is_all_one_is_said(void **state)
 {
 	struct eco_ground ground;
 
-	(void)state;
 	import_good(&ground, &(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
 	assert_true(said("every height is 7 m"));
 	eco_ground_free(&ground);
@@ -448,7 +430,6 @@ static void rasters_side_by_side_become_one_ground(void **state)
 	struct eco_ground ground;
 	double z;
 
-	(void)state;
 	for (int i = 0; i < 16; i++) {
 		west[i] = 100 + i % 4;
 		east[i] = 104 + i % 4;
@@ -491,7 +472,6 @@ static void degrees_and_turned_rasters_are_resampled(void **state)
 	struct eco_ground ground;
 	double z, far_z = 0;
 
-	(void)state;
 	for (int i = 0; i < 3600; i++)
 		samples[i] = 500 + i / 60;           /* falls to the north: 500 in the first row */
 	g.path = write_raster("GTiff", "degrees.tif", GDT_Float32, 60, 60, samples, degrees, "EPSG:4326");
@@ -514,7 +494,6 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
 	struct eco_ground ground;
 
-	(void)state;
 	import_good(&ground, &g);
 	assert_true(said("add \"vertical\" to the scene and to its ground"));
 	eco_ground_free(&ground);
@@ -552,7 +531,6 @@ static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **st
 		{ -9, 2, 0, false }, { 9, 6, 0, false }, { 1, 99, 100, false }, { 1, -99, 10, false },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double z = -1;
 
@@ -575,7 +553,6 @@ static void the_shared_terrain_reads(void **state)
 	char path[4096];
 	struct eco_ground g;
 
-	(void)state;
 	snprintf(path, sizeof path, "%s/terrain/scbi_plot_elevation.tif", data != NULL ? data : "");
 	if (data == NULL || access(path, R_OK) != 0)
 		skip();

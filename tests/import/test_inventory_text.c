@@ -1,14 +1,9 @@
 /* Texts of tables, as people write them in several countries. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 
 #include "ecofiles/import/places/inventory_text.h"
+#include "tests/support/unit_test.h"
 
 static void words_for_nothing_are_known(void **state)
 {
@@ -16,7 +11,6 @@ static void words_for_nothing_are_known(void **state)
 		"n.d.", "Desconocido", "unbekannt", "\u00a0" };
 	static const char *const there[] = { "0", "oak", "no", "- -", "unknown oak", "a very long text that cannot be a word for nothing" };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
 		if (!eco_text_is_missing(missing[i]))
 			fail_msg("\"%s\" is missing", missing[i]);
@@ -32,7 +26,6 @@ static void case_and_spaces_do_not_count(void **state)
 		{ "Quercus robur 'Fastigiata'", "quercus robur 'fastigiata'" } };
 	char folded[64];
 
-	(void)state;
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		assert_int_equal(eco_text_fold(pairs[i][0], folded, sizeof folded), strlen(pairs[i][1]));
 		assert_string_equal(folded, pairs[i][1]);
@@ -51,7 +44,6 @@ static void stars_stand_for_any_text(void **state)
 		{ "quercus x rosacea", "quercus*rosa*", true }, { "aab", "*ab", true }, { "abab", "*ab", true }, { "abac", "*ab", false },
 		{ "a*b", "a*b", true }, { "ab", "a**b", true }, { "ab", "a*c*b", false } };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		if (eco_text_fits(cases[i].text, cases[i].pattern) != cases[i].fits)
 			fail_msg("\"%s\" and \"%s\"", cases[i].text, cases[i].pattern);
@@ -68,7 +60,6 @@ static void numbers_have_one_meaning_or_none(void **state)
 		{ "1e999", '.', NAN }, { "", '.', NAN }, { "12m", '.', NAN }, { "1 2", '.', NAN }, { "--1", '.', NAN }, { "e5", '.', NAN }, { ",", ',', NAN },
 		{ ".", '.', NAN }, { "1e", '.', NAN }, { "12345678901234567890123456789012345678901234567890123456789012345", '.', NAN } };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = NAN;
 		bool good = eco_text_number(cases[i].text, cases[i].decimal, &number);
@@ -107,7 +98,6 @@ static void sizes_are_numbers_ranges_and_bounds(void **state)
 		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 },
 		{ "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 } };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = 0, unit_m = 0;
 		enum eco_size_form form = eco_text_size(cases[i].text, cases[i].decimal, &number, &unit_m);

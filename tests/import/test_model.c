@@ -1,11 +1,5 @@
 /* Models: what a file holds arrives or is counted, and what cannot be read is refused by name. Each oddity of a format is written out as the
  * small file that shows it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <signal.h>
 
@@ -16,6 +10,7 @@
 #include "ecofiles/base/polygon.h"
 #include "tests/support/input_files.h"
 #include "tests/support/model_small.h"
+#include "tests/support/unit_test.h"
 
 /* ---- OBJ ---- */
 
@@ -26,7 +21,6 @@ static void y_up_becomes_z_up_on_its_foot_at_its_height(void **state)
 		"v 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 	struct eco_model m;
 
-	(void)state;
 	import_high(&m, input_text("model", "tube.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 8);
 	assert_int_equal(m.triangle_count, 8);
@@ -49,7 +43,6 @@ static void polygons_count_as_corners_minus_two(void **state)
 	struct eco_model m;
 	double area = 0;
 
-	(void)state;
 	import_high(&m, input_text("model", "l.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 6);
 	assert_int_equal(m.triangle_count, 6);
@@ -69,7 +62,6 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 {
 	uint32_t seed = 1;
 
-	(void)state;
 	for (uint32_t round = 0; round < 2000; round++) {
 		uint32_t n = 3 + round % 30, scratch[32], triangles[96];
 		double corners[96], polygon = 0, sum = 0;
@@ -112,7 +104,6 @@ static void what_covers_nothing_is_dropped_and_counted(void **state)
 		"f 1 2 5\n";
 	struct eco_model m;
 
-	(void)state;
 	import_high(&m, input_text("model", "drop.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 7);
 	assert_int_equal(m.triangle_count, 1);
@@ -131,7 +122,6 @@ static void bad_indices_are_dropped_by_the_last_step_too(void **state)
 	static const float position[] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[] = { 0, 1, 7, 0, 1, 2, ECO_NONE, 1, 2 };
 
-	(void)state;
 	m.position = malloc(sizeof position);
 	m.index = malloc(sizeof index);
 	m.material = calloc(3, sizeof *m.material);
@@ -151,7 +141,6 @@ static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
 	size_t used = 0;
 	struct eco_model m;
 
-	(void)state;
 	/* a thick tube at x = 0 from 1 to 9, a thin one at x = 6 from 0 to 9, and leaves */
 	for (int tube = 0; tube < 2; tube++)
 		for (int i = 0; i < 16; i++)
@@ -172,7 +161,6 @@ static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
 
 static void files_that_are_no_models_are_refused(void **state)
 {
-	(void)state;
 	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
 	import_refuses(input_text("model", "empty.obj", ""), ECO_BAD_INPUT, "empty.obj");
 	import_refuses(input_text("model", "points.obj", "v 0 0 0\nv 1 1 1\n"), ECO_BAD_INPUT, "points.obj");
@@ -190,7 +178,6 @@ static void more_triangles_than_allowed_are_refused(void **state)
 	struct eco_model m;
 	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf 1 2 3\nf 2 4 3\nf 3 4 5\n");
 
-	(void)state;
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 },
 		&error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "3 triangles"));
@@ -207,7 +194,6 @@ static void damaged_files_are_survived(void **state)
 	FILE *file = fopen(path, "rb");
 	size_t size = fread(text, 1, sizeof text, file), step = size / 40;
 
-	(void)state;
 	fclose(file);
 	for (size_t at = 1; at < size; at += step) {
 		struct eco_model m;
@@ -252,7 +238,6 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 		{ ECO_DAMAGED, "exit status 7" },
 	};
 
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		char text[16] = "";
@@ -281,7 +266,6 @@ static void shared_models_arrive_whole(void **state)
 	};
 	const char *data = getenv("ECO_DATA");
 
-	(void)state;
 	if (data == NULL)
 		skip();
 	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {

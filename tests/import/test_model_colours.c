@@ -1,10 +1,4 @@
 /* Colours and textures of models mean what the file meant: OBJ with MTL, and glTF. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 
 #include "ecofiles/format/image.h"
@@ -14,6 +8,7 @@
 
 #define TEST_FOLDER "model-colours"
 #include "tests/support/model_small.h"
+#include "tests/support/unit_test.h"
 
 #define TRIANGLE_UV "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
 
@@ -30,7 +25,6 @@ static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
 	static const uint8_t rgba[] = { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 };
 	struct eco_model m;
 
-	(void)state;
 	write_png("leaf one.png", rgba, 2, 2);
 	input_text(TEST_FOLDER, "t.mtl", "newmtl m\nKd 0.64 0.64 0.64\nmap_Kd leaf one.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "t.obj", "mtllib t.mtl\n" TRIANGLE_UV), 0);
@@ -52,7 +46,6 @@ static void an_opacity_map_cuts_out(void **state)
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 }, mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
 	struct eco_model m;
 
-	(void)state;
 	write_png("solid.png", solid, 2, 1);
 	write_png("mask.png", mask, 2, 1);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\nmap_d mask.png\n");
@@ -69,7 +62,6 @@ static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	input_text(TEST_FOLDER, "g.mtl", "newmtl m\nKd 1 0 0.5\nmap_Kd C:\\trees\\gone.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "g.obj", "mtllib g.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.image_count, 0);
@@ -98,7 +90,6 @@ static void a_grey_that_nobody_chose_is_no_colour(void **state)
 	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 };
 	struct eco_model m;
 
-	(void)state;
 	write_png("white.png", white, 2, 1);
 	input_text(TEST_FOLDER, "grey.obj", "mtllib grey.mtl\n" TRIANGLE_UV);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -120,7 +111,6 @@ static void colours_are_the_screens_unless_blender_wrote_them(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");
 	import_high(&m, input_text(TEST_FOLDER, "c.obj", "mtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 51);
@@ -134,7 +124,6 @@ static void invisible_materials_are_left_out_and_counted(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
 	import_high(&m, input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV "v 5 0 0\nusemtl n\nf 1 2 3\nf 1 3 4\n"), 0);
 	assert_int_equal(m.triangles_in, 3);
@@ -151,7 +140,6 @@ static void nodes_place_their_meshes(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	/* the mesh twice: moved by a parent, and turned by 90 degrees about Y below it, which takes +X to -Z and so to +Y here */
 	import_high(&m, gltf("nodes.gltf", "{\"children\":[1],\"mesh\":0,\"translation\":[0,2,0]},{\"mesh\":0,\"translation\":[4,0,0],"
 		"\"rotation\":[0,0.70710678,0,0.70710678]}", ",\"materials\":[{}]"), 0);
@@ -176,7 +164,6 @@ static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
 	};
 
-	(void)state;
 	write_png("a b.png", rgba, 2, 1);
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
 		struct eco_model m;
@@ -231,7 +218,6 @@ static void a_texture_takes_each_colour_it_is_used_with(void **state)
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
 	struct eco_model m;
 
-	(void)state;
 	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
@@ -251,7 +237,6 @@ static void a_texture_cut_out_here_is_opaque_there(void **state)
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
 	struct eco_model m;
 
-	(void)state;
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
@@ -273,7 +258,6 @@ static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
 	struct eco_model m;
 
-	(void)state;
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
@@ -305,7 +289,6 @@ static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
 	struct eco_notes notes = { .used = 0 };
 	struct eco_model m;
 
-	(void)state;
 	make_motley(&m, 200);
 	assert_int_equal(eco_model_bake_tints(&m, "memory", &notes, NULL), ECO_OK);
 	assert_int_equal(m.image_count, 32);
@@ -323,7 +306,6 @@ static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
 	static const uint8_t white[] = { 255, 255, 255, 255 };
 	struct eco_model m;
 
-	(void)state;
 	write_png("white.png", white, 1, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv 0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
@@ -344,7 +326,6 @@ static void a_webp_texture_that_gltf_requires_is_read(void **state)
 		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA==\"}]";
 	struct eco_model m;
 
-	(void)state;
 	import_high(&m, gltf("webp.gltf", "{\"mesh\":0}", rest), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.images[0].width, 4);
@@ -368,7 +349,6 @@ static void draco_meshes_are_read(void **state)
 	char text[3000];
 	struct eco_model m;
 
-	(void)state;
 	snprintf(text, sizeof text, "%s4%s", head, tail);
 	import_high(&m, input_text(TEST_FOLDER, "draco.gltf", text), 0);
 	assert_int_equal(m.triangle_count, 2);
@@ -380,7 +360,6 @@ static void vertex_colours_become_materials(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
 		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
 	assert_int_equal(m.material_count, 3);       /* red, blue, and white, which changes nothing */
@@ -402,7 +381,6 @@ static void texture_transforms_turn_about_the_images_corner(void **state)
 		{ "\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5]", { { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
 	};
 
-	(void)state;
 	write_png("one.png", rgba, 1, 1);
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_model m;
@@ -424,7 +402,6 @@ static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
 		{ "extensionsRequired", "KHR_texture_basisu" }, { "extensionsRequired", "VENDOR_secret" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[200];
 

@@ -13,7 +13,6 @@ static void any_line_end_and_byte_order_mark_will_do(void **state)
 		"v 0 0 0 1.0\nv 1 0 0 1.0\nv 0 1 0 1.0\nf 1// 2// 3//\n", TRIANGLE "vn 0 0 1\nf 1//1 2//1 3//1\n", "f 1 2 3\n" TRIANGLE,
 		"mtllib\nusemtl\no\ng\ns 1\n" TRIANGLE "curv 0 1 1 2\nf -3 -2 -1\n", "v +0 .0 0.e0\nv 1E0 0 0\nv 0 1.0e+0 0\nfo 1 2 3\n" };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
 		struct eco_model m;
 
@@ -28,7 +27,6 @@ static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\n"
 		"f 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
 	assert_int_equal(m.triangles_in, 1 + 4 + 3 + 1);
@@ -42,7 +40,6 @@ static void numbers_that_are_none_are_counted_or_named_with_their_line(void **st
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 0\nv 0 -1.#INF 0\nv 1e999 0 0\n"
 		"f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 1 2 7\nf 1 2 8\n"), NULL);
 	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 5);
@@ -55,7 +52,6 @@ static void numbers_that_are_none_are_counted_or_named_with_their_line(void **st
 
 static void what_is_no_obj_is_named(void **state)
 {
-	(void)state;
 	import_refuses(input_bytes("formats", "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8), ECO_BAD_INPUT, "binary, so no Wavefront OBJ file");
 	import_refuses(input_bytes("formats", "wide.obj", "\xff\xfev\0 \0", 6), ECO_UNSUPPORTED, "UTF-16; save it as UTF-8");
 	import_refuses(input_text("formats", "prose.obj", "This is a tree.\n"), ECO_BAD_INPUT, "no vertices in it");
@@ -68,7 +64,6 @@ static void map_coordinates_keep_their_detail(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv 747376.125 4308510.250 312.5\n"
 		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"), &(struct eco_model_options){ .up = ECO_UP_Z,
 		.unit_m = 1 });
@@ -82,7 +77,6 @@ static void colours_of_vertices_may_be_shares_or_bytes(void **state)
 	static const char *const files[] = { "v 0 0 0 1 0.2 0\nv 1 0 0 1 0.2 0\nv 0 1 0 1 0.2 0\nf 1 2 3\n",
 		"v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n", "v 0 0 0 1 0.2 0 1\nv 1 0 0 1 0.2 0 1\nv 0 1 0 1 0.2 0 1\nf 1 2 3\n" };
 
-	(void)state;
 	for (size_t i = 0; i < 3; i++) {
 		struct eco_model m;
 
@@ -105,7 +99,6 @@ static void libraries_are_found_as_exporters_meant(void **state)
 		{ "lib.mtl", "\xef\xbb\xbfnewmtl bark\nKd 0.5 0.5 0.5\nnewmtl bark\nKd 1 0 0\n", "", "" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[300];
@@ -125,7 +118,6 @@ static void what_no_library_describes_is_grey_and_said(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste und Bl\xc3\xa4tter\nf 1 2 3\n"), NULL);
 	assert_int_equal(m.material_count, 2);
 	assert_int_equal(material_of(&m, "\xc3\x84ste und Bl\xc3\xa4tter")->rgb[1], 153);
@@ -146,7 +138,6 @@ static void transparency_is_read_with_sense(void **state)
 		{ "newmtl a\nd 0\nnewmtl b\nd 0\n", 0, "taken for opaque" }, { "newmtl a\nd -halo 0.6\nnewmtl b\nd 0.2\n", 1, "" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 
@@ -163,7 +154,6 @@ static void objects_and_groups_are_parts(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\n"
 		"f 1 2 6\n"), NULL);
 	assert_int_equal(m.part_count, 4);
@@ -182,7 +172,6 @@ static void ply_text_brings_colours_and_counts_bad_faces(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nelement vertex 4\r\nproperty float x\r\n"
 		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\nelement face 2\r\n"
 		"property list uchar int vertex_indices\r\nend_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n"
@@ -209,7 +198,6 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 	static const double places[4][3] = { { 500000.125, 4000000.25, 100 }, { 500001.125, 4000000.25, 100 }, { 500000.126, 4000000.25, 103 },
 		{ 500001.125, 4000000.252, 103 } };
 
-	(void)state;
 	for (int kind = 0; kind < 3; kind++) {
 		static const char *const formats[] = { "binary_little_endian", "binary_big_endian", "ascii" };
 		char file[2000];
@@ -244,7 +232,6 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 
 static void a_point_cloud_is_refused_as_one(void **state)
 {
-	(void)state;
 	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
 		"float z\n"
 		"end_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT, "no faces in it, only 3 points; a point cloud has no surfaces: make a mesh of it first");
@@ -293,7 +280,6 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 		{ "m.fbx", FBX("2", "1", "-1", "100"), ECO_UP_Z, 1, 10, 0, 100, { 45, 50, 60 } },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 
@@ -323,7 +309,6 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_X, 10 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 
@@ -344,7 +329,6 @@ static void a_unit_is_guessed_from_the_height_and_said(void **state)
 		{ 18000, "taken for millimetres: 18 m", 18 },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[200];
@@ -370,7 +354,6 @@ static void comments_about_units_are_read(void **state)
 	static const struct { const char *comment; double metres; } cases[] = { { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
 		{ "#units=Inches", 0.0254 }, { "# Unit: 1 m", 1 }, { "# 12 units in the group", 0 }, { "# unit: minutes", 0 } };
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[200];
@@ -403,7 +386,6 @@ static void formats_without_axes_follow_their_convention(void **state)
 	size_t used, at = 0;
 	struct eco_model m;
 
-	(void)state;
 	list[0] = 3;
 	list[1] = 0;
 	memcpy(list + 2, places, 36);
@@ -440,7 +422,6 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 {
 	static const char *const formats[] = { "binary_little_endian", "binary_big_endian" };
 
-	(void)state;
 	for (int big = 0; big < 2; big++)
 		for (int ends = 0; ends < 2; ends++)
 			for (int first = 0; first < 256; first += first < 64 ? 1 : 13) {
@@ -477,7 +458,6 @@ static void empty_solids_are_no_harm(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
 		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
@@ -499,7 +479,6 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 		{ "oak.blend", "BLENDER-v300", 12, ECO_BAD_INPUT, "export GLB" }, { "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		import_refuses(input_bytes("formats", cases[i].name, cases[i].bytes, cases[i].size), cases[i].code, cases[i].says);
 	import_refuses("build/tmp", ECO_BAD_INPUT, "a folder, not a model");
@@ -512,7 +491,6 @@ static void several_files_are_one_plant(void **state)
 	const char *paths[3];
 	struct eco_model m;
 
-	(void)state;
 	input_text("formats", "wood.mtl", "newmtl same\nKd 1 0 0\n");
 	input_text("formats", "leaf.mtl", "newmtl same\nKd 0 1 0\n");
 	paths[0] = input_text("formats", "wood.obj", "mtllib wood.mtl\nusemtl same\no Stem\nv 9 0 0\nv 11 0 0\nv 10 4 0\nf 1 2 3\n");
@@ -532,7 +510,6 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 	const char *paths[2];
 	struct eco_model m;
 
-	(void)state;
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
@@ -551,7 +528,6 @@ static void one_bad_file_of_several_is_named(void **state)
 	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"), "build/tmp/formats/gone.obj" };
 	struct eco_model m;
 
-	(void)state;
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2 }, &error), ECO_NOT_FOUND);
 	assert_non_null(strstr(error.text, "gone.obj"));
 	assert_null(m.position);
@@ -570,7 +546,6 @@ static void shared_models_agree_between_formats(void **state)
 	struct eco_model obj, fbx;
 	char path[2][4096];
 
-	(void)state;
 	if (data == NULL)
 		skip();
 	for (int i = 0; i < 2; i++) {

@@ -19,7 +19,6 @@ static void names_fit_patterns_whole_or_between_slashes(void **state)
 		{ "a*b*c*d*e", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", false },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		if (eco_part_name_fits(cases[i].pattern, cases[i].name) != cases[i].fits)
 			fail_msg("%s on %s", cases[i].pattern, cases[i].name);
@@ -63,7 +62,6 @@ static void components_hang_together_by_place_within_a_material(void **state)
 	struct eco_model m;
 	uint32_t *place;
 
-	(void)state;
 	import_with(&m, NULL, 0, 0);
 	place = malloc(m.vertex_count * sizeof *place);
 	assert_true(place != NULL && eco_model_places(&m, place));
@@ -87,7 +85,6 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
 	struct eco_model m;
 
-	(void)state;
 	import_with(&m, rules, 1, 7);
 	assert_int_equal(m.triangles_in, 11);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 3);
@@ -111,7 +108,6 @@ static void the_first_rule_that_fits_counts(void **state)
 	uint32_t count[256] = { 0 };
 	struct eco_model m;
 
-	(void)state;
 	import_with(&m, rules, 5, 0);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 1);       /* the soil: the clay is wood first */
 	for (uint32_t i = 0; i < m.triangle_count; i++) {
@@ -134,7 +130,6 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 		{ .kind = ECO_PART_COMPONENT, .component = 7, .is = ECO_ORGAN_WOOD }, { .kind = ECO_PART_SIZE, .size = { 2, 3 }, .is = ECO_ORGAN_WOOD } };
 	struct eco_model m;
 
-	(void)state;
 	import_with(&m, rules, 3, 0);
 	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects "
 		"and groups are \"Stem\", \"Pot\", \"Crown\"");
@@ -150,7 +145,6 @@ static void rules_that_leave_nothing_are_an_error(void **state)
 	const char *path = write_plant();
 	struct eco_model m;
 
-	(void)state;
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1, .rules = rules, .rule_count = 1 }, &error),
 		ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "leave out all of it"));

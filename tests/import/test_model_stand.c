@@ -60,7 +60,6 @@ static void a_tree_off_its_origin_stands_on_its_stem(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	tube(100, -40, 7, 101, -40, 15, 0.2, 8);             /* leaning */
 	crown(103, -38, 15, 3);                              /* and lopsided */
@@ -72,7 +71,6 @@ static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	tube(0, 0, 5, 0, 0, 15, 0.4, 8);
 	for (int i = 0; i < 24; i++)
@@ -90,7 +88,6 @@ static void a_pot_carries_its_plant(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	for (int walls = 0; walls < 2; walls++) {
 		begin();
 		tube(0, 0, 3, 0, 0, 9, 0.15, 6);
@@ -113,7 +110,6 @@ static void a_trunk_in_pieces_below_a_hull_stands_on_its_lowest(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	for (int i = 0; i < 10; i++)
 		tube(2, 1, i * 0.3, 2, 1, i * 0.3 + 0.28, 0.1, 8);
@@ -127,7 +123,6 @@ static void what_is_below_the_files_zero_is_in_the_ground(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	tube(0, 0, -0.6, 0, 0, 9, 0.3, 8);
 	crown(0, 0, 9, 3);
@@ -151,7 +146,6 @@ static void several_stems_share_a_foot(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	tube(0, 0, 0, -1, 0, 4, 0.1, 40);
 	tube(1, 0, 0.1, 2, 0, 4, 0.1, 6);
@@ -166,7 +160,6 @@ static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	tube(5, 5, 0, 5, 5, 2, 1, 12);
 	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);     /* a tip at its rim */
@@ -179,7 +172,6 @@ static void grass_of_cards_stands_in_its_middle(void **state)
 {
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
 	stand(&m, 0);
@@ -193,7 +185,6 @@ static void wood_by_rule_is_what_stands(void **state)
 	const char *path;
 	struct eco_model m;
 
-	(void)state;
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "o thick\n");
 	tube(0, 0, 0.2, 0, 0, 9, 1, 8);

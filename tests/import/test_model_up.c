@@ -1,13 +1,7 @@
 /* Which axis of a soup points up, by its shape. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "ecofiles/import/model/model_up.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
 
 /* ---- Plants, z up ---- */
 
@@ -222,7 +216,6 @@ static struct counts ask(void (*make)(struct soup *s))
 
 static void plants_tell_which_way_is_up(void **state)
 {
-	(void)state;
 	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure; } plants[] = {     /* of 30 */
 		{ "tree", tree, 30 }, { "bare tree", bare_tree, 30 }, { "low-poly tree", low_poly_tree, 30 }, { "conifer", conifer, 30 },
 		{ "palm", palm, 30 }, { "grass tuft", grass_tuft, 30 }, { "potted plant", potted_plant, 30 }, { "weeping tree", weeping_tree, 24 },
@@ -237,7 +230,6 @@ static void plants_tell_which_way_is_up(void **state)
 
 static void what_does_not_tell_is_never_surely_wrong(void **state)
 {
-	(void)state;
 	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure_at_most; } shapes[] = {
 		{ "ball", ball, 0 }, { "cloud of leaves", cloud_of_leaves, 0 }, { "hanging basket", hanging_basket, 30 }, { "hedge", hedge, 30 },
 		{ "ivy on a wall", ivy_on_a_wall, 30 }, { "flat card", flat_card, 30 },
@@ -251,7 +243,6 @@ static void what_does_not_tell_is_never_surely_wrong(void **state)
 
 static void what_is_broken_does_not_count(void **state)
 {
-	(void)state;
 	struct soup soup;
 	double certainty, again;
 	tree(&soup);

@@ -1,12 +1,7 @@
 /* Inventories as scenes ask for them: coordinates, species, filters, sizes, and what is said of rows that cannot be used or were
  * guessed at. Formats are tested in test_rows*.c, texts in test_inventory_text.c. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "tests/support/inventory_scene.h"
+#include "tests/support/unit_test.h"
 
 #define UTM32 "\"crs\":\"EPSG:25832\",\"origin\":[690000,5335000,0],"
 #define XY "\"x\":\"x\",\"y\":\"y\""
@@ -65,7 +60,6 @@ static void expect_json(const char *scene, const char *text, const char *entry, 
 
 static void a_missing_column_is_named_beside_those_there_are(void **state)
 {
-	(void)state;
 	expect_error("", "X,y,h\n1,2,3\n", "\"plant\":\"oak\"," XY, "no column \"x\"; there are: X, y, h");
 	expect_error("", "x;y\n1;2\n", "\"plant\":\"oak\",\"separator\":\",\"," XY, "is \"separator\" another?");
 	expect_error("", "x,y,x\n1,2,3\n", "\"plant\":\"oak\"," XY, "two columns are named \"x\"");
@@ -78,7 +72,6 @@ static void a_missing_column_is_named_beside_those_there_are(void **state)
 
 static void rows_that_cannot_be_used_are_counted_by_reason(void **state)
 {
-	(void)state;
 	expect("", "sp,x,y\n" "oak,1,2\n" "lime,1,2\n" "oak,,2\n" "oak,1,NA\n" "oak,1,2m\n" "oak,0x10,2\n" "oak,nan,2\n" "stump,1,2\n" "oak,1\n"
 		"oak,1e9,2\nlime,3,3\n" " Oak ,7,8\n", "\"species\":\"sp\",\"map\":{\"oak\":\"oak\",\"stump\":null,\"gone\":null}," XY, "oak 1 2 / oak 7 8",
 		"12 rows, 2 plants|3  left out: no coordinates (first in line 4)|2  left out: a coordinate that is not a number (first in line 6: \"2m\")|"
@@ -94,7 +87,6 @@ static void species_fit_exactly_before_by_wildcard_before_by_fallback(void **sta
 {
 	static const char csv[] = "s,x,y\nQuercus robur,1,0\nquercus  ROBUR ,2,0\nQuercus rubra,3,0\nQuercus robur 'Fastigiata',4,0\nTilia,5,0\n,6,0\n";
 
-	(void)state;
 	expect("", csv, "\"species\":\"s\",\"map\":{\"Quercus robur\":\"oak\",\"Quercus*\":\"ash\",\"Quercus robur*\":\"elm\",\"*\":null}," XY,
 		"oak 1 0 / oak 2 0 / ash 3 0 / elm 4 0", "6 rows, 4 plants|2  left out by the map: * (first in line 6: \"Tilia\")");
 	expect("", csv, "\"species\":\"s\",\"map\":{\"*\":\"oak\",\"\":null,\"*robur*\":null}," XY, "oak 3 0 / oak 5 0",
@@ -110,7 +102,6 @@ static void the_commonest_unknown_species_are_named(void **state)
 	char csv[8000] = "s,x,y\n";
 	size_t used = strlen(csv);
 
-	(void)state;
 	for (int kind = 0; kind < 8; kind++)
 		for (int i = 0; i <= kind; i++)
 			used += (size_t)snprintf(csv + used, sizeof csv - used, "kind %d,%d,%d\n", kind, kind, i);
@@ -122,7 +113,6 @@ static void only_and_skip_leave_rows_out(void **state)
 {
 	static const char csv[] = "x,y,status,dbh\n1,1,Alive,5\n2,2,Stump,0\n3,3,dead ,12\n4,4,alive,0.0\n5,5,,7\n";
 
-	(void)state;
 	expect("", csv, "\"plant\":\"oak\",\"only\":{\"status\":\"Alive\"}," XY, "oak 1 1 / oak 4 4",
 		"3  left out: \"status\" is none of \"only\" (first in line 3: \"Stump\")");
 	expect("", csv, "\"plant\":\"oak\",\"skip\":{\"status\":[\"D*\",\"\"],\"dbh\":0}," XY, "oak 1 1",
@@ -135,7 +125,6 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 {
 	static const char csv[] = "x;y;h\n1,5;2,25;12,5\n1.234,5;3;4\n";
 
-	(void)state;
 	expect_error("", csv, "\"plant\":\"oak\"," XY, ":2: \"1,5\" has a decimal comma; add \"decimal\": \",\"");
 	expect_error("", "x;y;h\n1;2;\n1;2;12,5 m\n", "\"plant\":\"oak\",\"height_m\":{\"column\":\"h\"}," XY,
 		":3: \"12,5 m\" has a comma; add \"decimal\": \",\"");
@@ -151,7 +140,6 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 
 static void coordinates_become_metres_from_the_origin(void **state)
 {
-	(void)state;
 	/* 3 degrees east is the central meridian of UTM zone 31, easting 500000 */
 	expect("\"crs\":\"EPSG:32631\",\"origin\":[499000,-1000,40],", "x,y,z\n3,0,100\n", "\"plant\":\"oak\",\"crs\":\"EPSG:4326\",\"z\":\"z\"," XY,
 		"oak 1000 1000 z60", "neither says a vertical datum");
@@ -172,7 +160,6 @@ static void a_crs_is_never_guessed(void **state)
 {
 	static const char csv[] = "x,y\n1,2\n", plain[] = "\"plant\":\"oak\"," XY;
 
-	(void)state;
 	expect_error(UTM32, csv, plain, "\"crs\": \"EPSG:25832\"");
 	expect_error("", csv, "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY, "the scene has no CRS to convert to: add \"crs\"");
 	expect_error("\"crs\":\"EPSG:4326\",\"origin\":[0,0],", csv, "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY,
@@ -192,7 +179,6 @@ static void a_crs_is_never_guessed(void **state)
 
 static void a_file_that_says_its_crs_needs_no_more(void **state)
 {
-	(void)state;
 	expect_json(UTM32, FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\"", "oak -3878.244 -4561.87", "1 row, 1 plant");
 	expect_json(UTM32, FEATURES(SAYS("urn:ogc:def:crs:EPSG::25832"), FEATURE("690001", "5335002")), "\"plant\":\"oak\"", "oak 1 2", "1 plant");
 	/* what the entry says wins, aloud */
@@ -221,7 +207,6 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 	static const char csv[] = "x,y,z\n690001,5335002,512.5\n", entry[] = "\"plant\":\"oak\",\"z\":\"z\",\"crs\":\"EPSG:25832\"," XY;
 	static const char with[] = "\"plant\":\"oak\",\"z\":\"z\",\"crs\":\"EPSG:25832\",\"vertical\":\"EPSG:7837\"," XY;
 
-	(void)state;
 	expect(UTM32, csv, entry, "oak 1 2 z512.5", "neither says a vertical datum; if they differ, add \"vertical\"");
 	expect(UTM32 "\"vertical\":\"EPSG:7837\",", csv, with, "oak 1 2 z512.5", "1 plant");
 	expect_error(UTM32, csv, with, "the scene's have none; add \"vertical\": \"EPSG:...\" to the scene");
@@ -238,7 +223,6 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 
 static void doubtful_places_are_said(void **state)
 {
-	(void)state;
 	expect("", "x,y\n1,1\n2,2\n1,1\n1.0004,1\n", "\"plant\":\"oak\"," XY, "oak 1 1 / oak 2 2 / oak 1 1 / oak 1.0004 1",
 		"2  kept: at the place of an earlier plant, to the millimetre (\"duplicates\": \"skip\" leaves them out) (first in line 4: \"1.000, "
 		"1.000\")");
@@ -262,7 +246,6 @@ static void heights_come_from_the_first_source_that_has_one(void **state)
 {
 	static const char csv[] = "x,y,h,d\n1,1,12.5,300\n2,2,21 to 30,300\n3,3,N/A,100\n4,4,-1,\n5,5,> 101,\n6,6,40',\n7,7,9 m,\n8,8,0,NA\n";
 
-	(void)state;
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\",\"unit\":\"ft\"},{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,"
 		"\"rate\":0.004},7]," XY,
 		"oak 1 1 h3.81 / oak 2 2 h7.772 / oak 3 3 h12.41 / oak 4 4 h7 / oak 5 5 h30.785 / oak 6 6 h12.192 / oak 7 7 h9 / oak 8 8 h7",
@@ -279,7 +262,6 @@ static void allometry_may_differ_by_plant(void **state)
 {
 	static const char csv[] = "s,x,y,d,g\noak,1,1,100,31.4159265\nash,2,2,100,31.4159265\nelm,3,3,100,\n";
 
-	(void)state;
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,\"rate\":0.004,"
 		"\"per_plant\":{\"ash\":{\"max\":21.3,\"rate\":0.01,\"shape\":2}}}," XY, "oak 1 1 h12.41 / ash 2 2 h9.292 / elm 3 3 h12.41", "3 plants");
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_girth\":\"g\",\"unit\":\"cm\",\"per_plant\":{\"oak\":{\"max\":35,\"rate\":0.004}}}," XY,
@@ -292,7 +274,6 @@ static void crowns_and_scales_are_handed_on(void **state)
 {
 	static const char csv[] = "x,y,k,s,h\n1,1,8 m,2,10\n2,2,4-6,0,\n3,3,,x,\n";
 
-	(void)state;
 	expect("", csv, "\"plant\":\"oak\",\"crown_m\":{\"column\":\"k\",\"is\":\"diameter\"},\"scale\":\"s\",\"height_m\":{\"column\":\"h\"}," XY,
 		"oak 1 1 h10 c4 s2 / oak 2 2 c2.5 / oak 3 3", "1  kept, scaled to their crown: no usable height (first in line 3)|1  kept at their plant's "
 		"own height");
@@ -301,7 +282,6 @@ static void crowns_and_scales_are_handed_on(void **state)
 
 static void implausible_sizes_are_said(void **state)
 {
-	(void)state;
 	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,"
 		"\"rate\":0.004}]," XY,
 		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" "
@@ -316,7 +296,6 @@ static void levels_keep_the_tall_few_and_the_relative_error(void **state)
 	size_t used = strlen(csv);
 	const struct inventory *in;
 
-	(void)state;
 	for (int i = 0; i < 300; i++)        /* many of 2 to 4 m, one in fifty of 20 to 32 m */
 		used += (size_t)snprintf(csv + used, sizeof csv - used, "%d,1,%.2f\n", i, i % 50 == 0 ? 20 + i * 0.04 : 2 + (i * 7 % 200) * 0.01);
 	input_text("positions", "rows.csv", csv);
@@ -359,7 +338,6 @@ static void yaw_and_variant_are_the_seeds_and_the_rows_alone(void **state)
 	struct eco_positions *reader;
 	struct eco_position record;
 
-	(void)state;
 	for (int pass = 0; pass < 3; pass++) {
 		reader = open_plain(&spec, csv, pass == 2 ? 8 : 7, NULL);
 		for (int i = 0; i < 3; i++) {
@@ -384,7 +362,6 @@ static void yaw_and_variant_are_the_seeds_and_the_rows_alone(void **state)
 
 static void inventories_of_many_countries_go_through(void **state)
 {
-	(void)state;
 	/* a German register: semicolons, decimal commas, umlauts in Latin-1 */
 	expect("\"crs\":\"EPSG:25833\",\"origin\":[390000,5820000,0],", "BAUM_NR;Gattung_Deutsch;Rechtswert;Hochwert;H\xf6he "
 		"(m);Kronendurchmesser;Stammumfang cm\r\n"
@@ -421,7 +398,6 @@ static void a_dutch_feature_collection_goes_through(void **state)
 {
 	const struct inventory *in;
 
-	(void)state;
 	input_text("positions", "bomen.gml", "<?xml version=\"1.0\" encoding=\"UTF-8\"?><wfs:FeatureCollection "
 		"xmlns:wfs=\"http://www.opengis.net/wfs/2.0\" "
 		"xmlns:app=\"http://www.deegree.org/app\" xmlns:gml=\"http://www.opengis.net/gml/3.2\"><wfs:member><app:bomen "
@@ -447,7 +423,6 @@ static void a_real_inventory_goes_through_whole(void **state)
 	struct eco_position record;
 	uint32_t count = 0;
 
-	(void)state;
 	snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", data != NULL ? data : "");
 	if (data == NULL || access(path, R_OK) != 0)
 		skip();
@@ -474,7 +449,6 @@ static void degrees_and_feet_of_a_real_inventory_meet(void **state)
 	struct eco_position a, b;
 	uint32_t count = 0;
 
-	(void)state;
 	snprintf(path, sizeof path, "%s/inventories/binghamton_ny_street_trees.csv", data != NULL ? data : "");
 	if (data == NULL || access(path, R_OK) != 0)
 		skip();

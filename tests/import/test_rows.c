@@ -1,10 +1,4 @@
 /* Tables in every format that is read, row by row, and files that are none. Those that only OGR can write are made with it here. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <cpl_error.h>
 #include <gdal.h>
 #include <ogr_api.h>
@@ -13,6 +7,7 @@
 
 #include "tests/support/input_files.h"
 #include "tests/support/rows_text.h"
+#include "tests/support/unit_test.h"
 
 static struct eco_rows *open_good(const struct eco_rows_source *source)
 {
@@ -66,7 +61,6 @@ static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 	struct eco_rows *rows;
 	bool more;
 
-	(void)state;
 	assert_int_equal(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &error), ECO_OK);
 	assert_int_equal(rows->column_count, 3);
 	assert_string_equal(rows->columns[0], "name");
@@ -89,7 +83,6 @@ static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 
 static void separators_are_found_in_the_header(void **state)
 {
-	(void)state;
 	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
 	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"", NULL);
 	expect("c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
@@ -102,14 +95,12 @@ static void separators_are_found_in_the_header(void **state)
 
 static void text_of_western_pages_becomes_utf8(void **state)
 {
-	(void)state;
 	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
 	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
 }
 
 static void rows_may_be_short_or_long(void **state)
 {
-	(void)state;
 	expect("short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,", NULL, NULL);
 	expect("old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL);
 }
@@ -120,7 +111,6 @@ static void files_that_are_no_csv_are_refused_with_a_line(void **state)
 		{ "", 0, "empty file" }, { "x,y\n1,\"2", 8, ":2: a quoted field" }, { "x\0,\0y\0\n\0", 8, ":1: a zero byte" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_rows *rows;
@@ -142,7 +132,6 @@ static void a_row_without_end_is_bounded(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 
-	(void)state;
 	memset(bytes, 'a', size);
 	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
 	memset(bytes, ',', size);
@@ -153,7 +142,6 @@ static void a_row_without_end_is_bounded(void **state)
 
 static void points_as_text_are_the_geometry(void **state)
 {
-	(void)state;
 	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
 		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
 		"POINT (x y),bad", NULL, NULL);
@@ -165,7 +153,6 @@ static void points_as_text_are_the_geometry(void **state)
 
 static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
 {
-	(void)state;
 	expect_error(input_bytes("rows", "utf16.csv", "\xff\xfex\0,\0y\0\n\0", 10), NULL, "UTF-16; save it as UTF-8");
 	expect_error(input_bytes("rows", "unmarked.csv", "x\0,\0y\0\n\0", 8), NULL, "UTF-16; save it as UTF-8");
 	expect_error(input_text("rows", "city.json", "{\"type\":\"CityJSON\",\"version\":\"1.1\"}"), NULL, "CityJSON is not read; convert it");
@@ -198,7 +185,6 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 	struct eco_rows_source source = { .path = NULL };
 	struct eco_rows *rows;
 
-	(void)state;
 	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
 	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
@@ -214,7 +200,6 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 
 static void each_feature_is_a_row_whatever_its_geometry(void **state)
 {
-	(void)state;
 	expect("e.geojson", COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\",\"coordinates\":[]}", "\"id\":2") ","
 		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
 		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
@@ -295,7 +280,6 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
 	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" };
 
-	(void)state;
 	expect_made("GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
 	expect_made("GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
 	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL, "EPSG:25832");
@@ -320,7 +304,6 @@ static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
 	struct eco_rows *rows;
 	char got[2000];
 
-	(void)state;
 	source = (struct eco_rows_source){ .path = input_path("rows", "parts.shp") };
 	make_file("ESRI Shapefile", source.path, &tree, 1);
 	unlink("build/tmp/rows/parts.prj");
@@ -348,7 +331,6 @@ static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 	const char *path;
 
-	(void)state;
 	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "of its 2 layers \"trees\" is taken", "EPSG:25832");
 	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
 	path = input_path("rows", "many.gpkg");
@@ -365,7 +347,6 @@ static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 		"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>";
 	char text[2000];
 
-	(void)state;
 	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::28992", "121000 487000");
 	expect("boom.gml", text, "gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992");
 	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::4326", "52.4 4.9");
@@ -387,7 +368,6 @@ static void a_child_hands_over_the_same_rows(void **state)
 	struct eco_rows *rows;
 	char here[1000], there[1000];
 
-	(void)state;
 	rows_text_of(open_good(&source), here, sizeof here);
 	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
 	assert_true(rows->has_geometry && rows->has_z);

@@ -1,14 +1,9 @@
 /* Trees of city models: where they stand, what is said of them, in which CRS. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdlib.h>
 
 #include "tests/support/input_files.h"
 #include "tests/support/rows_text.h"
+#include "tests/support/unit_test.h"
 
 #define POINT_3D "<gml:Point><gml:pos srsDimension=\"3\">"
 #define IMPLICIT(pos) "<veg:lod2ImplicitRepresentation><core:ImplicitGeometry><core:referencePoint>" POINT_3D pos "</gml:pos></gml:Point>" \
@@ -46,7 +41,6 @@ static void expect(const char *text, const char *wanted)
 
 static void attributes_of_the_standard_and_generic_ones_are_columns(void **state)
 {
-	(void)state;
 	expect(model("EPSG:25832", TREE("<gml:name>Linde am Platz</gml:name><veg:class>1070</veg:class><veg:species>1640</veg:species>"
 			"<veg:height uom=\"urn:adv:uom:m\">12.5</veg:height><veg:trunkDiameter "
 			"uom=\"cm\">40</veg:trunkDiameter><veg:crownDiameter>6</veg:crownDiameter>"
@@ -59,7 +53,6 @@ static void attributes_of_the_standard_and_generic_ones_are_columns(void **state
 
 static void all_versions_are_read(void **state)
 {
-	(void)state;
 	/* CityGML 1 without prefixes, GML 2 coordinates */
 	expect("<CityModel xmlns=\"http://www.citygml.org/citygml/1/0/0\"><cityObjectMember><SolitaryVegetationObject><species>oak</species>"
 		"<lod1Geometry><Point srsName=\"EPSG:25832\"><coordinates>690000,5335000,500</coordinates></Point></lod1Geometry></SolitaryVegetationObject>"
@@ -75,7 +68,6 @@ static void all_versions_are_read(void **state)
 
 static void a_geometry_stands_on_the_middle_of_its_lowest_part(void **state)
 {
-	(void)state;
 	/* a crown reaching to one side, over a thin trunk; the lower edge of one of two crossed pictures */
 	expect(model("EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface><gml:posList>10 20 500 12 20 500 12 22 500 10 22 500 10 20 500</gml:posList>"
 		"<gml:posList srsDimension=\"3\">10 20 505 40 20 505 40 60 510</gml:posList></gml:MultiSurface></veg:lod1Geometry>")),
@@ -109,7 +101,6 @@ static void a_crs_is_known_in_any_spelling_and_order(void **state)
 	};
 	char inside[2000], wanted[200], got[2000];
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_rows *rows;
 
@@ -133,7 +124,6 @@ static void what_is_no_tree_is_passed_over(void **state)
 		"<veg:PlantCover><veg:averageHeight>3</veg:averageHeight></veg:PlantCover>" TREE(IMPLICIT("1 2 3"))));
 	char got[2000];
 
-	(void)state;
 	assert_int_equal(rows->note_count, 1);
 	assert_non_null(strstr(rows->notes[0], "1 PlantCover"));
 	assert_string_equal(rows_text_of(rows, got, sizeof got), "id / (1 2 3) t");
@@ -151,7 +141,6 @@ static void files_that_are_attacks_or_accidents_are_refused(void **state)
 			"</SolitaryVegetationObject></CityModel>", "in two CRS, \"EPSG:1\" and \"EPSG:2\"" },
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_rows *rows;
@@ -169,7 +158,6 @@ static void depth_is_bounded(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 
-	(void)state;
 	for (int i = 0; i < 1000; i++)
 		strcat(text, "<a>");
 	assert_int_equal(eco_rows_open_citygml(&rows, input_text("rows_citygml", "deep.gml", text), &error), ECO_TOO_LARGE);
@@ -182,7 +170,6 @@ static void a_file_cut_off_anywhere_is_never_read_as_whole(void **state)
 	size_t size = strlen(whole) - 1;     /* without the last line break */
 	char *text = malloc(size);
 
-	(void)state;
 	memcpy(text, whole, size);
 	for (size_t cut = 1; cut < size; cut += 7) {
 		struct eco_rows *rows;

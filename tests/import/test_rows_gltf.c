@@ -1,13 +1,8 @@
 /* glTF as an inventory: a row for each instance or node, with all that the file says of it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "ecofiles/import/places/rows.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 static void expect_rows(const char *rest, const char *columns, const char *const *lines, size_t line_count)
 {
@@ -46,7 +41,6 @@ static void a_row_for_each_instance(void **state)
 	static const float turns[3][4] = { { 0, 0, 0, 1 }, { 0, 0.70710678f, 0, 0.70710678f }, { 0, -0.38268343f, 0, 0.92387953f } };
 	static const uint16_t species[3] = { 7, 9, 7 };
 
-	(void)state;
 	gw_begin();
 	gw_floats(places[0], 3, "VEC3", 3);
 	gw_floats(turns[0], 3, "VEC4", 4);
@@ -64,7 +58,6 @@ static void a_row_for_each_instance(void **state)
 
 static void a_row_for_each_node_with_a_mesh(void **state)
 {
-	(void)state;
 	gw_begin();
 	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,\"translation\":[1,0,-1],"
 		"\"extras\":{\"dbh_cm\":31.5,\"alive\":true}},"
@@ -79,7 +72,6 @@ static void heights_are_those_of_meshes_however_packed(void **state)
 	static const float f[2][3] = { { 0, 0, 0 }, { 4, 10, 4 } };
 	static const int16_t q[2][4] = { { -32767, -32767, -32767 }, { 32767, 32767, 32767 } };
 
-	(void)state;
 	gw_begin();
 	gw_accessor(gw_view(f, sizeof f, ""), GLTF_FLOAT, 2, "VEC3", ",\"min\":[0,0,0],\"max\":[4,10,4]");
 	gw_accessor(gw_view(q, sizeof q, ",\"byteStride\":8"), GLTF_SHORT, 2, "VEC3", ",\"normalized\":true,\"min\":[-32767,-32767,-32767],\"max\":"
@@ -95,7 +87,6 @@ static void a_scene_without_plants_is_no_inventory(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 
-	(void)state;
 	assert_int_equal(eco_rows_open_gltf(&rows, input_text("rows_gltf", "none.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}"), &error),
 		ECO_BAD_INPUT);
 	assert_null(rows);

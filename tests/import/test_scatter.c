@@ -1,10 +1,4 @@
 /* Scattered plants: numbers, distances, holes, filters, masks; nothing depends on the order of the file. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +8,7 @@
 #include "ecofiles/base/room.h"
 #include "ecofiles/import/places/scatter.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 static const struct eco_frame frame = { .crs = "EPSG:32617" };
 static struct eco_scatter_plant two[] = { { 0, 1, 300 }, { 1, 1, 100 } };
@@ -93,7 +88,6 @@ static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state
 	struct eco_scatter_spec spec = spec_of(areas("field.geojson", FIELD));
 	struct scattered s = scatter(&spec);
 
-	(void)state;
 	/* 1.5 ha of 400 plants each, three of the first kind for each of the second */
 	assert_int_equal(s.count, 600);
 	assert_in_range(count_of(&s, 0), 449, 451);
@@ -113,7 +107,6 @@ static void columns_say_how_many(void **state)
 	struct eco_scatter_spec spec = spec_of(areas("both.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
 
-	(void)state;
 	spec.count_column = "n";
 	s = scatter(&spec);
 	assert_int_equal(s.count, 82);
@@ -134,7 +127,6 @@ static void what_is_left_out_is_counted_by_reason(void **state)
 	struct eco_scatter_spec spec = spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
 
-	(void)state;
 	spec.filters = &only;
 	spec.filter_count = 1;
 	s = scatter(&spec);
@@ -155,7 +147,6 @@ static void the_order_of_the_file_does_not_matter(void **state)
 	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)), second = spec_of(areas("ba.geojson", CORNER "," FIELD));
 	struct scattered a, b;
 
-	(void)state;
 	first.distance_m = second.distance_m = 3;
 	a = scatter(&first);
 	b = scatter(&second);
@@ -174,7 +165,6 @@ static void distances_hold_and_what_has_no_room_is_said(void **state)
 	struct eco_scatter_spec spec = spec_of(areas("near.geojson", FIELD "," CORNER));
 	struct scattered s;
 
-	(void)state;
 	spec.distance_m = 4;
 	s = scatter(&spec);
 	assert_true(nearest(&s) >= 4);
@@ -193,7 +183,6 @@ static void what_is_to_be_clear_is_clear(void **state)
 	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
 	struct scattered s;
 
-	(void)state;
 	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\","
 		"\"coordinates\":[[0,10],[200,10]]}},"
 		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
@@ -224,7 +213,6 @@ static void a_mask_scales_densities(void **state)
 	struct scattered s;
 	size_t west = 0, east = 0;
 
-	(void)state;
 	for (int row = 0; row < 40; row++)
 		for (int column = 0; column < 60; column++)
 			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1",
@@ -262,7 +250,6 @@ static void errors_say_what_to_do(void **state)
 	};
 	struct eco_scatter *s;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		struct eco_scatter_spec spec = spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
 		struct eco_error error = { .code = ECO_OK };
@@ -283,7 +270,6 @@ static void long_narrow_areas_are_filled(void **state)
 	struct eco_scatter_plant few[] = { { 0, 1, 10 } };
 	struct scattered s;
 
-	(void)state;
 	spec.plants = few;
 	spec.plant_count = 1;
 	s = scatter(&spec);
@@ -301,7 +287,6 @@ static void what_is_too_far_or_too_much_is_said(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *none;
 
-	(void)state;
 	assert_int_equal(s.count, 600);
 	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: feature 2)"));
 	free(s.places);
@@ -317,7 +302,6 @@ static void columns_that_are_not_there_are_named(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *s;
 
-	(void)state;
 	spec.count_column = "trees";
 	assert_int_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "no column \"trees\"; there are: kind, n, d"));

@@ -1,14 +1,9 @@
 /* SCENE.json: what it may say, and that what it may not say is answered with a place. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 
 #include "ecofiles/scene/scene.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 static void parse_good(struct eco_source *source, const char *json)
 {
@@ -24,7 +19,6 @@ static void everything_that_may_be_said_is_read(void **state)
 	struct eco_source s;
 	const struct eco_positions_spec *p;
 
-	(void)state;
 	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], \"tile\": {\"instances\": 7},\n"
 		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
 		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
@@ -72,7 +66,6 @@ static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
 {
 	struct eco_source s;
 
-	(void)state;
 	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", \"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
 		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
 	assert_string_equal(s.vertical, "EPSG:5703");
@@ -93,7 +86,6 @@ static void defaults_fill_what_is_not_said(void **state)
 {
 	struct eco_source s;
 
-	(void)state;
 	parse_good(&s, "{}");
 	assert_string_equal(s.name, "scene");
 	assert_null(s.crs);
@@ -180,7 +172,6 @@ static const struct { const char *json, *place, *says; } bad[] = {
 
 static void what_may_not_be_said_has_a_line_and_a_column(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_source s;
@@ -200,7 +191,6 @@ static void every_truncation_is_an_error(void **state)
 	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
 		"\"at\": [0, 0]}]}";
 
-	(void)state;
 	for (size_t size = 0; size < sizeof json - 1; size++) {
 		struct eco_source s;
 
@@ -216,7 +206,6 @@ static void nested_files_are_read_once_and_come_after_their_parents(void **state
 	struct eco_sources sources;
 	const char *root;
 
-	(void)state;
 	input_text("scene", "leaf.json", "{}");
 	input_text("scene", "mid.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}]}");
 	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, {\"eco\": \"leaf.json\", \"at\": [9, 0]},"
@@ -248,7 +237,6 @@ static void a_cycle_shows_its_chain(void **state)
 {
 	const char *root;
 
-	(void)state;
 	input_text("scene", "b.json", "{\"children\": [{\"eco\": \"c.json\", \"at\": [0, 0]}]}");
 	input_text("scene", "c.json", "{\"name\": \"c\",\n \"children\": [{\"at\": [0, 0], \"eco\": \"b.json\"}]}");
 	root = input_text("scene", "a.json", "{\"children\": [{\"eco\": \"b.json\", \"at\": [0, 0]}]}");
@@ -259,7 +247,6 @@ static void a_cycle_shows_its_chain(void **state)
 
 static void a_missing_file_is_named_where_it_is_named(void **state)
 {
-	(void)state;
 	load_fails("build/tmp/scene/none.json", "none.json", "No such file");
 	load_fails(input_text("scene", "m.json", "{\"plants\": {\n \"oak\": {\"model\": \"gone.obj\"}}}"), "m.json:2:19:", "gone.obj: No such file");
 	load_fails(input_text("scene", "m.json", "{\"ground\": {\"heights\":\n\"gone.tif\"}}"), "m.json:2:1:", "gone.tif");
@@ -270,7 +257,6 @@ static void a_missing_file_is_named_where_it_is_named(void **state)
 
 static void ground_belongs_to_the_outermost_file(void **state)
 {
-	(void)state;
 	input_text("scene", "dem.tif", "");
 	input_text("scene", "g.json", "{\"ground\": {\"heights\": \"dem.tif\"}}");
 	load_fails(input_text("scene", "n.json", "{\"children\": [{\"eco\": \"g.json\", \"at\": [0, 0]}]}"), "n.json:1:23:", "only the outermost");

@@ -1,16 +1,11 @@
 /* What a scene's tables must agree on: a small pack's are sound, and each way to break one of them is found and said. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
 
 #define PATH "build/tmp/test_scene_check.eco"
 
@@ -178,7 +173,6 @@ static void every_inconsistency_is_found(void **state)
 	struct scene_builder made;
 	struct eco_pack *pack;
 
-	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	assert_int_equal(small_pack_write(&made, PATH, NULL, &error), ECO_OK);

@@ -1,10 +1,4 @@
 /* An explanation says of every cut what it draws and why, adds up to the plan, and changes nothing of it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "lod/plan/explain.h"
 #include "lod/plan/planner.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 static struct scene_builder scene;
 
@@ -89,7 +84,6 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 
 static void rows_add_up_to_the_plan(void **state)
 {
-	(void)state;
 	uint64_t seen[LOD_WHY_COUNT] = { 0 };
 	for (uint64_t seed = 1; seed <= 60; seed++) {
 		random_scene_make(&scene, seed, seed % 3 ? 0 : 4);
@@ -114,7 +108,6 @@ static void rows_add_up_to_the_plan(void **state)
 
 static void a_plan_is_the_same_with_and_without(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 5, 3);
 	for (int i = 0; i < 40; i++) {
 		lod_rule *rule = i % 2 ? lod_rule_deussen : lod_rule_optimal;
@@ -137,7 +130,6 @@ static void a_plan_is_the_same_with_and_without(void **state)
 
 static void words_are_plain(void **state)
 {
-	(void)state;
 	static const struct { struct lod_reason reason; const char *says; } cases[] = {
 		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "the next hull step costs 2.1 times lambda" },
 		{ { .why = LOD_WHY_STEP }, "the next hull step saves nothing" },

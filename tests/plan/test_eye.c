@@ -1,15 +1,10 @@
 /* What a view sees: frame, bands, culling; against plain arithmetic. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 
 #include "lod/eye.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 static struct scene_builder source;       /* of random numbers */
 
@@ -21,7 +16,6 @@ static struct eco_view view_of(double fov, uint32_t width, uint32_t height)
 
 static void the_frame_is_orthonormal_and_right_handed_for_any_up(void **state)
 {
-	(void)state;
 	double ups[][3] = { { 0, 0, 1 }, { 10, -6, 2 }, { 0, 0, 0 }, { 1e-200, 0, 1e200 }, { -10, 6, -2 } };
 	for (size_t i = 0; i < sizeof ups / sizeof *ups; i++) {
 		struct eco_view view = view_of(45, 800, 600);
@@ -41,7 +35,6 @@ static void the_frame_is_orthonormal_and_right_handed_for_any_up(void **state)
 
 static void half_angles_agree_with_libm(void **state)
 {
-	(void)state;
 	double fovs[] = { 0.001, 1, 30, 45, 60, 89.9, 90, 90.1, 120, 179, 179.9, 179.999 };
 	for (size_t i = 0; i < sizeof fovs / sizeof *fovs; i++) {
 		struct eco_view view = view_of(fovs[i], 1600, 800);
@@ -60,7 +53,6 @@ static double blurred(uint32_t hash)
 
 static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 {
-	(void)state;
 	struct eco_view view = view_of(45, 800, 600);
 	struct lod_eye e;
 	lod_eye_make(&e, &view);
@@ -85,7 +77,6 @@ static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 /* As the eye comes nearer, plants leave a band one after the other: never more than their share of the way, whatever the share of hashes. */
 static void plants_cross_a_border_one_after_the_other(void **state)
 {
-	(void)state;
 	struct eco_view view = view_of(45, 800, 600);
 	struct lod_eye e;
 	enum { STEPS = 64, PLANTS = 4096 };
@@ -115,7 +106,6 @@ static void plants_cross_a_border_one_after_the_other(void **state)
 
 static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **state)
 {
-	(void)state;
 	struct eco_view view = view_of(50, 640, 480);
 	struct lod_eye e;
 	lod_eye_make(&e, &view);
@@ -136,7 +126,6 @@ static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **
 
 static void a_placement_turns_then_scales_then_shifts(void **state)
 {
-	(void)state;
 	struct eco_placement placement = { .at = { 100, 200, 300 }, .turn = 16384, .scale = 2 };
 	struct eco_list list = { .grid_origin = { 1, 0, 0 }, .grid_step = { 0.5, 0.5, 0.5 } };
 	struct eco_place stored = { .position = { 2, 4, 6 }, .turn = 16384, .scale = 32768 };
@@ -156,7 +145,6 @@ static void a_placement_turns_then_scales_then_shifts(void **state)
 
 static void shares_are_spread_evenly(void **state)
 {
-	(void)state;
 	uint32_t count[16] = { 0 };
 	for (uint32_t i = 0; i < 64000; i++)
 		count[lod_share_hash(7, 3, i) >> 12]++;

@@ -1,16 +1,11 @@
 /* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on the way. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <string.h>
 #include <math.h>
 
 #include "lod/ladder.h"
 #include "lod/eye.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 static struct scene_builder scene;
 
@@ -26,7 +21,6 @@ static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 
 static void every_step_draws_what_it_says(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed < 40; seed++) {
 		random_scene_make(&scene, seed, 0);
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
@@ -53,7 +47,6 @@ static void every_step_draws_what_it_says(void **state)
 /* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser one. */
 static void forms_give_way_from_the_front(void **state)
 {
-	(void)state;
 	static const struct { uint32_t corners, each, unit; } rows[] = { { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		random_scene_make(&scene, 3, 0);
@@ -116,7 +109,6 @@ static void count_elements(const struct eco_ladder *ladder, const struct eco_cut
 /* Whatever the curve says: a larger amount has all elements of a smaller one, none of them coarser. */
 static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed < 60; seed++) {
 		random_scene_make(&scene, seed, 0);
 		for (uint32_t i = 0; i < scene.scene.curve_count; i++)       /* curves of any shape */
@@ -150,7 +142,6 @@ static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
  * but for less than one element's. */
 static void four_forms_follow_each_other(void **state)
 {
-	(void)state;
 	const uint32_t k = 200;
 	for (uint64_t seed = 1; seed < 20; seed++) {
 		random_scene_make(&scene, seed, 0);
@@ -191,7 +182,6 @@ static void four_forms_follow_each_other(void **state)
  * drawn, all the same. */
 static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void **state)
 {
-	(void)state;
 	const uint32_t k = 300;
 	for (uint64_t seed = 1; seed < 60; seed++) {
 		random_scene_make(&scene, seed, 0);
@@ -237,7 +227,6 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 /* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where the reach goes on. */
 static void scales_follow_the_curve_where_the_reach_stays(void **state)
 {
-	(void)state;
 	struct eco_ladder ladder = points_and_fans(300, 4);
 	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f }, { 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
@@ -256,7 +245,6 @@ static void scales_follow_the_curve_where_the_reach_stays(void **state)
 /* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with points, as its plant does. */
 static void cells_begin_in_the_form_of_their_plant(void **state)
 {
-	(void)state;
 	struct eco_ladder ladder = points_and_fans(157, 4);
 	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
 	ladder.before = 30;
@@ -275,7 +263,6 @@ static void cells_begin_in_the_form_of_their_plant(void **state)
 /* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches beyond them. */
 static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 3, 0);
 	const uint32_t k = 300, before = 100;
 	uint32_t triangles = random_fans(&scene, k, 0);
@@ -300,7 +287,6 @@ static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 /* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the picture shows by then. */
 static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
 {
-	(void)state;
 	struct eco_ladder ladder = points_and_fans(100, 4);
 	ladder.total = 800;
 	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f }, { 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
@@ -325,7 +311,6 @@ static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
 
 static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 3, 0);
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
@@ -342,7 +327,6 @@ static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
 
 static void a_curve_is_interpolated_and_clamped(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 5, 0);
 	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
@@ -358,7 +342,6 @@ static void a_curve_is_interpolated_and_clamped(void **state)
 
 static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 5, 0);
 	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 }, { 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);

@@ -1,15 +1,10 @@
 /* What the planner keeps of a scene: the same answers as without, whoever asks first. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <pthread.h>
 
 #include "lod/plan/planner.h"
 #include "lod/plan/plan_tables.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 static struct scene_builder scene;
 
@@ -17,7 +12,6 @@ static struct scene_builder scene;
 static void kept_ways_answer_as_walks_do(void **state)
 {
 	uint64_t asked = 0;
-	(void)state;
 	for (uint64_t seed = 1; seed <= 40; seed++) {
 		struct lod_plan_tables *tables;
 		random_scene_make(&scene, seed, 0);
@@ -69,7 +63,6 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 static void plans_are_the_same_with_tables_as_without(void **state)
 {
 	static lod_rule *rules[] = { lod_rule_optimal, lod_rule_deussen };
-	(void)state;
 	for (uint64_t seed = 1; seed <= 30; seed++) {
 		struct lod_plan_tables *tables;
 		random_scene_make(&scene, seed, seed % 2);
@@ -108,7 +101,6 @@ static void threads_that_ask_at_a_time_are_given_the_same(void **state)
 	static struct asker askers[THREADS];
 	pthread_t threads[THREADS];
 	struct lod_plan_tables *tables;
-	(void)state;
 	random_scene_make(&scene, 3, 0);
 	assert_true(scene.scene.ladder_count <= LADDERS_MOST);
 	assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));

@@ -1,11 +1,5 @@
 /* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that evaluates the rules plant by
  * plant, as a client would. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +11,7 @@
 #include "lod/eye.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 static struct scene_builder scene;
 
@@ -68,7 +63,6 @@ static void check_cuts(const struct eco_plan *plan)
 
 static void never_above_the_budget_and_counted_as_drawn(void **state)
 {
-	(void)state;
 	uint64_t unused = 0, asked = 0, ended = 0;
 	for (uint64_t seed = 1; seed <= 60; seed++) {
 		random_scene_make(&scene, seed, seed % 3 ? 0 : 5);
@@ -103,7 +97,6 @@ static void both_rules_keep_the_budget_and_predict(void **state)
 {
 	static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
 	uint64_t drawn[2] = { 0 };
-	(void)state;
 	for (uint64_t seed = 1; seed <= 40; seed++) {
 		random_scene_make(&scene, 400 + seed, seed % 3 ? 0 : 5);
 		for (int i = 0; i < 20; i++) {
@@ -125,7 +118,6 @@ static void both_rules_keep_the_budget_and_predict(void **state)
 
 static void same_request_same_bytes(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 100; seed < 110; seed++) {
 		random_scene_make(&scene, seed, 3);
 		struct eco_request request = random_request(&scene);
@@ -145,7 +137,6 @@ static void same_request_same_bytes(void **state)
 
 static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 7, 0);
 	struct eco_request request = { .view = { .eye = { -300, -300, 200 }, .target = { 50, 50, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 90,
 		.width = 800, .height = 600 }, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
@@ -170,7 +161,6 @@ static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 
 static void shifting_turning_and_scaling_through_a_placement_changes_only_rounding(void **state)
 {
-	(void)state;
 	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 }, { 0, 0, 0 }, { 5, 0, 0 } };
 	static const float scales[] = { 1, 1, 1, 64, 0.3f };
 	random_scene_make(&scene, 21, 0);
@@ -213,7 +203,6 @@ static void shifting_turning_and_scaling_through_a_placement_changes_only_roundi
 
 static void a_bounded_walk_still_answers(void **state)
 {
-	(void)state;
 	random_scene_make(&scene, 33, 6);
 	struct eco_request request = random_request(&scene);
 	request.vertices = 1 << 24;
@@ -230,7 +219,6 @@ static void a_bounded_walk_still_answers(void **state)
 
 static void needs_cover_every_cut(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 200; seed < 220; seed++) {
 		random_scene_make(&scene, seed, 2);
 		struct eco_request request = random_request(&scene);

@@ -1,18 +1,13 @@
 /* What switches while a camera moves slowly: few of like plants at a time. Nothing is remembered from picture to picture, so it has to come from
  * thresholds that differ from plant to plant. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "lod/plan/planner.h"
 #include "lod/eye.h"
 #include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
 
 #define LIKE_LEAST 200u          /* of fewer in view one is much */
 #define SAME_SIZE (1 / 16.0)     /* of a leaf's area: less is no switch but a blend */
@@ -167,7 +162,6 @@ static void move_slowly(uint64_t seed, struct tally *tally)
 static void few_of_like_plants_switch_at_once(void **state)
 {
 	struct tally tally = { 0 };
-	(void)state;
 	for (uint64_t seed = 1; seed <= 120; seed++)
 		move_slowly(seed, &tally);
 	print_message("          %u gates end within a band; of like plants switch %.2f %% in the mean, %.1f %% at most, more than 5 %% in %u of %u\n",
@@ -184,7 +178,6 @@ static void a_still_camera_has_one_plan(void **state)
 	static struct scene_builder r;
 	struct eco_plan first, again;
 	struct shot a, b;
-	(void)state;
 	random_scene_make(&r, 5, 0);
 	struct eco_request request = { .view = { .eye = { -80, -80, 40 }, .target = { 50, 50, 3 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 640,
 		.height = 480 }, .vertices = 20000, .bytes = ECO_BYTES_UNBOUNDED };

@@ -1,14 +1,9 @@
 /* Steps of summaries that are computed as they are asked for, against all of them. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 
 #include "ecofiles/base/mix.h"
 #include "lod/plan/summary_hull.h"
+#include "tests/support/unit_test.h"
 
 #define VIEWS 4000u
 
@@ -65,7 +60,6 @@ static void what_is_asked_for_is_what_all_points_give(void **state)
 {
 	uint64_t random = 1;
 	uint32_t falling = 0;
-	(void)state;
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct pair pair;
 		begin(&pair, &random);
@@ -88,7 +82,6 @@ static void what_is_asked_for_is_what_all_points_give(void **state)
 static void what_can_be_saved_is_bounded_before_it_is_computed(void **state)
 {
 	uint64_t random = 2;
-	(void)state;
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct pair pair;
 		begin(&pair, &random);
@@ -105,7 +98,6 @@ static void what_can_be_saved_is_bounded_before_it_is_computed(void **state)
 static void few_points_are_computed_for_a_lambda(void **state)
 {
 	uint64_t random = 3, asked = 0, all = 0;
-	(void)state;
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct pair pair;
 		begin(&pair, &random);
@@ -123,7 +115,6 @@ static void few_points_are_computed_for_a_lambda(void **state)
 static void points_are_halves_down_to_one_point(void **state)
 {
 	static const struct { double points; uint32_t count; } cases[] = { { 1, 1 }, { 2, 2 }, { 3, 2 }, { 4, 3 }, { 4096, 13 }, { 4294967295.0, 32 } };
-	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct lod_summary_view view = { .area = 100, .covered = 50, .box = 100, .plants = 10, .points = cases[i].points };
 		struct lod_hull_point room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1];

@@ -1,13 +1,9 @@
 /* What shows of plants: what ground hides, from the side and from above, and what is around the eye. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
 #include "lod/plan/visibility.h"
+#include "tests/support/unit_test.h"
 
 static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2, .crown_up = 4 };
 
@@ -32,7 +28,6 @@ static void what_lies_behind_a_ridge_is_hidden(void **state)
 	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
 	struct lod_screen screen;
 
-	(void)state;
 	for (int i = 2; i < 15; i++)
 		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
 	look_at_trees(&screen, &view, (const double (*)[3])feet, 15);
@@ -48,7 +43,6 @@ static void a_slope_seen_from_above_hides_nothing(void **state)
 	double feet[41][3];
 	struct lod_screen screen;
 
-	(void)state;
 	for (int i = 0; i < 41; i++) {
 		const double y = 20.0 * (i - 20);
 		memcpy(feet[i], (const double[3]){ 0, y, 0.8 * y }, sizeof feet[i]);
@@ -80,7 +74,6 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 	const double center[3] = { 0, 0, 5 };
 	struct lod_eye eye;
 
-	(void)state;
 	lod_eye_make(&eye, &view);
 	for (size_t k = 0; k < sizeof areas / sizeof *areas; k++) {
 		struct lod_proxy_shape proxy_shape = tree;
@@ -105,7 +98,6 @@ static void what_passes_the_eye_goes_little_by_little(void **state)
 	struct lod_screen screen;
 	float before[3] = { 0 };
 
-	(void)state;
 	for (int step = 0; step <= 400; step++) {
 		const double y = 5 - 0.025 * step, feet[3][3] = { { 0, y, 0 }, { 2, y, 0 }, { 4, y, 0 } };
 		float within[3];

@@ -1,10 +1,4 @@
 /* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <libgen.h>
 #include <limits.h>
 #include <signal.h>
@@ -17,6 +11,7 @@
 #include "ecofiles/base/version.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
 
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
@@ -29,7 +24,6 @@ static int prepare(void **state)
 	char self[PATH_MAX - 16];
 	struct eco_error error = { 0 };
 	ssize_t size = readlink("/proc/self/exe", self, sizeof self - 1);
-	(void)state;
 	assert_true(size > 0);
 	self[size] = 0;
 	snprintf(program, sizeof program, "%s/../ecoserve", dirname(self));
@@ -108,7 +102,6 @@ static void arguments_are_checked_and_errors_help(void **state)
 		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" }, { { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
 	};
 	char out[8192], err[8192];
-	(void)state;
 	if (!program[0])
 		skip();
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -134,7 +127,6 @@ static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH, "b=" PACK_PATH, NULL };
 	char line[256], expected[256], out[8192], err[8192];
-	(void)state;
 	if (!program[0])
 		skip();
 	for (int which = 0; which < 2; which++) {
@@ -156,7 +148,6 @@ static void ipv6_is_served_where_there_is_some(void **state)
 {
 	static const char *const arguments[] = { "--listen", "[::1]:0", PACK_PATH, NULL };
 	char line[256], out[8192], err[8192];
-	(void)state;
 	if (!program[0])
 		skip();
 	struct process process = spawn(arguments);
@@ -176,7 +167,6 @@ static void a_client_that_leaves_does_no_harm(void **state)
 	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
-	(void)state;
 	if (!program[0])
 		skip();
 	struct process process = spawn(arguments);
@@ -204,7 +194,6 @@ static void a_pack_cut_short_ends_it_with_advice(void **state)
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
 	struct eco_error error = { 0 };
-	(void)state;
 	if (!program[0])
 		skip();
 	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
@@ -223,7 +212,6 @@ static void it_links_no_importer_and_no_decoder(void **state)
 {
 	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer", "libEGL", "libcurl" };
 	char command[PATH_MAX + 64], line[1024];
-	(void)state;
 	if (!program[0])
 		skip();
 	snprintf(command, sizeof command, "ldd '%s'", program);

@@ -1,10 +1,4 @@
 /* What comes in as text: targets, parameters, ranges, entity tags, headers. Tables of what is accepted and what is refused. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "server/query.h"
 #include "server/route.h"
 #include "server/store.h"
+#include "tests/support/unit_test.h"
 
 #define VIEW "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=1000"
 
@@ -37,7 +32,6 @@ static void paths_are_allow_listed(void **state)
 		{ "/\xc3\xa4", 0 }, { "/a/b/c/d/e/f/g/h", 8 }, { "/a/b/c/d/e/f/g/h/i", 0 },
 	};
 	struct srv_target target;
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		enum eco_code code = parse_target(&target, rows[i].raw);
 		assert_int_equal(code, rows[i].segments ? ECO_OK : ECO_BAD_INPUT);
@@ -67,7 +61,6 @@ static void parameters_are_decoded_strictly(void **state)
 		{ "/p?x=%2", NULL }, { "/p?x=1%", NULL },
 	};
 	struct srv_target target;
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		enum eco_code code = parse_target(&target, rows[i].raw);
 		assert_int_equal(code, rows[i].value ? ECO_OK : ECO_BAD_INPUT);
@@ -80,7 +73,6 @@ static void too_many_parameters_are_refused(void **state)
 {
 	struct srv_target target;
 	char raw[256] = "/p?";
-	(void)state;
 	for (size_t i = 0; i <= SRV_PARAMS_MAX; i++) {
 		size_t at = strlen(raw);
 		raw[at++] = (char)('a' + i % 26);
@@ -99,7 +91,6 @@ static void numbers_are_plain_decimals(void **state)
 		{ "1 ", false, 0 }, { "1,5", false, 0 }, { "1e999", false, 0 }, { "--1", false, 0 }, { "1_000", false, 0 }, { "1d3", false, 0 },
 		{ "1234567890123456789012345678901234567890123456789", false, 0 }, { "1e-999", true, 0 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		double value = 0;
 		assert_int_equal(srv_parse_number(rows[i].text, &value), rows[i].good);
@@ -111,7 +102,6 @@ static void numbers_are_plain_decimals(void **state)
 static void counts_do_not_overflow(void **state)
 {
 	uint64_t value = 0;
-	(void)state;
 	assert_true(srv_parse_count("18446744073709551615", &value) && value == UINT64_MAX);
 	assert_false(srv_parse_count("18446744073709551616", &value));
 	assert_false(srv_parse_count("99999999999999999999999", &value));
@@ -136,7 +126,6 @@ static void a_query_has_defaults(void **state)
 {
 	struct srv_query query;
 	struct eco_error error;
-	(void)state;
 	assert_int_equal(parse_query(&query, VIEW, &error), ECO_OK);
 	const struct eco_view *view = &query.request.view;
 	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0 && view->up[2] == 1);
@@ -170,7 +159,6 @@ static void bad_queries_name_the_parameter(void **state)
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
 		{ VIEW "&vertices=5", "twice" },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_query query;
 		struct eco_error error;
@@ -184,7 +172,6 @@ static void ids_have_one_spelling(void **state)
 {
 	struct eco_chunk_id id;
 	char text[SRV_ID_TEXT_BYTES];
-	(void)state;
 	assert_true(srv_parse_id("0123456789abcdef0011223344556677", &id));
 	srv_format_id(text, &id);
 	assert_string_equal(text, "0123456789abcdef0011223344556677");
@@ -209,7 +196,6 @@ static void ranges_follow_rfc_9110(void **state)
 		{ "bytes= 1-2", SRV_RANGE_ALL, 0, 0 }, { "lines=1-2", SRV_RANGE_ALL, 0, 0 }, { "bytes=1", SRV_RANGE_ALL, 0, 0 },
 		{ "b", SRV_RANGE_ALL, 0, 0 }, { "", SRV_RANGE_ALL, 0, 0 }, { "bytes=1--2", SRV_RANGE_ALL, 0, 0 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_range range = srv_range_parse(rows[i].value, 100);
 		assert_int_equal(range.kind, rows[i].kind);
@@ -225,7 +211,6 @@ static void entity_tags_match_weakly(void **state)
 		{ NULL, false }, { "", false }, { "abc", false }, { "\"ab\"", false }, { "\"abcd\"", false }, { "\"abc", false }, { "**", false },
 		{ "\"x\"\"abc\"", false }, { "\"a,\\\"abc\\\"", false },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		assert_int_equal(srv_etag_match(rows[i].value, "\"abc\""), rows[i].match);
 }
@@ -261,7 +246,6 @@ static void framing_is_unambiguous_or_refused(void **state)
 		{ { { "Content-Length", "1001" } }, true, SRV_PROBLEM_BODY_TOO_LARGE },
 		{ { { "Content-Length", "99999999999999999999999" } }, true, SRV_PROBLEM_FRAMING },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_framing framing = { 0 };
 		struct eco_error error = { 0 };
@@ -286,7 +270,6 @@ static void routes_match_whole_paths(void **state)
 		{ "/V1/scenes", -1, NULL, NULL },
 	};
 	struct srv_target target;
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		const char *variables[2];
 		assert_int_equal(parse_target(&target, rows[i].raw), ECO_OK);
@@ -304,7 +287,6 @@ static void routes_match_whole_paths(void **state)
 static void json_escapes_and_keeps_numbers(void **state)
 {
 	struct srv_json json = { 0 };
-	(void)state;
 	srv_json_open(&json, '{');
 	srv_json_key_text(&json, "a\"\\\n", "\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3");
 	srv_json_key_count(&json, "n", UINT64_MAX);
@@ -329,7 +311,6 @@ static void json_escapes_and_keeps_numbers(void **state)
 
 static void problems_are_complete(void **state)
 {
-	(void)state;
 	for (int i = 1; i < SRV_PROBLEM_COUNT; i++) {
 		assert_true(strncmp(srv_problem_rows[i].type, "urn:ecostream:problem:", 22) == 0);
 		assert_true(srv_problem_rows[i].status >= 400 && srv_problem_rows[i].status < 600 && srv_problem_rows[i].title[0]);
@@ -341,7 +322,6 @@ static void problems_are_complete(void **state)
 static void scene_names_are_checked(void **state)
 {
 	char name[80];
-	(void)state;
 	assert_true(srv_name_valid("a") && srv_name_valid("0-9_z") && srv_name_valid("scbi"));
 	assert_false(srv_name_valid("") || srv_name_valid("-a") || srv_name_valid("_a") || srv_name_valid("A") || srv_name_valid("a.b"));
 	assert_false(srv_name_valid("a b") || srv_name_valid("a/b") || srv_name_valid("\xc3\xa4"));

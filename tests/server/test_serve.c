@@ -8,7 +8,6 @@
 static void health_and_scenes_are_described(void **state)
 {
 	struct http_answer answer = http_get(port, "/healthz");
-	(void)state;
 	assert_int_equal(answer.status, 200);
 	assert_header(&answer, "Content-Type", "application/json");
 	json_t *json = json_of(&answer);
@@ -45,7 +44,6 @@ static void health_and_scenes_are_described(void **state)
 static void a_plan_tells_what_the_stream_sends(void **state)
 {
 	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000")), stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
-	(void)state;
 	assert_int_equal(plan.status, 200);
 	assert_int_equal(stream.status, 200);
 	json_t *json = json_of(&plan);
@@ -75,7 +73,6 @@ static void a_plan_tells_what_the_stream_sends(void **state)
 static void a_plan_is_explained_when_asked(void **state)
 {
 	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&explain=1"), plain = http_get(port, BASE "/plan?" VIEW_BY("50000"));
-	(void)state;
 	assert_int_equal(plan.status, 200);
 	json_t *json = json_of(&plan), *without = json_of(&plain), *row;
 	json_t *why = json_object_get(json, "explanation"), *rows = json_object_get(why, "rows");
@@ -116,7 +113,6 @@ static void read_stream(struct stream_reader *reader, const struct http_answer *
 static void streams_are_complete_and_send_only_what_is_missing(void **state)
 {
 	struct stream_reader reader;
-	(void)state;
 	stream_reader_init(&reader, scene());
 	struct http_answer answer = http_get(port, BASE "/stream?" VIEW_BY("3000000"));
 	read_stream(&reader, &answer, 3000000);
@@ -157,7 +153,6 @@ static void a_plan_follows_the_rule_that_is_asked_for(void **state)
 		{ BASE "/plan?" VIEW_BY("50000") "&rule=deussen&bytes=12000", true } };
 	char etags[4][80];
 	json_t *plans[4];
-	(void)state;
 	for (size_t i = 0; i < 4; i++) {
 		struct http_answer answer = http_get(port, rows[i].target);
 		assert_int_equal(answer.status, 200);
@@ -182,7 +177,6 @@ static void same_request_same_bytes(void **state)
 {
 	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("100000") "&bytes=60000",
 		BASE "/plan?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("0"), BASE "/stream?" VIEW_BY("100000") "&rule=deussen" };
-	(void)state;
 	for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
 		struct http_answer one = http_get(port, targets[i]), two = http_get(port, targets[i]);
 		char etag[80], headers[120];
@@ -210,7 +204,6 @@ static void byte_budgets_are_never_exceeded(void **state)
 {
 	uint64_t random = 99;
 	uint32_t fitting = 0, refused = 0;
-	(void)state;
 	for (int i = 0; i < 200; i++) {
 		char target[256];
 		uint32_t bytes = i % 4 ? lcg_bits(&random) % 400000 : lcg_bits(&random) % 4000;
@@ -238,7 +231,6 @@ static void below_the_smallest_stream_there_is_none(void **state)
 {
 	struct http_answer least = http_get(port, BASE "/stream?" VIEW_BY("0")), answer;
 	char target[200];
-	(void)state;
 	assert_int_equal(least.status, 200);
 	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=100000&bytes=%zu", least.size);
 	answer = http_get(port, target);
@@ -257,7 +249,6 @@ static void chunks_are_immutable_and_partial(void **state)
 	const uint8_t *payload = store.scenes[0].pack->map + chunk->offset;
 	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64];
 	uint32_t size = chunk->size_bytes;
-	(void)state;
 	chunk_target(target, 3);
 	snprintf(etag, sizeof etag, "\"%s\"", strrchr(target, '/') + 1);
 	snprintf(last, sizeof last, "Range: bytes=%u-%u\r\n", size - 1, size + 100);
@@ -298,7 +289,6 @@ static void a_connection_serves_many_requests(void **state)
 {
 	int fd = http_connect(port);
 	char request[300], target[128];
-	(void)state;
 	assert_true(fd >= 0);
 	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
 		chunk_target(target, i);
@@ -318,7 +308,6 @@ static void every_route_is_described_and_every_description_is_served(void **stat
 	static const struct { enum srv_method bit; const char *name; } methods[] = { { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
 	struct openapi api;
 	unsigned routed = 0;
-	(void)state;
 	openapi_read(&api, "server/openapi.yaml");
 	for (int i = 0; i < SRV_RESOURCE_COUNT; i++)
 		for (int m = 0; m < 2; m++)

@@ -24,7 +24,6 @@ static void *ask_many(void *argument)
 static void many_clients_are_served_at_once(void **state)
 {
 	pthread_t threads[16];
-	(void)state;
 	for (uintptr_t i = 0; i < 16; i++)
 		assert_int_equal(pthread_create(&threads[i], NULL, ask_many, (void *)i), 0);
 	for (int i = 0; i < 16; i++) {
@@ -41,7 +40,6 @@ static void overdue_connections_are_shut(void **state)
 	const struct srv_config config = { .listen = "127.0.0.1:0", .head_ms = 200, .body_ms = 200 };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
 	for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
 		int fd = http_connect(srv_daemon_port(daemon));
@@ -61,7 +59,6 @@ static void bodies_are_bounded_together(void **state)
 	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1500 };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
 	int first = http_connect(srv_daemon_port(daemon));
 	assert_true(http_send(first, start, sizeof start - 1));
@@ -86,7 +83,6 @@ static void stopping_refuses_new_requests_and_ends(void **state)
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
 	int fd = http_connect(srv_daemon_port(daemon)), unfinished = http_connect(srv_daemon_port(daemon));
 	assert_true(http_send(fd, request, sizeof request - 1));
@@ -111,7 +107,6 @@ static void stopping_while_planning_is_clean(void **state)
 {
 	static const char request[] = "GET " BASE "/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 2, .queue_max = 8 };
-	(void)state;
 	for (int round = 0; round < 12; round++) {
 		struct srv_daemon *daemon;
 		struct eco_error error = { 0 };
@@ -140,7 +135,6 @@ static void a_taken_port_is_named(void **state)
 	struct srv_config config = { .listen = listen_at };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
-	(void)state;
 	snprintf(listen_at, sizeof listen_at, "127.0.0.1:%u", port);
 	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_IO);
 	assert_null(daemon);

@@ -53,7 +53,6 @@ static void bad_requests_are_problems(void **state)
 		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS "Content-Length: 4194305\r\n", NULL, 413, "body-too-large" },
 		{ "GET", "/healthz", "Range: bytes=0-1\r\nRange: bytes=0-1\r\n", NULL, 400, "ambiguous-framing" },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct http_answer answer = http_ask(port, rows[i].method, rows[i].target, rows[i].headers, rows[i].body,
 			rows[i].body ? strlen(rows[i].body) : 0);
@@ -81,7 +80,6 @@ static void holdings_of_another_scene_are_refused(void **state)
 	struct eco_holding items[] = { { 0, 100000 } };
 	struct eco_holdings holdings = { items, 1 };
 	struct eco_writer w = { 0 };
-	(void)state;
 	eco_wire_write_holdings(&w, &holdings);
 	struct http_answer answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, w.bytes, w.size);
 	assert_int_equal(answer.status, 400);
@@ -121,7 +119,6 @@ static void smuggling_is_refused_and_closed(void **state)
 		{ "GET /v1/../healthz HTTP/1.1\r\n" HOST "\r\n" SECOND, 400 },
 		{ "GET /health z HTTP/1.1\r\n" HOST "\r\n" SECOND, 0 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct http_answer answer = http_raw(port, rows[i].request, strlen(rows[i].request));
 		if (rows[i].status ? answer.status != rows[i].status : answer.status != 0 && (answer.status < 400 || answer.status >= 506))
@@ -135,7 +132,6 @@ static void smuggling_is_refused_and_closed(void **state)
 static void long_targets_and_heads_are_refused(void **state)
 {
 	char *target = malloc(40000), *headers = malloc(60000);
-	(void)state;
 	memset(target, 'a', 3000);
 	target[0] = '/';
 	target[3000] = 0;

@@ -10,7 +10,6 @@ static void files_give_names_that_can_be_asked_for(void **state)
 		{ "0123456789012345678901234567890123456789012345678901234567890123456789.eco",
 			"012345678901234567890123456789012345678901234567890123456789012", true },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		char name[SRV_NAME_BYTES];
 		srv_name_of_file(name, rows[i].path);
@@ -23,7 +22,6 @@ static void scenes_are_named_and_checked(void **state)
 {
 	struct srv_store other;
 	struct eco_error error = { 0 };
-	(void)state;
 	srv_store_init(&other);
 	assert_int_equal(srv_store_add(&other, "a", pack_path, &error), ECO_OK);
 	assert_int_equal(srv_store_add(&other, "b-2", pack_path, &error), ECO_OK);

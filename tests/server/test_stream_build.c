@@ -1,10 +1,4 @@
 /* The body of a stream, on random scenes: what is sent is what is needed, its size is known exactly, and no budget is exceeded. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +7,7 @@
 #include "server/stream.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/stream_reader.h"
+#include "tests/support/unit_test.h"
 
 #define ROUNDS 24u
 
@@ -85,7 +80,6 @@ static struct eco_request random_request(struct scene_builder *r)
 
 static void a_stream_brings_all_that_its_plans_draw(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(seed, 1 + seed % 5);
 		struct stream_reader reader;
@@ -114,7 +108,6 @@ static struct eco_holdings held_by(const struct stream_reader *reader)
 
 static void what_is_held_is_not_sent_again(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(100 + seed, 2);
 		struct stream_reader reader;
@@ -147,7 +140,6 @@ static void what_is_held_is_not_sent_again(void **state)
 
 static void same_request_same_bytes(void **state)
 {
-	(void)state;
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(200 + seed, 40);
 		struct eco_request request = random_request(&b.pack->r);
@@ -167,7 +159,6 @@ static void byte_budgets_are_never_exceeded_and_well_used(void **state)
 {
 	uint32_t fitting = 0, refused = 0, bounded = 0;
 	double used = 0;
-	(void)state;
 	for (uint64_t seed = 1; seed <= 10; seed++) {
 		struct bench b = bench_make(300 + seed, 3);
 		struct eco_request request = random_request(&b.pack->r);
@@ -213,7 +204,6 @@ static void byte_budgets_are_never_exceeded_and_well_used(void **state)
 static void large_answers_come_coarse_first(void **state)
 {
 	uint32_t stepped = 0;
-	(void)state;
 	for (uint64_t seed = 1; seed <= 6; seed++) {
 		struct bench b = bench_make(400 + seed, 200);
 		struct stream_reader reader;
@@ -249,7 +239,6 @@ static void limits_are_answers_not_crashes(void **state)
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	atomic_bool cancelled = true;
-	(void)state;
 	request.vertices = 100000;
 	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "at most 1000"));
@@ -269,7 +258,6 @@ static void a_damaged_payload_is_named_and_the_rest_still_served(void **state)
 	struct srv_stream stream;
 	struct srv_body body;
 	struct eco_error error = { 0 };
-	(void)state;
 	for (uint32_t i = 0; i < scene->ground_count; i++)
 		b.pack->map[scene->chunks[scene->lists[scene->ground[i].list].chunk_first].offset] ^= 1;
 	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_OK);
@@ -290,7 +278,6 @@ static void impossible_holdings_are_refused(void **state)
 	struct eco_holding item = { scene->list_count, 1 };
 	struct eco_holdings holdings = { &item, 1 };
 	struct eco_error error = { 0 };
-	(void)state;
 	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_BAD_INPUT);
 	item = (struct eco_holding){ 0, scene->lists[0].chunk_count + 1 };
 	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_BAD_INPUT);

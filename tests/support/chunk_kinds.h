@@ -2,17 +2,12 @@
 #ifndef TESTS_CHUNK_KINDS_H
 #define TESTS_CHUNK_KINDS_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
+#include "tests/support/unit_test.h"
 
 #define VALUE_MAX ((1 << 28) - 1)
 

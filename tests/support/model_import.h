@@ -2,15 +2,11 @@
 #ifndef TESTS_MODEL_IMPORT_H
 #define TESTS_MODEL_IMPORT_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
 #include <math.h>
 
 #include "ecofiles/import/model/model_import.h"
 #include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
 
 extern char import_said[8000];
 

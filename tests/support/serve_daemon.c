@@ -14,7 +14,6 @@ int serve_start(void **state)
 {
 	struct eco_error error = { 0 };
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
-	(void)state;
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	srv_store_init(&store);
@@ -30,7 +29,6 @@ int serve_start(void **state)
 
 int serve_stop(void **state)
 {
-	(void)state;
 	srv_daemon_quiesce(daemon_);
 	srv_daemon_stop(daemon_);
 	srv_store_free(&store);

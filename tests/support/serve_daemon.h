@@ -2,12 +2,6 @@
 #ifndef TESTS_SERVE_DAEMON_H
 #define TESTS_SERVE_DAEMON_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <jansson.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +10,7 @@
 #include "server/query.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
 
 #define BASE "/v1/scenes/sample"
 #define VIEW "eye=50,-30,12&target=50,30,2&width=400&height=300"
