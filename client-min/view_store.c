@@ -265,7 +265,7 @@ static bool grow_array(void *array, size_t room, size_t item)
 	void *moved = realloc(*slot, room * item + 1);
 	if (moved)
 		*slot = moved;
-	return moved != NULL;
+	return moved;
 }
 
 /* Room for `elements` and `corners` in all: doubled, but never beyond what the list's record declares (three to six corners). */

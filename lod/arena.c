@@ -14,7 +14,7 @@ void *lod_arena_own(struct lod_arena *arena, size_t count, size_t size)
 	size_t bytes;
 	if (!__builtin_mul_overflow(count, size, &bytes))
 		memory = calloc(bytes ? bytes : 1, 1);
-	if (memory == NULL)
+	if (!memory)
 		longjmp(arena->failed, 1);
 	return memory;
 }

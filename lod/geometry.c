@@ -56,7 +56,7 @@ static void put_line(const struct target *t, uint32_t written, const int32_t *po
 {
 	for (uint32_t k = 0; k < 2; k++)
 		put_corner(t, t->out->position + 6 * (size_t)written + 3 * k, position + 3 * k, center);
-	if (t->out->width == NULL)
+	if (!t->out->width)
 		return;
 	double width = (int32_t)extra_of(t->list, extra, ECO_ATTR_WIDTH, 0) * t->list->grid_step[0];
 	t->out->width[written] = (float)(width * t->edge);

@@ -22,7 +22,6 @@ struct search {
 static void bounds(const struct search *s, const struct eco_ground_tile *tile, double low[3], double high[3])
 {
 	struct eco_ground_span x, y;
-
 	eco_ground_spans(&x, &y, tile, s->scene->ground_columns, s->scene->ground_rows);
 	low[0] = s->origin[0] + x.low * s->step[0];
 	high[0] = s->origin[0] + x.high * s->step[0];
@@ -37,7 +36,6 @@ static void bounds(const struct search *s, const struct eco_ground_tile *tile, d
 static double farthest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
 {
 	double sum = 0;
-
 	for (int i = 0; i < 3; i++)
 		sum += axis[i] * ((axis[i] > 0 ? high[i] : low[i]) - eye->at[i]);
 	return sum;
@@ -46,7 +44,6 @@ static double farthest(const struct lod_eye *eye, const double axis[3], const do
 static double nearest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
 {
 	double sum = 0;
-
 	for (int i = 0; i < 3; i++)
 		sum += axis[i] * ((axis[i] > 0 ? low[i] : high[i]) - eye->at[i]);
 	return sum;
@@ -65,10 +62,8 @@ static double shown_px(const struct search *s, const struct eco_ground_tile *til
 {
 	const struct lod_eye *eye = s->eye;
 	double square = 0, depth, along;
-
 	for (int i = 0; i < 3; i++) {
 		double off = eye->at[i] < low[i] ? low[i] - eye->at[i] : eye->at[i] > high[i] ? eye->at[i] - high[i] : 0;
-
 		square += off * off;
 	}
 	depth = sqrt(square) * s->border_cosine;
@@ -88,7 +83,6 @@ static bool before(const struct entry *a, const struct entry *b)
 static void push(struct search *s, struct entry entry)
 {
 	uint32_t i = s->count++;
-
 	for (; i > 0 && before(&entry, &s->heap[(i - 1) / 2]); i = (i - 1) / 2)
 		s->heap[i] = s->heap[(i - 1) / 2];
 	s->heap[i] = entry;
@@ -98,7 +92,6 @@ static struct entry pop(struct search *s)
 {
 	struct entry top = s->heap[0], last = s->heap[--s->count];
 	uint32_t i = 0;
-
 	for (uint32_t child = 1; child < s->count; i = child, child = 2 * i + 1) {
 		if (child + 1 < s->count && before(&s->heap[child + 1], &s->heap[child]))
 			child++;
@@ -114,7 +107,6 @@ static void look_at(struct search *s, uint32_t tile)
 {
 	const struct eco_ground_tile *t = &s->scene->ground[tile];
 	double low[3], high[3];
-
 	bounds(s, t, low, high);
 	if (!sees(s->eye, low, high))
 		return;
@@ -129,7 +121,6 @@ static void refine(struct search *s, double tolerance_px)
 	/* refining adds at most three */
 	while (s->count > 0 && s->heap[0].px > tolerance_px && s->count + s->done_count + 3 <= s->most) {
 		const struct eco_ground_tile *t = &s->scene->ground[pop(s).tile];
-
 		for (uint32_t i = 0; i < t->child_count; i++)
 			look_at(s, t->child_first + i);
 	}
@@ -141,7 +132,6 @@ static void refine(struct search *s, double tolerance_px)
 static int by_number(const void *a, const void *b)
 {
 	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-
 	return x < y ? -1 : x > y;
 }
 
@@ -150,14 +140,13 @@ enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct e
 {
 	struct search s = { .scene = scene, .eye = eye, .most = limits->tiles_max > 0 ? limits->tiles_max : LOD_GROUND_TILES_MAX };
 	const struct eco_list *list;
-
 	*choice = (struct lod_ground_choice){ .tiles = NULL };
 	if (scene->ground_count == 0)
 		return ECO_OK;
 	s.most = s.most < scene->ground_count ? s.most : scene->ground_count;
 	s.heap = malloc((s.most + 4) * sizeof *s.heap);
 	s.done = malloc((s.most + 4) * sizeof *s.done);
-	if (s.heap == NULL || s.done == NULL) {
+	if (!s.heap || !s.done) {
 		free(s.heap);
 		free(s.done);
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", s.most);
@@ -191,7 +180,6 @@ static uint64_t key_of_tile(const struct eco_ground_tile *t)
 static int by_key(const void *a, const void *b)
 {
 	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-
 	return x < y ? -1 : x > y;
 }
 
@@ -201,8 +189,7 @@ static uint8_t coarser_at(const uint64_t *keys, uint32_t count, uint8_t level, u
 {
 	for (uint8_t up = 1; level + up < ECO_GROUND_LEVELS; up++) {
 		uint64_t key = key_of(level + up, column >> up, row >> up);
-
-		if (bsearch(&key, keys, count, sizeof key, by_key) != NULL)
+		if (bsearch(&key, keys, count, sizeof key, by_key))
 			return up;
 	}
 	return 0;
@@ -212,8 +199,7 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 {
 	static const int8_t beyond[4][2] = { { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } };
 	uint64_t *keys = malloc((count + (size_t)1) * sizeof *keys);
-
-	if (keys == NULL)
+	if (!keys)
 		return false;
 	for (uint32_t i = 0; i < count; i++)
 		keys[i] = key_of_tile(&tiles[i]);
@@ -222,7 +208,6 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 		for (int side = 0; side < 4; side++) {
 			const struct eco_ground_tile *t = &tiles[i];
 			int64_t column = (int64_t)t->column + beyond[side][0], row = (int64_t)t->row + beyond[side][1];
-
 			seams[i].coarser[side] = column < 0 || row < 0 ? 0
 				: coarser_at(keys, count, t->level, (uint32_t)column, (uint32_t)row);
 		}
@@ -234,7 +219,6 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 static uint32_t snapped(uint32_t i, uint8_t levels, uint32_t inner)
 {
 	uint32_t at = (i + (1u << levels) / 2) >> levels << levels;
-
 	return at < inner ? at : inner - 1;
 }
 
@@ -242,7 +226,6 @@ void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *s
 	const struct eco_ground_span *y)
 {
 	uint32_t column = *c, row = *r;
-
 	if (column == 0)
 		*r = snapped(*r, seam->coarser[LOD_GROUND_WEST], y->inner);
 	if (column == x->inner - 1)

@@ -326,7 +326,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 		return queue_problem(exchange, SRV_PROBLEM_BUSY, "too many holdings are being received; ask again in a second", true);
 	exchange->body = malloc((size_t)exchange->framing.length + 1);
 	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
-	return exchange->body != NULL;
+	return exchange->body;
 }
 
 static bool take_body(struct srv_exchange *exchange, const char *bytes, size_t *size)

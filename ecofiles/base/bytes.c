@@ -8,7 +8,6 @@
 static const uint8_t *take(struct eco_reader *r, size_t count)
 {
 	const uint8_t *p;
-
 	if (r->failed || r->at > r->size || count > r->size - r->at) {
 		r->failed = true;
 		return NULL;
@@ -22,8 +21,7 @@ static uint64_t read_little(struct eco_reader *r, size_t count)
 {
 	const uint8_t *p = take(r, count);
 	uint64_t v = 0;
-
-	if (p == NULL)
+	if (!p)
 		return 0;
 	for (size_t i = 0; i < count; i++)
 		v |= (uint64_t)p[i] << (8 * i);
@@ -54,7 +52,6 @@ float eco_read_f32(struct eco_reader *r)
 {
 	uint32_t bits = eco_read_u32(r);
 	float v;
-
 	memcpy(&v, &bits, sizeof v);
 	return v;
 }
@@ -63,7 +60,6 @@ double eco_read_f64(struct eco_reader *r)
 {
 	uint64_t bits = eco_read_u64(r);
 	double v;
-
 	memcpy(&v, &bits, sizeof v);
 	return v;
 }
@@ -71,11 +67,9 @@ double eco_read_f64(struct eco_reader *r)
 uint64_t eco_read_varint(struct eco_reader *r)
 {
 	uint64_t v = 0;
-
 	for (unsigned shift = 0; shift < 70; shift += 7) {
 		const uint8_t *p = take(r, 1);
-
-		if (p == NULL)
+		if (!p)
 			return 0;
 		/* The tenth byte holds one bit; a zero last byte would be a second spelling of the same
 		 * number. */
@@ -92,7 +86,6 @@ uint64_t eco_read_varint(struct eco_reader *r)
 int64_t eco_read_zigzag(struct eco_reader *r)
 {
 	uint64_t v = eco_read_varint(r);
-
 	return (int64_t)(v >> 1) ^ -(int64_t)(v & 1);
 }
 
@@ -107,14 +100,13 @@ static uint8_t *grow(struct eco_writer *w, size_t count)
 		w->failed = true;
 		return NULL;
 	}
-	if (w->bytes == NULL || w->size + count > w->capacity) {
+	if (!w->bytes || w->size + count > w->capacity) {
 		size_t capacity = w->capacity < 64 ? 64 : w->capacity;
 		uint8_t *bytes;
-
 		while (capacity < w->size + count)
 			capacity *= 2;
 		bytes = realloc(w->bytes, capacity);
-		if (bytes == NULL) {
+		if (!bytes) {
 			w->failed = true;
 			return NULL;
 		}
@@ -128,8 +120,7 @@ static uint8_t *grow(struct eco_writer *w, size_t count)
 static void write_little(struct eco_writer *w, uint64_t v, size_t count)
 {
 	uint8_t *p = grow(w, count);
-
-	if (p == NULL)
+	if (!p)
 		return;
 	for (size_t i = 0; i < count; i++)
 		p[i] = (uint8_t)(v >> (8 * i));
@@ -158,7 +149,6 @@ void eco_write_u64(struct eco_writer *w, uint64_t v)
 void eco_write_f32(struct eco_writer *w, float v)
 {
 	uint32_t bits;
-
 	memcpy(&bits, &v, sizeof bits);
 	eco_write_u32(w, bits);
 }
@@ -166,7 +156,6 @@ void eco_write_f32(struct eco_writer *w, float v)
 void eco_write_f64(struct eco_writer *w, double v)
 {
 	uint64_t bits;
-
 	memcpy(&bits, &v, sizeof bits);
 	eco_write_u64(w, bits);
 }
@@ -188,8 +177,7 @@ void eco_write_zigzag(struct eco_writer *w, int64_t v)
 void eco_write_bytes(struct eco_writer *w, const void *bytes, size_t count)
 {
 	uint8_t *p = grow(w, count);
-
-	if (p != NULL && count > 0)
+	if (p && count > 0)
 		memcpy(p, bytes, count);
 }
 

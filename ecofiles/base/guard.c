@@ -70,7 +70,6 @@ static void enlist(struct eco_guard *g)
 {
 	for (g->slot = 0; g->slot < CHILDREN; g->slot++) {
 		pid_t none = 0;
-
 		if (atomic_compare_exchange_strong(&children[g->slot], &none, -1)) {
 			atomic_store(&interrupted[g->slot], false);
 			atomic_store(&children[g->slot], g->pid);
@@ -84,7 +83,6 @@ void eco_guard_interrupt(void)
 {
 	for (int i = 0; i < CHILDREN; i++) {
 		pid_t pid = atomic_load(&children[i]);
-
 		if (pid > 0) {
 			atomic_store(&interrupted[i], true);
 			kill(pid, SIGKILL);
@@ -98,7 +96,6 @@ struct eco_guard_limits eco_guard_limits_for(uint64_t bytes)
 {
 	uint64_t size = bytes < ECO_GUARD_MEMORY ? bytes : ECO_GUARD_MEMORY;
 	uint64_t cpu_s = 120 + size / (64u << 10);
-
 	return (struct eco_guard_limits){ .memory_bytes = 6 * GIB + 256 * size, .cpu_s = (uint32_t)cpu_s, .clock_s = (uint32_t)(2 * cpu_s) };
 }
 
@@ -107,8 +104,7 @@ static double wish(const char *variable, double least, double most)
 	const char *text = getenv(variable);
 	char *end = NULL;
 	double value = text != NULL ? strtod(text, &end) : 0;
-
-	return text != NULL && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most : value : 0;
+	return text && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most : value : 0;
 }
 
 static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
@@ -116,7 +112,6 @@ static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
 	struct eco_guard_limits l = asked != NULL ? *asked : (struct eco_guard_limits){ 0 };
 	uint64_t machine = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 	double memory_gb = wish(ECO_GUARD_MEMORY_VARIABLE, 0.1, 1e6), cpu_s = wish(ECO_GUARD_SECONDS_VARIABLE, 1, 1e9);
-
 	l.memory_bytes = l.memory_bytes != 0 ? l.memory_bytes : ECO_GUARD_MEMORY;
 	if (l.memory_bytes > machine && machine >= GIB)
 		l.memory_bytes = machine;
@@ -134,7 +129,6 @@ static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
 static void limit(int resource, rlim_t most, rlim_t grace)
 {
 	struct rlimit now;
-
 	if (getrlimit(resource, &now) != 0)
 		return;
 	if (now.rlim_max == RLIM_INFINITY || now.rlim_max > most + grace)
@@ -148,8 +142,7 @@ static uint64_t address_space_bytes(void)
 {
 	FILE *file = fopen("/proc/self/statm", "re");
 	unsigned long pages = 0;
-
-	if (file == NULL)
+	if (!file)
 		return 0;
 	if (fscanf(file, "%lu", &pages) != 1)
 		pages = 0;
@@ -176,7 +169,6 @@ static void watch_crashes(struct shared *shared)
 	static const int numbers[] = { SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL };
 	static uint8_t stack[CRASH_STACK];
 	struct sigaction action = { .sa_handler = crashed, .sa_flags = SA_ONSTACK | SA_NODEFER };
-
 	crash_note = shared;
 	sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
 	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -188,7 +180,6 @@ static void default_signals(void)
 {
 	static const int numbers[] = { SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGXFSZ, SIGALRM };
 	sigset_t none;
-
 	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
 		signal(numbers[i], SIG_DFL);
 	sigemptyset(&none);
@@ -206,7 +197,6 @@ static int lift(int descriptor)
 static void close_others(int a, int b)
 {
 	int low = a < b ? a : b, high = a < b ? b : a;
-
 	if (low > 3)
 		close_range(3, (unsigned)low - 1, 0);
 	if (high > low + 1)
@@ -219,7 +209,6 @@ static void close_others(int a, int b)
 static void silence(void)
 {
 	int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-
 	if (null < 0)
 		return;
 	dup2(null, STDIN_FILENO);
@@ -234,7 +223,6 @@ static void silence(void)
 static void volunteer(void)
 {
 	int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-
 	if (file < 0)
 		return;
 	if (write(file, "1000", 4) < 0)
@@ -274,7 +262,6 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code;
 	FILE *out;
-
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	if (getppid() != parent)
 		_exit(1);                    /* the parent died before prctl */
@@ -286,7 +273,7 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);
 	out = fdopen(to, "wb");
 	code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what) : work(ctx, out, &error);
-	if (out != NULL && fflush(out) != 0 && code == ECO_OK)
+	if (out && fflush(out) != 0 && !code)
 		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what, strerror(errno));
 	error.code = code;
 	g->shared->error = error;
@@ -298,7 +285,6 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 static double now_s(void)
 {
 	struct timespec t;
-
 	clock_gettime(CLOCK_MONOTONIC, &t);
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
@@ -309,10 +295,8 @@ static void await(struct eco_guard *g, int descriptor)
 	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };
 	double start = now_s(), waited = g->waited_s;
 	int ready;
-
 	do {
 		double left = g->limits.clock_s - g->waited_s;
-
 		ready = poll(&poll_for, 1, left <= 0 ? 0 : left > 1000 ? 1000000 : (int)(left * 1000) + 1);
 		g->waited_s = waited + now_s() - start;
 	} while (ready < 0 ? errno == EINTR : ready == 0 && g->waited_s < g->limits.clock_s);
@@ -338,10 +322,9 @@ static enum eco_code no_time(const struct eco_guard *g, struct eco_error *error)
 static enum eco_code returned(const struct eco_guard *g, struct eco_error *error)
 {
 	const struct eco_error *said = &g->shared->error;
-
 	if ((unsigned)said->code >= ECO_CODE_COUNT)
 		return eco_fail(error, ECO_DAMAGED, "%s: the import came to no end", g->what);
-	if (said->code == ECO_NO_MEMORY || (said->code != ECO_OK && strstr(said->text, "bad_alloc") != NULL))
+	if (said->code == ECO_NO_MEMORY || (said->code != ECO_OK && strstr(said->text, "bad_alloc")))
 		return no_memory(g, error);
 	return said->code == ECO_OK ? ECO_OK : eco_fail(error, said->code, "%s", said->text);
 }
@@ -349,7 +332,6 @@ static enum eco_code returned(const struct eco_guard *g, struct eco_error *error
 static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s, struct eco_error *error)
 {
 	struct rlimit files;
-
 	if (number == SIGINT || number == SIGTERM || number == SIGHUP || number == SIGQUIT)
 		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted", g->what);
 	if (number == SIGXCPU || (number == SIGKILL && cpu_s >= g->limits.cpu_s))
@@ -372,7 +354,6 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 static enum eco_code verdict(struct eco_guard *g, int status, const struct rusage *used, struct eco_error *error)
 {
 	double cpu_s = (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) + 1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
-
 	g->shared->error.text[sizeof g->shared->error.text - 1] = 0;
 	if (g->late)
 		return no_time(g, error);
@@ -391,7 +372,6 @@ static enum eco_code reap(struct eco_guard *g, struct eco_error *error)
 	struct rusage used = { 0 };
 	siginfo_t info;
 	int status = 0;
-
 	await(g, g->life);
 	kill(g->pid, SIGKILL);           /* does nothing to a child that is ending by itself */
 	while (waitid(P_PID, (id_t)g->pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR)
@@ -417,7 +397,7 @@ static void shut(int *descriptor)
 
 static void free_guard(struct eco_guard *g)
 {
-	if (g == NULL)
+	if (!g)
 		return;
 	shut(&g->life);
 	shut(&g->data);
@@ -429,13 +409,12 @@ static void free_guard(struct eco_guard *g)
 static struct eco_guard *new_guard(const char *what, const struct eco_guard_limits *limits, struct eco_error *error)
 {
 	struct eco_guard *g = malloc(sizeof *g);
-
-	if (g != NULL) {
+	if (g) {
 		*g = (struct eco_guard){ .limits = effective(limits), .slot = -1, .life = -1, .data = -1,
 			.shared = mmap(NULL, sizeof *g->shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0) };
 		snprintf(g->what, sizeof g->what, "%.300s", what);
 	}
-	if (g == NULL || g->shared == MAP_FAILED) {
+	if (!g || g->shared == MAP_FAILED) {
 		eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory to read it into", what);
 		free_guard(g);
 		return NULL;
@@ -449,7 +428,6 @@ static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx
 {
 	int life[2] = { -1, -1 };
 	pid_t parent = getpid();
-
 	if (pipe2(life, O_CLOEXEC) != 0)
 		return eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
 	fflush(NULL);
@@ -471,22 +449,21 @@ enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, c
 	int memory = g != NULL ? memfd_create("eco-guard", MFD_CLOEXEC) : -1;
 	FILE *out = memory >= 0 ? fdopen(memory, "w+b") : NULL;
 	enum eco_code code;
-
 	*result = NULL;
-	if (g == NULL)
+	if (!g)
 		return ECO_NO_MEMORY;
-	if (out == NULL)
+	if (!out)
 		code = eco_fail(error, ECO_IO, "%s: no memory to read it into: %s", g->what, strerror(errno));
 	else {
 		pthread_mutex_lock(&forking);
 		code = launch(g, work, ctx, memory, error);
 		pthread_mutex_unlock(&forking);
-		if (code == ECO_OK)
+		if (!code)
 			code = reap(g, error);
 	}
 	if (code == ECO_OK && fseek(out, 0, SEEK_SET) == 0)
 		*result = out;
-	else if (out != NULL)
+	else if (out)
 		fclose(out);
 	else
 		shut(&memory);
@@ -500,7 +477,6 @@ static ssize_t read_pipe(void *cookie, char *to, size_t size)
 {
 	struct eco_guard *g = cookie;
 	ssize_t got;
-
 	do {
 		await(g, g->data);
 		got = g->late ? 0 : read(g->data, to, size);
@@ -515,14 +491,13 @@ enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, vo
 	struct eco_guard *g = new_guard(what, limits, error);
 	int data[2] = { -1, -1 };
 	enum eco_code code;
-
 	*guard = NULL;
 	*stream = NULL;
-	if (g == NULL)
+	if (!g)
 		return ECO_NO_MEMORY;
 	g->stream = fopencookie(g, "rb", (cookie_io_functions_t){ .read = read_pipe });
 	pthread_mutex_lock(&forking);
-	if (g->stream == NULL || setvbuf(g->stream, NULL, _IOFBF, 1u << 16) != 0 || pipe2(data, O_CLOEXEC) != 0)
+	if (!g->stream || setvbuf(g->stream, NULL, _IOFBF, 1u << 16) != 0 || pipe2(data, O_CLOEXEC) != 0)
 		code = eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
 	else {
 		g->data = data[0];
@@ -530,12 +505,12 @@ enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, vo
 		shut(&data[1]);
 	}
 	pthread_mutex_unlock(&forking);
-	if (code == ECO_OK) {
+	if (!code) {
 		*stream = g->stream;
 		*guard = g;
 		return ECO_OK;
 	}
-	if (g->stream != NULL)
+	if (g->stream)
 		fclose(g->stream);
 	free_guard(g);
 	return code;
@@ -546,8 +521,7 @@ enum eco_code eco_guard_finish(struct eco_guard *g, struct eco_error *error)
 	struct eco_error ignored = { .code = ECO_OK };
 	bool ended;
 	enum eco_code code;
-
-	if (g == NULL)
+	if (!g)
 		return ECO_OK;
 	ended = g->ended;
 	fclose(g->stream);

@@ -39,10 +39,8 @@ static int refuse_writing(scmp_filter_ctx filter)
 {
 	static const int bits[] = { O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND };
 	int failed = 0;
-
 	for (size_t i = 0; i < sizeof bits / sizeof *bits; i++) {
 		scmp_datum_t bit = (scmp_datum_t)bits[i];
-
 		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(open), 1, SCMP_A1(SCMP_CMP_MASKED_EQ, bit, bit));
 		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(openat), 1, SCMP_A2(SCMP_CMP_MASKED_EQ, bit, bit));
 	}
@@ -61,7 +59,6 @@ static int refuse_unseen(scmp_filter_ctx filter)
 static int refuse_others(scmp_filter_ctx filter)
 {
 	scmp_datum_t self = (scmp_datum_t)getpid();
-
 	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1, SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0))
 		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
 		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
@@ -72,7 +69,6 @@ bool eco_guard_filter(void)
 {
 	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
 	int failed = filter == NULL;
-
 	if (failed)
 		return false;
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)

@@ -53,14 +53,13 @@ static const char *hint(const struct eco_json_file *file, size_t end, const char
 {
 	size_t at = end > 0 && end <= file->size ? end - 1 : 0;
 	char token = at > 0 ? file->text[at] : 0;
-
 	if (token == '/' || token == '#')
 		return " (JSON has no comments)";
-	while (at > 0 && strchr(" \t\r\n", file->text[at - 1]) != NULL)
+	while (at > 0 && strchr(" \t\r\n", file->text[at - 1]))
 		at--;
 	if ((token == '}' || token == ']') && at > 0 && file->text[at - 1] == ',')
 		return " (no comma stands before a closing bracket)";
-	return strstr(says, "' expected near") != NULL && strstr(says, "end of file") == NULL && (strncmp(says, "'}'", 3) == 0
+	return strstr(says, "' expected near") && !strstr(says, "end of file") && (strncmp(says, "'}'", 3) == 0
 		|| strncmp(says, "']'", 3) == 0) ? " (is a comma missing before it?)" : "";
 }
 
@@ -69,10 +68,9 @@ json_t *eco_json_open(const struct eco_json_file *file)
 	json_error_t problem;
 	size_t start = text_start(file);
 	json_t *root = json_loadb(file->text + start, file->size - start, JSON_REJECT_DUPLICATES, &problem);
-
-	if (root == NULL && other_kind(file) != NULL)
+	if (!root && other_kind(file))
 		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: %s", file->name, other_kind(file));
-	else if (root == NULL)
+	else if (!root)
 		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name, problem.line > 0 ? problem.line : 1,
 			problem.column > 0 ? problem.column : 1, problem.text,
 			hint(file, problem.position > 0 ? start + (size_t)problem.position : 0, problem.text));
@@ -87,7 +85,6 @@ struct eco_json eco_json_root(const struct eco_json_file *file, const json_t *ro
 struct eco_json eco_json_member(const struct eco_json *object, const char *key)
 {
 	struct eco_json node = { .file = NULL };
-
 	while (eco_json_next(object, &node))
 		if (strcmp(node.key, key) == 0)
 			return node;
@@ -100,9 +97,8 @@ bool eco_json_next(const struct eco_json *object, struct eco_json *member)
 	json_t *value = (json_t *)object->value;
 	bool first = member->parent == NULL;
 	void *at = first ? json_object_iter(value) : json_object_iter_next(value, json_object_key_to_iter(member->key));
-
 	*member = (struct eco_json){ object->file, object, json_object_iter_key(at), first ? 0 : member->index + 1, json_object_iter_value(at) };
-	return at != NULL;
+	return at;
 }
 
 struct eco_json eco_json_item(const struct eco_json *array, size_t index)
@@ -131,10 +127,8 @@ static size_t skip_string(const char *text, size_t size, size_t at)
 static size_t skip_value(const char *text, size_t size, size_t at)
 {
 	size_t depth = 0;
-
 	while (at < size) {
 		char c = text[at];
-
 		if (c == '"') {
 			at = skip_string(text, size, at);
 		} else if (c == '{' || c == '[') {
@@ -175,15 +169,13 @@ static size_t find(const struct eco_json *at, bool key)
 	const struct eco_json *path[DEPTH_MAX];
 	const char *text = at->file->text;
 	size_t size = at->file->size, depth = 0, offset = 0;
-
-	if (at->value == NULL && at->parent != NULL)
+	if (!at->value && at->parent)
 		at = at->parent;
-	for (const struct eco_json *node = at; node->parent != NULL && depth < DEPTH_MAX; node = node->parent)
+	for (const struct eco_json *node = at; node->parent && depth < DEPTH_MAX; node = node->parent)
 		path[depth++] = node;
 	offset = skip_space(text, size, text_start(at->file));
 	while (depth-- > 0) {
 		bool object = json_is_object(path[depth]->parent->value);
-
 		offset = enter(text, size, offset, path[depth]->index, object);
 		if (object && !(key && depth == 0))
 			offset = skip_space(text, size, skip_space(text, size, skip_string(text, size, offset)) + 1);
@@ -213,7 +205,6 @@ static void fail_at(const struct eco_json *at, bool key, enum eco_code code, con
 {
 	char text[400];
 	uint32_t line, column;
-
 	vsnprintf(text, sizeof text, format, arguments);
 	line_column(at->file, find(at, key), &line, &column);
 	eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
@@ -222,7 +213,6 @@ static void fail_at(const struct eco_json *at, bool key, enum eco_code code, con
 bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 {
 	va_list arguments;
-
 	va_start(arguments, format);
 	fail_at(at, false, code, format, arguments);
 	va_end(arguments);
@@ -240,14 +230,12 @@ static bool bad(const struct eco_json *at, const char *wanted)
 {
 	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
 	const char *mark = at->key != NULL ? "\"" : "";
-
 	return eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
 }
 
 static bool stranger(const struct eco_json *at, const char *format, ...)
 {
 	va_list arguments;
-
 	va_start(arguments, format);
 	fail_at(at, true, ECO_BAD_INPUT, format, arguments);
 	va_end(arguments);
@@ -257,18 +245,16 @@ static bool stranger(const struct eco_json *at, const char *format, ...)
 bool eco_json_object(const struct eco_json *at, const char *const *fields)
 {
 	struct eco_json node = { .file = NULL };
-
 	if (!json_is_object(at->value))
 		return bad(at, "an object");
 	while (eco_json_next(at, &node)) {
 		char known[256] = "";
 		size_t i = 0;
-
-		while (fields[i] != NULL && strcmp(fields[i], node.key) != 0)
+		while (fields[i] && strcmp(fields[i], node.key) != 0)
 			i++;
-		if (fields[i] != NULL)
+		if (fields[i])
 			continue;
-		for (i = 0; fields[i] != NULL; i++)
+		for (i = 0; fields[i]; i++)
 			eco_phrase_add(known, sizeof known, fields[i]);
 		return stranger(&node, "unknown field \"%.60s\"; known here: %s", node.key, known);
 	}
@@ -294,7 +280,7 @@ bool eco_json_array(const struct eco_json *at, size_t count_max)
 
 bool eco_json_required(const struct eco_json *object, const char *key)
 {
-	if (json_object_get(object->value, key) != NULL)
+	if (json_object_get(object->value, key))
 		return true;
 	return eco_json_fail(object, ECO_BAD_INPUT, "\"%s\" is missing", key);
 }
@@ -302,7 +288,6 @@ bool eco_json_required(const struct eco_json *object, const char *key)
 static bool number_in(const struct eco_json *at, double low, double high, double *out)
 {
 	double number;
-
 	if (!json_is_number(at->value))
 		return bad(at, "a number");
 	number = json_number_value(at->value);
@@ -316,15 +301,13 @@ static bool number_in(const struct eco_json *at, double low, double high, double
 bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out)
 {
 	struct eco_json at = eco_json_member(object, key);
-
-	return at.value == NULL || number_in(&at, low, high, out);
+	return !at.value || number_in(&at, low, high, out);
 }
 
 bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out)
 {
 	struct eco_json at = eco_json_member(object, key);
-
-	if (at.value == NULL)
+	if (!at.value)
 		return true;
 	if (!json_is_integer(at.value))
 		return bad(&at, "a whole number");
@@ -340,8 +323,7 @@ bool eco_json_numbers(const struct eco_json *object, const char *key, size_t lea
 	double *out)
 {
 	struct eco_json at = eco_json_member(object, key);
-
-	if (at.value == NULL)
+	if (!at.value)
 		return true;
 	if (!json_is_array(at.value))
 		return bad(&at, "an array of numbers");
@@ -350,7 +332,6 @@ bool eco_json_numbers(const struct eco_json *object, const char *key, size_t lea
 			least, least < most ? " or " : "", least < most ? most : 0);
 	for (size_t i = 0; i < json_array_size(at.value); i++) {
 		struct eco_json item = eco_json_item(&at, i);
-
 		if (!number_in(&item, low, high, &out[i]))
 			return false;
 	}
@@ -369,8 +350,7 @@ bool eco_json_is_text(const struct eco_json *at, size_t bytes_max)
 bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_max, const char **out)
 {
 	struct eco_json at = eco_json_member(object, key);
-
-	if (at.value == NULL)
+	if (!at.value)
 		return true;
 	if (!eco_json_is_text(&at, bytes_max))
 		return false;

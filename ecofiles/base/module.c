@@ -35,12 +35,10 @@ static bool find_beside(const char *file, char path[PATH_MAX])
 {
 	char folder[PATH_MAX];
 	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
-
 	folder[length > 0 ? length : 0] = 0;
 	for (int up = 0; up < 2; up++) {
 		char *slash = strrchr(folder, '/');
-
-		if (slash == NULL)
+		if (!slash)
 			return false;
 		*slash = 0;
 		if (is_there(folder, file, path))
@@ -56,18 +54,17 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 	char path[PATH_MAX];
 	const uint32_t *table;
 	void *handle;
-
 	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; " ECO_MODULES_VARIABLE
 			" names the folder that holds it", file, modules[module].for_what, chosen ? "in " : "beside the program nor in the folder above",
 			chosen ? given : "");
 	handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-	if (handle == NULL)
+	if (!handle)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package %s installed?)", file,
 			modules[module].for_what, dlerror(), modules[module].package);
 	table = dlsym(handle, modules[module].symbol);
 	/* the module stays mapped even so: libraries such as these do not survive unloading */
-	if (table == NULL || *table != ECO_MODULE_VERSION)
+	if (!table || *table != ECO_MODULE_VERSION)
 		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: make builds it anew", path);
 	loaded[module] = table;
 	return ECO_OK;
@@ -76,9 +73,8 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 const void *eco_module(enum eco_module module, struct eco_error *error)
 {
 	const void *table;
-
 	lock();
-	if (loaded[module] == NULL)
+	if (!loaded[module])
 		load(module, error);
 	table = loaded[module];
 	unlock();

@@ -3,7 +3,7 @@
  * otherwise map and start at every call.
  *
  *   const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, &error);
- *   if (gdal == NULL)
+ *   if (!gdal)
  *           return ECO_NOT_FOUND;
  *   code = gdal->rows_open(&rows, &source, &error);
  *

@@ -9,7 +9,6 @@ void eco_phrase_add(char *list, size_t size, const char *name)
 {
 	static const char more[] = ", ...";
 	size_t used = strlen(list), length = strlen(name);
-
 	assert(size > sizeof more);
 	if (used >= sizeof more - 1 && strcmp(list + used - (sizeof more - 1), more) == 0)
 		return;
@@ -23,7 +22,6 @@ const char *eco_phrase_count(uint64_t count, char text[32])
 {
 	char digits[24];
 	int length = snprintf(digits, sizeof digits, "%" PRIu64, count), used = 0;
-
 	for (int i = 0; i < length; i++) {
 		if (i > 0 && (length - i) % 3 == 0)
 			text[used++] = ',';

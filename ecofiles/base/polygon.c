@@ -17,13 +17,10 @@ static struct flat flatten(const double *corners, uint32_t n)
 {
 	double normal[3] = { 0, 0, 0 };
 	int axis = 0;
-
 	for (uint32_t i = 0; i < n; i++) {
 		const double *a = &corners[i * 3], *b = &corners[(i + 1) % n * 3];
-
 		for (int k = 0; k < 3; k++) {
 			int u = (k + 1) % 3, v = (k + 2) % 3;
-
 			normal[k] += (a[u] - b[u]) * (a[v] + b[v]);
 		}
 	}
@@ -37,7 +34,6 @@ static struct flat flatten(const double *corners, uint32_t n)
 static double turn(const struct flat *f, uint32_t a, uint32_t b, uint32_t c)
 {
 	const double *p = &f->corners[a * 3], *q = &f->corners[b * 3], *r = &f->corners[c * 3];
-
 	return f->sign * ((q[f->x] - p[f->x]) * (r[f->y] - p[f->y]) - (q[f->y] - p[f->y]) * (r[f->x] - p[f->x]));
 }
 
@@ -50,12 +46,10 @@ static bool same_place(const struct flat *f, uint32_t a, uint32_t b)
 static bool is_ear(const struct flat *f, const uint32_t *ring, uint32_t n, uint32_t at)
 {
 	uint32_t a = ring[(at + n - 1) % n], b = ring[at], c = ring[(at + 1) % n];
-
 	if (!(turn(f, a, b, c) > 0))
 		return false;
 	for (uint32_t i = 0; i < n; i++) {
 		uint32_t p = ring[i];
-
 		if (p == a || p == b || p == c || same_place(f, p, a) || same_place(f, p, b) || same_place(f, p, c))
 			continue;
 		if (turn(f, a, b, p) >= 0 && turn(f, b, c, p) >= 0 && turn(f, c, a, p) >= 0)
@@ -70,13 +64,11 @@ static uint32_t choose(const struct flat *f, const uint32_t *ring, uint32_t n, u
 {
 	uint32_t best = 0;
 	double least = INFINITY;
-
 	for (uint32_t i = 0; i < n; i++)
 		if (is_ear(f, ring, n, (from + i) % n))
 			return (from + i) % n;
 	for (uint32_t i = 0; i < n; i++) {
 		double size = fabs(turn(f, ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]));
-
 		if (size < least) {
 			least = size;
 			best = i;
@@ -97,7 +89,6 @@ void eco_polygon_split(const double *corners, uint32_t n, uint32_t *scratch, uin
 {
 	struct flat f;
 	uint32_t from = 1;
-
 	if (n == 3 || n > CLIPPED_MAX) {
 		for (uint32_t i = 2; i < n; i++)
 			emit(&triangles, 0, i - 1, i);
@@ -108,7 +99,6 @@ void eco_polygon_split(const double *corners, uint32_t n, uint32_t *scratch, uin
 		scratch[i] = i;
 	while (n > 3) {
 		uint32_t at = choose(&f, scratch, n, from % n);
-
 		emit(&triangles, scratch[(at + n - 1) % n], scratch[at], scratch[(at + 1) % n]);
 		n--;
 		for (uint32_t i = at; i < n; i++)

@@ -43,7 +43,6 @@ static void shift_low(struct eco_range *r)
 {
 	if ((uint32_t)r->low < 0xff000000u || r->low >> 32) {
 		uint8_t carry = (uint8_t)(r->low >> 32);
-
 		if (r->begun)
 			eco_write_u8(r->writer, (uint8_t)(r->first + carry));
 		for (; r->held > 0; r->held--)
@@ -71,7 +70,6 @@ static inline void normalize(struct eco_range *r)
 static inline bool code_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 {
 	uint32_t bound = (r->range >> 16) * m->zero;
-
 	if (!r->writer)
 		bit = r->code >= bound;
 	if (bit) {
@@ -98,14 +96,12 @@ bool eco_range_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
 {
 	uint64_t got = 0;
-
 	if (bits == 0)
 		return 0;
 	assert(bits <= 64);
 	while (bits > 0) {
 		unsigned take = bits < 16 ? bits : 16;
 		uint32_t v;
-
 		bits -= take;
 		r->range >>= take;
 		if (r->writer) {
@@ -125,7 +121,6 @@ uint64_t eco_range_raw(struct eco_range *r, unsigned bits, uint64_t value)
 uint32_t eco_range_tree(struct eco_range *r, struct eco_bit *models, unsigned bits, uint32_t value)
 {
 	uint32_t node = 1;
-
 	assert(bits <= 16);
 	while (bits-- > 0)
 		node = node << 1 | code_bit(r, &models[node], value >> bits & 1);
@@ -136,14 +131,12 @@ uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned m
 {
 	unsigned high = bits < modelled ? bits : modelled, low = bits - high;
 	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0) & ((1u << high) - 1);
-
 	return (uint32_t)((uint64_t)top << low | eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
 }
 
 int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t value)
 {
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
-
 	bits = eco_range_tree(r, models, 5, bits) & 31;
 	if (bits == 0)
 		return 0;
@@ -177,7 +170,6 @@ void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count
 static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
 {
 	uint32_t n = 0;
-
 	while (n < most && code_bit(r, &models[n < ECO_NEAR_STEPS ? n : ECO_NEAR_STEPS - 1], n < value))
 		n++;
 	return n;
@@ -187,7 +179,6 @@ int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_sc
 {
 	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8, part = level >> 6 & (ECO_NEAR_PARTS - 1);
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
-
 	if (usual < NEAR_BITS_MAX && code_bit(r, &near->larger[part], bits > usual))
 		bits = usual + 1 + steps(r, near->more[part], NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
 	else
@@ -195,7 +186,6 @@ int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_sc
 	if (bits > 1) {
 		uint32_t from = bits + ECO_NEAR_STEPS / 2 > usual ? bits + ECO_NEAR_STEPS / 2 - usual : 0;
 		uint32_t half = code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from : ECO_NEAR_STEPS - 1], size >> (bits - 2) & 1);
-
 		size = (2 | half) << (bits - 2) | (uint32_t)eco_range_raw(r, bits - 2, size & ((1u << (bits - 2)) - 1));
 	} else {
 		size = bits;

@@ -32,9 +32,8 @@ static void tame(char *text)
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 {
 	va_list arguments;
-
 	assert(code > ECO_OK && code < ECO_CODE_COUNT);
-	if (error == NULL || error->code != ECO_OK)
+	if (!error || error->code != ECO_OK)
 		return code;
 	error->code = code;
 	va_start(arguments, format);

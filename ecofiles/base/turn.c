@@ -12,7 +12,6 @@
 static double sine_series(double x)
 {
 	double y = x * x;
-
 	return x * (1.0 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 + y * (-1.0 / 39916800
 		+ y * (1.0 / 6227020800.0 + y * (-1.0 / 1307674368000.0))))))));
 }
@@ -20,7 +19,6 @@ static double sine_series(double x)
 static double cosine_series(double x)
 {
 	double y = x * x;
-
 	return 1.0 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800
 		+ y * (1.0 / 479001600.0 + y * (-1.0 / 87178291200.0 + y * (1.0 / 20922789888000.0))))))));
 }
@@ -29,7 +27,6 @@ static double cosine_series(double x)
 static void quarter_sincos(uint32_t step, double *sine, double *cosine)
 {
 	const double radians = 1.57079632679489661923 / QUARTER;
-
 	if (step == QUARTER / 2) {
 		*sine = *cosine = 0.70710678118654752440;
 	} else if (step < QUARTER / 2) {
@@ -44,7 +41,6 @@ static void quarter_sincos(uint32_t step, double *sine, double *cosine)
 void eco_turn_sincos(uint16_t turn, double *sine, double *cosine)
 {
 	double s, c;
-
 	quarter_sincos(turn % QUARTER, &s, &c);
 	switch (turn / QUARTER) {
 	case 0: *sine = s; *cosine = c; break;
@@ -57,7 +53,6 @@ void eco_turn_sincos(uint16_t turn, double *sine, double *cosine)
 uint16_t eco_turn_from_deg(double degrees)
 {
 	double steps;
-
 	assert(isfinite(degrees));
 	/* fmod is exact in IEEE arithmetic, unlike the rest of libm. */
 	steps = floor(fmod(degrees, 360.0) / 360.0 * 65536.0 + 0.5);

@@ -255,7 +255,7 @@ static bool append(struct entry **entries, size_t *entry_count, const struct ent
 static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_count)
 {
 	uint64_t sum = 0;
-	for (struct dirent *d; (d = readdir(folder)) != NULL;) {
+	for (struct dirent *d; (d = readdir(folder));) {
 		struct stat status;
 		struct entry entry = { .size = 0 };
 		bool unfinished;

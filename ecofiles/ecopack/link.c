@@ -58,7 +58,7 @@ static enum eco_code open_part(struct link *l, struct link_part *part)
 static enum eco_code same_frame(struct link *l, struct link_part *part)
 {
 	const char *crs = json_string_value(json_object_get(part->meta, "crs")), *first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
-	if ((crs == NULL) != (first == NULL) || (crs && strcmp(crs, first) != 0))
+	if ((!crs) != (!first) || (crs && strcmp(crs, first) != 0))
 		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path,
 			crs ? crs : "plain metres",
 			l->parts[0].path, first ? first : "plain metres");

@@ -31,7 +31,7 @@ static bool sample(const struct map *m, struct grid *grid, double pixels)
 	for (uint32_t r = 0; grid->z && r < grid->rows; r++)
 		for (uint32_t c = 0; c < grid->columns; c++)
 			grid->z[(size_t)r * grid->columns + c] = height_at(m, c * pixels, r * pixels);
-	return grid->z != NULL;
+	return grid->z;
 }
 
 /* ---- Hillshade ---- */

@@ -22,7 +22,6 @@ static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 	const struct eco_chunk *chunk;
 	const uint8_t *bytes;
 	size_t size;
-
 	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list] };
 	eco_ground_spans(&d->x, &d->y, d->tile, s->ground_columns, s->ground_rows);
 	chunk = &s->chunks[d->list->chunk_first];
@@ -34,7 +33,6 @@ static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 static double height_m(const struct decoded *d, uint32_t column, uint32_t row)
 {
 	size_t i = (size_t)(row + d->y.before) * d->x.count + column + d->x.before;
-
 	return d->list->grid_origin[2] + d->samples.position[3 * i + 2] * d->list->grid_step[2];
 }
 
@@ -42,14 +40,12 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 {
 	struct eco_ground_tile found;
 	double slack = (double)d->tile->error_m + d->list->grid_step[2];
-
 	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows, NULL) != ECO_OK || found.column != d->tile->column
 		|| found.row != d->tile->row)
 		return "its samples are not those of its column and row";
 	for (uint32_t r = 0; r < d->y.inner; r++)
 		for (uint32_t c = 0; c < d->x.inner; c++) {
 			double z = height_m(d, c, r);
-
 			if (z < (double)d->tile->low_m - slack || z > (double)d->tile->high_m + slack)
 				return "it has heights beyond its bounds";
 		}
@@ -60,7 +56,6 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 {
 	uint32_t c = (x - d->x.low) / d->x.stride, r = (y - d->y.low) / d->y.stride;
-
 	c = c < d->x.inner - 1 ? c : d->x.inner - 2;
 	r = r < d->y.inner - 1 ? r : d->y.inner - 2;
 	double x0 = eco_ground_span_at(&d->x, c + d->x.before), x1 = eco_ground_span_at(&d->x, c + 1 + d->x.before);
@@ -75,11 +70,9 @@ static const char *check_child(const struct decoded *d, const struct decoded *ch
 {
 	/* the child's own rounding (lod/ground_choice.h) */
 	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16 + 1e-6 * (1 + fabs((double)d->tile->high_m));
-
 	for (uint32_t r = 0; r < child->y.inner; r++)
 		for (uint32_t c = 0; c < child->x.inner; c++) {
 			uint32_t x = eco_ground_span_at(&child->x, c + child->x.before), y = eco_ground_span_at(&child->y, r + child->y.before);
-
 			if (fabs(surface_m(d, x, y) - height_m(child, c, r)) > slack)
 				return "it is further from its children than its error says";
 		}
@@ -89,21 +82,18 @@ static const char *check_child(const struct decoded *d, const struct decoded *ch
 void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, const char *text), void *ctx)
 {
 	const struct eco_scene *s = &pack->scene;
-
 	for (uint32_t i = 0; i < s->ground_count; i++) {
 		struct decoded tile;
 		const char *bad = decode(&tile, pack, i) ? check_samples(&tile, s) : NULL;
 		char text[160];
-
-		for (uint32_t k = 0; bad == NULL && tile.samples.element_count > 0 && k < tile.tile->child_count; k++) {
+		for (uint32_t k = 0; !bad && tile.samples.element_count > 0 && k < tile.tile->child_count; k++) {
 			struct decoded child;
-
 			if (decode(&child, pack, tile.tile->child_first + k))
 				bad = check_child(&tile, &child);
 			eco_elements_free(&child.samples);
 		}
 		eco_elements_free(&tile.samples);
-		if (bad == NULL)
+		if (!bad)
 			continue;
 		snprintf(text, sizeof text, "ground tile %u (list %u): %s", i, s->ground[i].list, bad);
 		say(ctx, text);

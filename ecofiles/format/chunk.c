@@ -18,7 +18,6 @@ struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 {
 	XXH128_canonical_t canonical;
 	struct eco_chunk_id id;
-
 	XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes, size_bytes));
 	memcpy(id.bytes, canonical.digest, sizeof id.bytes);
 	return id;
@@ -28,13 +27,11 @@ struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 {
 	uint64_t state = 0x65636f73u + ((uint64_t)ordinal << 32);
-
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
 	for (uint32_t i = count; i > 1; i--) {
 		uint32_t j = (uint32_t)((eco_mix_next(&state) >> 32) * i >> 32);
 		uint32_t kept = order[j];
-
 		order[j] = order[i - 1];
 		order[i - 1] = kept;
 	}
@@ -44,17 +41,15 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent, uint64_t largest, uint32_t *ends)
 {
 	uint32_t n = 0;
-
 	for (uint64_t sent = 0; sent < count; n++) {
 		uint64_t size = sent * growth_percent / 100;
-
 		size = size < smallest ? smallest : size;
 		size = size > largest ? largest : size;
 		/* A remainder below half a chunk joins this one. */
 		if (count - sent <= size + size / 2)
 			size = count - sent <= largest ? count - sent : (count - sent + 1) / 2;
 		sent += size;
-		if (ends != NULL)
+		if (ends)
 			ends[n] = (uint32_t)sent;
 	}
 	return n;
@@ -63,7 +58,6 @@ static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent
 uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max)
 {
 	uint64_t first = smallest < 1 ? 1 : smallest, growth = 25, largest = 1u << 16;
-
 	if (element_count == 0)
 		return 0;
 	assert(max >= 1 && (uint64_t)max * ECO_CHUNK_ELEMENTS_MAX >= element_count);
@@ -136,7 +130,6 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
-
 	memset(payload, 0, sizeof *payload);
 	payload->coder = eco_read_u8(&r);
 	payload->stream_count = eco_read_u8(&r);
@@ -153,7 +146,6 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
 		uint8_t flags;
-
 		s->corners = eco_read_u8(&r);
 		flags = eco_read_u8(&r);
 		s->predictors = eco_read_u16(&r);
@@ -177,7 +169,6 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	struct eco_writer w = { 0 };
-
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
 	eco_write_u8(&w, PAYLOAD_VERSION);
 	eco_write_u8(&w, payload->coder);
@@ -185,7 +176,6 @@ enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **byt
 	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? payload->streams[0].zeros : 0);
 	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
-
 		eco_write_u8(&w, s->corners);
 		eco_write_u8(&w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
 		eco_write_u16(&w, s->predictors);

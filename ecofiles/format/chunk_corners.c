@@ -14,7 +14,6 @@
 static void add_edge(struct eco_frame *f, const int32_t *from, const int32_t *to)
 {
 	int32_t *base = f->base[f->bases++];
-
 	for (int i = 0; i < 3; i++)
 		base[i] = to[i] - from[i];
 }
@@ -22,7 +21,6 @@ static void add_edge(struct eco_frame *f, const int32_t *from, const int32_t *to
 static void add_axis(struct eco_frame *f, const int64_t axis[3], int64_t length)
 {
 	int32_t *base = f->base[f->bases++];
-
 	for (int i = 0; i < 3; i++)
 		base[i] = (int32_t)(axis[i] * length >> ECO_AXIS_BITS);
 }
@@ -35,7 +33,6 @@ uint32_t eco_corner_bases(uint32_t k)
 static void find_axes(struct eco_frame *f, const int32_t *at, uint32_t of)
 {
 	int64_t edge[3] = { 0 }, to[3];
-
 	for (int i = 0; i < 3 && of > 1; i++) {
 		edge[i] = (int64_t)at[3 + i] - at[i];
 		to[i] = of > 2 ? (int64_t)at[6 + i] - at[i] : 0;
@@ -64,7 +61,6 @@ void eco_corner_frame(struct eco_frame *f, const int32_t *at, uint32_t k)
 void eco_corner_guess(const struct eco_frame *f, const int32_t *weight, int64_t guess[3])
 {
 	int64_t sum[3];
-
 	for (int i = 0; i < 3; i++) {
 		sum[i] = 1 << (ECO_WEIGHT_BITS - 1);
 		for (uint32_t j = 0; j < f->bases; j++)
@@ -79,13 +75,11 @@ void eco_corner_guess(const struct eco_frame *f, const int32_t *weight, int64_t 
 bool eco_corner_place(const struct eco_frame *f, const int64_t guess[3], const int32_t miss[3], const int32_t *from, int32_t *at)
 {
 	int64_t along[3];
-
 	along[0] = guess[0] + (int64_t)ECO_LATTICE_STEP * miss[0];
 	for (int a = 1; a < 3; a++)
 		along[a] = guess[a] + 2 * (int64_t)ECO_LATTICE_STEP * miss[a] + ECO_LATTICE_STEP * (miss[0] & 1);
 	for (int i = 0; i < 3; i++) {
 		int64_t v = along[0] * f->axis[0][i] + along[1] * f->axis[1][i] + along[2] * f->axis[2][i];
-
 		v = from[i] + ((v + ((int64_t)1 << (ECO_AXIS_BITS - 1))) >> ECO_AXIS_BITS);
 		if (v > ECO_ROWS_VALUE_MAX || v < -ECO_ROWS_VALUE_MAX)
 			return false;

@@ -19,7 +19,6 @@ static const int64_t room = 3 * (1 << ECO_EXACT_SHIFT >> 1) * (1 << ECO_EXACT_SH
 static int64_t distance2(const int32_t *a, const int32_t *b)
 {
 	int64_t d2 = 0;
-
 	for (int i = 0; i < 3; i++)
 		d2 += ((int64_t)a[i] - b[i]) * ((int64_t)a[i] - b[i]);
 	return d2;
@@ -38,14 +37,12 @@ static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], cons
 {
 	int64_t along[3], best = room + 1, off[3];
 	int32_t tried[3], there[3];
-
 	for (int i = 0; i < 3; i++)
 		off[i] = (int64_t)exact[i] - from[i];
 	for (int a = 0; a < 3; a++)
 		along[a] = ((off[0] * f->axis[a][0] + off[1] * f->axis[a][1] + off[2] * f->axis[a][2]) >> ECO_AXIS_BITS) - guess[a];
 	for (int32_t step = -1; step <= 2; step++) {
 		int64_t first = floor_div(along[0], ECO_LATTICE_STEP) + step;
-
 		if (first > INT32_MAX / 16 || first < -INT32_MAX / 16)
 			return false;
 		tried[0] = (int32_t)first;
@@ -63,7 +60,6 @@ static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], cons
 static uint32_t cost_of(const int32_t miss[3])
 {
 	uint32_t bits = 0;
-
 	for (int i = 0; i < 3; i++)
 		bits += eco_bit_length((uint64_t)(miss[i] < 0 ? -(int64_t)miss[i] : miss[i]));
 	return bits;
@@ -89,11 +85,9 @@ static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, 
 	bool plain = trend == c->head.trends[l->corners - 3];
 	struct eco_frame frame = { .of = 0 };
 	uint32_t bits = plain;
-
 	l->trend = trend;
 	for (uint32_t k = 1; k < l->corners; k++) {
 		int32_t *miss = l->miss + 3 * k, *at = l->position + 3 * k;
-
 		if (find_again(c, l, k))
 			continue;
 		if (plain) {
@@ -103,7 +97,6 @@ static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, 
 			}
 		} else {
 			int64_t guess[3];
-
 			eco_corner_frame(&frame, l->position, k);
 			eco_corner_guess(&frame, c->head.trend[l->corners - 3][trend].weight[k], guess);
 			if (!nearest_miss(&frame, guess, l->position, l->exact + 3 * k, miss, at))
@@ -118,12 +111,10 @@ void eco_corners_plan(const struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	struct eco_leaf best = *l;
 	uint32_t least = UINT32_MAX;
-
 	for (uint32_t i = 0; i < 3; i++)
 		l->position[i] = l->coarse[i] * (1 << ECO_EXACT_SHIFT);
 	for (uint32_t t = c->head.trends[l->corners - 3] + 1u; t-- > 0;) {
 		uint32_t bits = plan_with(c, l, (uint8_t)t);
-
 		if (bits < least) {
 			least = bits;
 			best = *l;
@@ -154,13 +145,12 @@ static bool make_frames(struct fit *f)
 	f->frames = malloc((size_t)f->count * (f->corners - 2) * sizeof *f->frames);
 	for (uint32_t i = 0; f->frames && i < f->count; i++) {
 		struct eco_frame frame = { .of = 0 };
-
 		for (uint32_t k = 2; k < f->corners; k++) {
 			eco_corner_frame(&frame, f->at[i], k);
 			*frame_of(f, i, k) = frame;
 		}
 	}
-	return f->frames != NULL;
+	return f->frames;
 }
 
 /* Solves a x = b by Gauss's method for up to ECO_BASES_MAX unknowns; a is symmetric and positive. False: a
@@ -172,7 +162,6 @@ static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX
 			return false;
 		for (uint32_t r = i + 1; r < n; r++) {
 			double f = a[r][i] / a[i][i];
-
 			for (uint32_t k = i; k < n; k++)
 				a[r][k] -= f * a[i][k];
 			b[r] -= f * b[i];
@@ -216,13 +205,10 @@ static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t 
 {
 	double x[ECO_BASES_MAX] = { 0 };
 	const uint32_t n = eco_corner_bases(k);
-
 	for (int round = 0; round < ROUNDS; round++) {
 		double a[ECO_BASES_MAX][ECO_BASES_MAX] = { { 0 } }, b[ECO_BASES_MAX] = { 0 }, miss[3];
-
 		for (uint32_t i = 0; i < f->count; i++) {
 			const struct eco_frame *frame = frame_of(f, i, k);
-
 			if (f->of[i] != trend)
 				continue;
 			miss_of(frame, x, f->at[i], k, miss);
@@ -251,7 +237,6 @@ static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i
 {
 	const struct eco_frame *frame = frame_of(f, i, k);
 	double bits = 0, miss[3], x[ECO_BASES_MAX];
-
 	for (uint32_t j = 0; j < frame->bases; j++)
 		x[j] = ldexp(weight[j], -(int)ECO_WEIGHT_BITS);
 	miss_of(frame, x, f->at[i], k, miss);
@@ -265,7 +250,6 @@ static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i
 static double cost_with(const struct fit *f, uint8_t trend, uint32_t k, const int32_t *weight)
 {
 	double bits = 0;
-
 	for (uint32_t i = 0; i < f->count; i++)
 		if (f->of[i] == trend)
 			bits += corner_bits(f, weight, i, k);
@@ -282,7 +266,6 @@ static void prune(struct fit *f, uint8_t trend, uint32_t k)
 	int32_t *weight = f->trend[trend].weight[k], tried[ECO_BASES_MAX];
 	double least = cost_with(f, trend, k, weight);
 	uint32_t pinned = 0;
-
 	for (uint32_t j = eco_corner_bases(k); j-- > 0;) {
 		fit_corner(f, trend, k, pinned | 1u << j, tried);
 		double cost = cost_with(f, trend, k, tried);
@@ -298,7 +281,6 @@ static void prune(struct fit *f, uint8_t trend, uint32_t k)
 static double refine(struct fit *f)
 {
 	double bits = 0;
-
 	for (int round = 0; round < ROUNDS; round++) {
 		for (uint8_t t = 0; t < f->trends; t++)
 			for (uint32_t k = 2; k < f->corners; k++)
@@ -308,7 +290,6 @@ static double refine(struct fit *f)
 			f->miss[i] = INFINITY;
 			for (uint8_t t = 0; t < f->trends; t++) {
 				double missed = 0;
-
 				for (uint32_t k = 2; k < f->corners; k++)
 					missed += corner_bits(f, f->trend[t].weight[k], i, k);
 				if (missed < f->miss[i]) {
@@ -326,7 +307,6 @@ bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const in
 {
 	struct fit *f = calloc(1, sizeof *f);
 	uint32_t weights = 0;
-
 	head->trends[corners - 3] = 0;
 	if (f)
 		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX, .at = at, .trends = 1, .share = share };

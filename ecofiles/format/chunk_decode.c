@@ -13,8 +13,7 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	struct eco_error *error)
 {
 	enum eco_code code = eco_list_check_coding(list, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (list->coder == ECO_CODER_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "chunk: a file has no elements to decode");
@@ -30,7 +29,6 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct eco_payload *payload, uint32_t *corner_count, struct eco_error *error)
 {
 	const uint64_t elements = chunk->element_count, most = (ECO_CORNERS_MAX - 2) * elements;
-
 	if (payload->coder != ECO_CODER_SHAPES || chunk->primitive_count < elements || chunk->primitive_count > most)
 		return eco_fail(error, ECO_DAMAGED, "chunk: %u leaves cannot have %u triangles", chunk->element_count, chunk->primitive_count);
 	*corner_count = (uint32_t)(chunk->primitive_count + 2 * elements);
@@ -45,7 +43,6 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 	bool plain_mesh = list->coder == ECO_CODER_MESH && payload->coder == ECO_CODER_ELEMENTS;
 	bool mesh = list->coder == ECO_CODER_MESH && !plain_mesh;
 	uint64_t elements = 0, corners = 0, primitives = 0;
-
 	if (payload->coder == ECO_CODER_SHAPES && list->coder == ECO_CODER_ELEMENTS && list->kind == ECO_LIST_TRIANGLES)
 		return check_shapes(chunk, payload, corner_count, error);
 	if (payload->coder != list->coder && !plain_mesh)
@@ -56,7 +53,6 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
-
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
 		    || (s->shift != 0 && (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
 		    || (s->uv_shift != 0 && (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
@@ -90,8 +86,8 @@ static enum eco_code allocate(const struct eco_list *list, const struct eco_chun
 		elements->uv = malloc(sizeof(int32_t) * 2 * corner_count);
 	if (elements->extra_count > 0)
 		elements->extra = malloc(sizeof(int32_t) * elements->extra_count * chunk->element_count);
-	if (elements->corners == NULL || elements->position == NULL || ((list->attributes & ECO_ATTR_UV) && elements->uv == NULL)
-	    || (elements->extra_count > 0 && elements->extra == NULL))
+	if (!elements->corners || !elements->position || ((list->attributes & ECO_ATTR_UV) && !elements->uv)
+	    || (elements->extra_count > 0 && !elements->extra))
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u corners", corner_count);
 	return ECO_OK;
 }
@@ -104,15 +100,13 @@ static bool find_places(struct place *places, bool permuted, uint32_t ordinal, u
 {
 	uint32_t *order = malloc(row_count * sizeof *order);
 	uint32_t corner = 0;
-
-	if (order == NULL)
+	if (!order)
 		return false;
 	if (permuted)
 		eco_chunk_permutation(ordinal, row_count, order);
 	for (uint32_t i = 0; i < row_count; i++) {
 		struct place *place = &places[permuted ? order[i] : i];
 		uint32_t corners = place->corner;
-
 		*place = (struct place){ i, corner };
 		corner += corners;
 	}
@@ -126,8 +120,7 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
 	enum eco_code code = eco_rows_make(&rows, &shape, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_rows_decode(&rows, stream->bytes, stream->size, error);
 	for (uint32_t i = 0; code == ECO_OK && i < stream->elements; i++) {
 		size_t corner = places[i].corner, element = places[i].element;
@@ -152,11 +145,10 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 	uint32_t row_count = elements->element_count, row = 0;
 	struct place *places = malloc(row_count * sizeof *places), *next = places;
 	enum eco_code code = ECO_OK;
-
 	for (uint32_t i = 0; places && i < payload->stream_count; i++)
 		for (uint32_t k = 0; k < payload->streams[i].elements; k++)
 			places[row++].corner = payload->streams[i].corners;
-	if (places == NULL || !find_places(places, permuted, ordinal, row_count))
+	if (!places || !find_places(places, permuted, ordinal, row_count))
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", row_count);
 	for (uint32_t i = 0; code == ECO_OK && i < payload->stream_count; i++) {
 		code = decode_stream(list, payload, &payload->streams[i], next, elements, error);
@@ -172,10 +164,8 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 static void put_in_order(const struct eco_elements *stored, const struct place *places, struct eco_elements *elements)
 {
 	size_t from = 0, extra = elements->extra_count;
-
 	for (uint32_t i = 0; i < stored->element_count; i++) {
 		size_t corners = stored->corners[i], corner = places[i].corner, element = places[i].element;
-
 		elements->corners[element] = stored->corners[i];
 		memcpy(elements->position + 3 * corner, stored->position + 3 * from, 3 * corners * sizeof *stored->position);
 		if (stored->uv)
@@ -194,16 +184,15 @@ static enum eco_code decode_shapes(const struct eco_list *list, const struct eco
 	struct place *places = malloc(chunk->element_count * sizeof *places);
 	struct eco_elements stored = { 0 };
 	enum eco_code code = allocate(list, chunk, elements->corner_count, &stored, error);
-
-	if (code == ECO_OK && places == NULL)
+	if (code == ECO_OK && !places)
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_shapes_decode(list, &payload->streams[0], &stored, error);
 	for (uint32_t i = 0; code == ECO_OK && i < chunk->element_count; i++)
 		places[i].corner = stored.corners[i];
 	if (code == ECO_OK && !find_places(places, true, ordinal, chunk->element_count))
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
-	if (code == ECO_OK)
+	if (!code)
 		put_in_order(&stored, places, elements);
 	eco_elements_free(&stored);
 	free(places);
@@ -215,7 +204,6 @@ static enum eco_code decode_shapes(const struct eco_list *list, const struct eco
 static enum eco_code check_streams(const struct eco_payload *payload, struct eco_error *error)
 {
 	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;
-
 	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3 ? eco_draco_mesh_start(s->bytes, s->size, s->elements)
@@ -233,22 +221,21 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	struct eco_payload payload;
 	uint32_t corner_count = 0;
 	enum eco_code code;
-
 	memset(elements, 0, sizeof *elements);
 	code = check_expected(list, chunk, size_bytes, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_payload_read(&payload, bytes, size_bytes, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_payload(list, chunk, &payload, &corner_count, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_streams(&payload, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = allocate(list, chunk, corner_count, elements, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal, elements, error)
 			: payload.coder == ECO_CODER_MESH ? eco_mesh_decode(list, &payload, elements, error)
 			: decode_streams(list, &payload, ordinal, elements, error);
-	if (code != ECO_OK)
+	if (code)
 		eco_elements_free(elements);
 	return code;
 }

@@ -33,12 +33,10 @@ static int compare_stored(const void *left, const void *right)
 	const struct stored *a = left, *b = right;
 	uint32_t difference = 0;
 	int axis = -1;
-
 	if (a->corners != b->corners)
 		return a->corners < b->corners ? -1 : 1;
 	for (int i = 0; i < 3; i++) {
 		uint32_t d = a->key[i] ^ b->key[i];
-
 		if (difference < d && difference < (difference ^ d)) {
 			difference = d;
 			axis = i;
@@ -52,7 +50,6 @@ static int compare_stored(const void *left, const void *right)
 static int compare_input(const void *left, const void *right)
 {
 	const struct stored *a = left, *b = right;
-
 	if (a->corners != b->corners)
 		return a->corners < b->corners ? -1 : 1;
 	return a->element < b->element ? -1 : a->element > b->element;
@@ -67,7 +64,7 @@ static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t 
 	enum eco_code code = permutation && sorted ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", ordinal, count);
 
-	if (code == ECO_OK) {
+	if (!code) {
 		qsort(stored, count, sizeof *stored, compare_input);
 		memcpy(sorted, stored, count * sizeof *sorted);
 		eco_chunk_permutation(ordinal, count, permutation);
@@ -84,7 +81,6 @@ static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t 
 static enum eco_code sort_elements(const struct eco_chunk_input *input, struct stored *stored, struct eco_error *error)
 {
 	uint32_t count = input->end - input->first;
-
 	if (input->list->coder == ECO_CODER_ELEMENTS && input->first < KEPT_FIRST && count <= KEPT_MOST)
 		return keep_order(stored, count, input->ordinal, error);
 	qsort(stored, count, sizeof *stored, compare_stored);
@@ -103,7 +99,6 @@ static bool values_fit(const int32_t *values, size_t count)
 static bool exact_fits(const struct eco_elements *e, size_t corner_at, uint32_t corners)
 {
 	const int32_t most = ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT;
-
 	for (size_t i = 3 * corner_at; i < 3 * (corner_at + corners); i++)
 		if (e->position[i] > most || e->position[i] < -most)
 			return false;
@@ -115,8 +110,7 @@ static enum eco_code check_input(const struct eco_chunk_input *input, struct eco
 	const struct eco_list *list = input->list;
 	const struct eco_elements *e = input->elements;
 	enum eco_code code = eco_list_check_coding(list, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (input->first >= input->end || input->end > e->element_count)
 		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements [%u, %u) of %u cannot be a chunk", input->ordinal, input->first,
@@ -124,8 +118,8 @@ static enum eco_code check_input(const struct eco_chunk_input *input, struct eco
 	if (input->end - input->first > ECO_CHUNK_ELEMENTS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u elements, at most %u fit; end chunks earlier", input->ordinal,
 			input->end - input->first, ECO_CHUNK_ELEMENTS_MAX);
-	if (e->extra_count != eco_list_extra_count(list) || (e->extra_count > 0 && e->extra == NULL)
-	    || ((list->attributes & ECO_ATTR_UV) && e->uv == NULL))
+	if (e->extra_count != eco_list_extra_count(list) || (e->extra_count > 0 && !e->extra)
+	    || ((list->attributes & ECO_ATTR_UV) && !e->uv))
 		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements lack attributes that the list has", input->ordinal);
 	return ECO_OK;
 }
@@ -138,16 +132,14 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	struct stored *stored = calloc(count, sizeof *stored);
 	size_t corner_at = 0;
 	int32_t low[3] = { 0 };
-
 	*out = stored;
-	if (stored == NULL)
+	if (!stored)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
 	for (uint32_t i = 0; i < input->first; i++)
 		corner_at += e->corners[i];
 	for (uint32_t i = 0; i < count; i++) {
 		uint8_t corners = e->corners[input->first + i];
 		const int32_t *position = e->position + 3 * corner_at;
-
 		if (!eco_list_allows_corners(input->list, corners))
 			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which kind %u cannot have", input->ordinal,
 				input->first + i, corners, input->list->kind);
@@ -177,11 +169,10 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 	struct eco_chunk_rows rows;
 	enum eco_code code;
 	uint8_t *bytes;
-
 	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count, .shift = e->exact ? ECO_EXACT_SHIFT : 0 };
 	shape = eco_payload_shape(source->list, payload->coder, stream);
 	code = eco_rows_make(&rows, &shape, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	for (uint32_t i = 0; i < count; i++) {
 		size_t corner = stored[i].corner_at, element = source->first + stored[i].element;
@@ -194,7 +185,7 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 		eco_rows_put(&rows, i, &row);
 	}
 	code = eco_rows_encode(&rows, &bytes, &stream->size, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		stream->bytes = bytes;
 		stream->wide = rows.shape.wide;
 		stream->uv_shift = rows.shape.uv_shift;
@@ -210,7 +201,6 @@ static enum eco_code add_streams(struct eco_payload *payload, const struct eco_c
 	uint32_t count, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	for (uint32_t first = 0, end; code == ECO_OK && first < count; first = end) {
 		for (end = first + 1; end < count && stored[end].corners == stored[first].corners; end++)
 			;
@@ -225,8 +215,7 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 	uint32_t count = input->end - input->first;
 	bool permuted = input->list->coder == ECO_CODER_ELEMENTS;
 	uint32_t *permutation = permuted ? malloc(count * sizeof *permutation) : NULL;
-
-	if (permuted && permutation == NULL)
+	if (permuted && !permutation)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
 	if (permuted)
 		eco_chunk_permutation(input->ordinal, count, permutation);
@@ -250,9 +239,9 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
 		elements[i] = (struct eco_placed_element){ stored[i].element, stored[i].corner_at };
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_shapes_encode(input, elements, 8.0 * (double)*size / count, &payload.streams[0], error);
-	if (code == ECO_OK) {
+	if (!code) {
 		payload.stream_count = 1;
 		code = eco_payload_write(&payload, &smaller, &smaller_size, error);
 	}
@@ -277,12 +266,11 @@ static enum eco_code encode_mesh(const struct eco_chunk_input *input, const stru
 	size_t plain_size = 0;
 	bool fits;
 	enum eco_code code = eco_mesh_encode(input->list, input->elements, input->first, input->end, &mesh, &fits, error);
-
 	if (code == ECO_OK && fits)
 		code = eco_payload_write(&mesh, bytes, size, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = add_streams(&plain, input, stored, input->end - input->first, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_payload_write(&plain, &plain_bytes, &plain_size, error);
 	if (code == ECO_OK && (!fits || plain_size < *size)) {
 		free(*bytes);
@@ -303,28 +291,27 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	uint32_t count = input->end - input->first;
 	struct stored *stored = NULL;
 	enum eco_code code;
-
 	*bytes = NULL;
 	*size_bytes = 0;
 	assert(input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
-	assert(order == NULL || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
+	assert(!order || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
 	code = check_input(input, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_elements(input, &stored, error);
 	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
 		code = sort_elements(input, stored, error);
 	if (code == ECO_OK && payload.coder == ECO_CODER_MESH) {
 		code = encode_mesh(input, stored, bytes, size_bytes, error);
-	} else if (code == ECO_OK) {
+	} else if (!code) {
 		code = add_streams(&payload, input, stored, count, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = eco_payload_write(&payload, bytes, size_bytes, error);
 		if (code == ECO_OK && payload.coder == ECO_CODER_ELEMENTS && input->list->kind == ECO_LIST_TRIANGLES && input->elements->exact)
 			code = try_shapes(input, stored, bytes, size_bytes, error);
 	}
-	if (code == ECO_OK && order != NULL)
+	if (code == ECO_OK && order)
 		code = report_order(input, stored, order, error);
-	if (code != ECO_OK) {
+	if (code) {
 		free(*bytes);
 		*bytes = NULL;
 	}
@@ -358,26 +345,25 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 	uint32_t count = partner->end - partner->first;
 	struct stored *stored = NULL, *form = NULL;
 	enum eco_code code;
-
 	*bytes = NULL;
 	*size_bytes = 0;
 	code = check_input(partner, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_forms(partner, list, forms, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_input(&own, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_elements(partner, &stored, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_elements(&own, &form, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = sort_elements(partner, stored, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		for (uint32_t i = 0; i < count; i++)
 			stored[i] = form[stored[i].element];
 		code = add_stream(&payload, &own, stored, count, error);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_payload_write(&payload, bytes, size_bytes, error);
 	eco_payload_free_streams(&payload);
 	free(stored);

@@ -27,7 +27,6 @@ static int compare_turned(const void *left, const void *right)
 {
 	const struct turned *a = left, *b = right;
 	int order = compare_positions(a->position, b->position, 9);
-
 	return order != 0 ? order : a->index < b->index ? -1 : a->index > b->index;
 }
 
@@ -45,8 +44,7 @@ static void turn(struct turned *out, const int32_t *position, uint32_t index)
 static struct turned *turn_all(const int32_t *position, uint32_t triangles)
 {
 	struct turned *turned = malloc(triangles * sizeof *turned);
-
-	if (turned == NULL)
+	if (!turned)
 		return NULL;
 	for (uint32_t i = 0; i < triangles; i++)
 		turn(&turned[i], position + 9 * (size_t)i, i);
@@ -62,13 +60,12 @@ static struct match *match_triangles(const int32_t *input, const int32_t *decode
 {
 	struct turned *a = turn_all(input, triangles), *b = turn_all(decoded, triangles);
 	struct match *matches = malloc(triangles * sizeof *matches);
-
 	*same = true;
-	if (a == NULL || b == NULL) {
+	if (!a || !b) {
 		free(matches);
 		matches = NULL;
 	}
-	for (uint32_t i = 0; matches != NULL && i < triangles; i++) {
+	for (uint32_t i = 0; matches && i < triangles; i++) {
 		if (compare_positions(a[i].position, b[i].position, 9) != 0) {
 			*same = false;
 			free(matches);
@@ -88,7 +85,6 @@ static int compare_corners(const void *left, const void *right)
 {
 	const struct corner *a = left, *b = right;
 	int order = compare_positions(a->position, b->position, 3);
-
 	return order != 0 ? order : a->index < b->index ? -1 : a->index > b->index;
 }
 
@@ -98,8 +94,7 @@ static enum eco_code weld(const int32_t *position, uint32_t corner_count, int32_
 	uint32_t *vertex_count, struct eco_error *error)
 {
 	struct corner *corners = malloc(corner_count * sizeof *corners);
-
-	if (corners == NULL)
+	if (!corners)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u corners", corner_count);
 	for (uint32_t i = 0; i < corner_count; i++) {
 		memcpy(corners[i].position, position + 3 * (size_t)i, sizeof corners[i].position);
@@ -120,10 +115,8 @@ static bool narrow(const int32_t *position, uint32_t corner_count)
 {
 	for (int axis = 0; axis < 3; axis++) {
 		int32_t low = position[axis], high = position[axis];
-
 		for (uint32_t i = 1; i < corner_count; i++) {
 			int32_t v = position[3 * (size_t)i + axis];
-
 			low = v < low ? v : low;
 			high = v > high ? v : high;
 		}
@@ -144,7 +137,6 @@ static enum eco_code side_make(struct side *side, const struct eco_list *list, u
 {
 	uint32_t extra_count = eco_list_extra_count(list), per_row = 0;
 	int32_t *at;
-
 	memset(side, 0, sizeof *side);
 	if (list->attributes & ECO_ATTR_UV)
 		for (int c = 0; c < 3; c++)
@@ -155,7 +147,7 @@ static enum eco_code side_make(struct side *side, const struct eco_list *list, u
 	for (uint32_t i = 0; i < side->column_count; i++)
 		per_row += side->columns[i].components;
 	at = side->storage = calloc((size_t)per_row * triangles, sizeof *at);
-	if (at == NULL)
+	if (!at)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles", triangles);
 	for (uint32_t i = 0; i < side->column_count; i++) {
 		side->columns[i].values = at;
@@ -174,7 +166,7 @@ struct uv_memory {
 static enum eco_code uv_memory_make(struct uv_memory *memory, uint32_t triangles, struct eco_error *error)
 {
 	*memory = (struct uv_memory){ calloc(3 * (size_t)triangles, sizeof *memory->uv), calloc(3 * (size_t)triangles, 1), { 0, 0 } };
-	if (memory->uv == NULL || memory->seen == NULL)
+	if (!memory->uv || !memory->seen)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for texture coordinates of %u triangles", triangles);
 	return ECO_OK;
 }
@@ -205,18 +197,14 @@ static enum eco_code encode_side(const struct eco_list *list, const struct eco_e
 	struct side side;
 	enum eco_code code = side_make(&side, list, triangles, error), memory_code = uv_memory_make(&memory, triangles, error);
 	uint8_t *bytes;
-
 	code = code != ECO_OK ? code : memory_code;
 	for (uint32_t i = 0; code == ECO_OK && i < triangles; i++) {
 		size_t triangle = first + (size_t)matches[i].triangle;
-
 		for (uint32_t c = 0; c < 3 && side.extra_first > 0; c++) {
 			const int32_t *uv = e->uv + 2 * (3 * triangle + (c + matches[i].corner) % 3);
 			const int32_t *known = uv_recall(&memory, vertex[3 * (size_t)i + c]);
-
 			for (int k = 0; k < 2; k++) {
 				int32_t v = uv[k] - known[k];
-
 				side.columns[c].values[2 * (size_t)i + k] = v;
 				*fits &= v <= ECO_DRACO_VALUE_MAX && v >= -ECO_DRACO_VALUE_MAX;
 			}
@@ -224,7 +212,6 @@ static enum eco_code encode_side(const struct eco_list *list, const struct eco_e
 		}
 		for (uint32_t k = 0; k < e->extra_count; k++) {
 			int32_t v = e->extra[e->extra_count * triangle + k];
-
 			side.columns[side.extra_first + k].values[i] = v;
 			*fits &= v <= ECO_DRACO_VALUE_MAX / 2 && v >= -ECO_DRACO_VALUE_MAX / 2;
 		}
@@ -265,12 +252,11 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 	uint32_t vertex_count = 0, corner_count = 3 * triangles;
 	uint8_t *bytes;
 	enum eco_code code;
-
 	s->vertices = malloc(sizeof(int32_t) * 3 * corner_count);
 	s->decoded = malloc(sizeof(int32_t) * 3 * corner_count);
 	s->index = malloc(sizeof(uint32_t) * corner_count);
 	s->vertex = malloc(sizeof(uint32_t) * corner_count);
-	if (s->vertices == NULL || s->decoded == NULL || s->index == NULL || s->vertex == NULL)
+	if (!s->vertices || !s->decoded || !s->index || !s->vertex)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles", triangles);
 	code = weld(position, corner_count, s->vertices, s->index, &vertex_count, error);
 	for (uint32_t i = 0; code == ECO_OK && i < triangles; i++)
@@ -288,7 +274,7 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 	if (!*fits)
 		return ECO_OK;
 	s->matches = match_triangles(position, s->decoded, triangles, fits);
-	if (s->matches == NULL && *fits)
+	if (!s->matches && *fits)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles", triangles);
 	return ECO_OK;
 }
@@ -300,7 +286,6 @@ enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elem
 	struct eco_stream *side = payload->streams, *mesh = payload->streams + (list->attributes != 0);
 	struct scratch s = { 0 };
 	enum eco_code code;
-
 	payload->stream_count = list->attributes != 0 ? 2 : 1;
 	side->corners = 1;
 	mesh->corners = 3;
@@ -321,19 +306,16 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 	enum eco_code code = side_make(&side, list, e->element_count, error);
 	enum eco_code memory_code = uv_memory_make(&memory, e->element_count, error);
 	bool good = true;
-
 	code = code != ECO_OK ? code : memory_code;
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_draco_decode_rows(ECO_DRACO_SEQUENTIAL, stream->bytes, stream->size, side.columns, side.column_count,
 			e->element_count, error);
 	for (uint32_t i = 0; code == ECO_OK && good && i < e->element_count; i++) {
 		for (uint32_t c = 0; c < 3 && side.extra_first > 0; c++) {
 			int32_t *uv = e->uv + 2 * (3 * (size_t)i + c);
 			const int32_t *known = uv_recall(&memory, vertex[3 * (size_t)i + c]);
-
 			for (int k = 0; k < 2; k++) {
 				int64_t v = (int64_t)side.columns[c].values[2 * (size_t)i + k] + known[k];
-
 				good &= v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 				uv[k] = good ? (int32_t)v : 0;
 			}
@@ -341,7 +323,6 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 		}
 		for (uint32_t k = 0; k < e->extra_count; k++) {
 			int32_t v = side.columns[side.extra_first + k].values[i];
-
 			good &= v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 			e->extra[e->extra_count * (size_t)i + k] = v;
 		}
@@ -359,8 +340,7 @@ enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payl
 	const struct eco_stream *mesh = &payload->streams[payload->stream_count - 1];
 	uint32_t *vertex = malloc(sizeof(uint32_t) * 3 * elements->element_count);
 	enum eco_code code;
-
-	if (vertex == NULL)
+	if (!vertex)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles", elements->element_count);
 	memset(elements->corners, 3, elements->element_count);
 	code = eco_draco_decode_mesh(mesh->bytes, mesh->size, mesh->elements, elements->position, vertex, error);

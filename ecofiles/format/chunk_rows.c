@@ -37,7 +37,6 @@ static int64_t floor_eighth(int64_t v)
 static int32_t predict(unsigned predictor, const int32_t *position, unsigned corner, unsigned axis)
 {
 	int64_t sum = 0;
-
 	if (predictor == 0)
 		return 0;
 	for (unsigned back = 1; back <= 4 && back < corner; back++)
@@ -66,7 +65,6 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 {
 	uint32_t per_row = 0;
 	int32_t *at;
-
 	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count <= ECO_ROWS_EXTRA_MAX);
 	memset(rows, 0, sizeof *rows);
 	rows->shape = *shape;
@@ -83,7 +81,7 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 		per_row += rows->columns[i].components;
 	per_row += shape->ground_columns > 0;
 	rows->storage = calloc((size_t)per_row * shape->rows, sizeof *rows->storage);
-	if (rows->storage == NULL)
+	if (!rows->storage)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", shape->rows);
 	at = rows->storage;
 	for (uint32_t i = 0; i < rows->column_count; i++) {
@@ -108,7 +106,6 @@ void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_ro
 {
 	const struct eco_rows_shape *s = &rows->shape;
 	const struct eco_draco_column *column = rows->columns;
-
 	assert(row < s->rows);
 	for (unsigned axis = 0; s->split && axis < 3; axis++, column++)
 		column->values[row] = element->position[axis];
@@ -129,7 +126,6 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 	const struct eco_rows_shape *s = &rows->shape;
 	const struct eco_draco_column *column = rows->columns;
 	bool good = true;
-
 	assert(row < s->rows);
 	for (unsigned axis = 0; s->split && axis < 3; axis++, column++) {
 		element->position[axis] = column->values[row];
@@ -137,10 +133,8 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 	}
 	for (unsigned k = 0; !s->split && k < s->corners; k++, column++) {
 		unsigned predictor = predictor_of(s->predictors, k);
-
 		for (unsigned axis = 0; axis < 3; axis++) {
 			int32_t v = column->values[3 * (size_t)row + axis];
-
 			if (k > 0)
 				v = plus(v, plus(element->position[axis], predict(predictor, element->position, k, axis)));
 			element->position[3 * k + axis] = v;
@@ -149,14 +143,12 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 	}
 	for (unsigned i = 0; s->shift > 0 && i < 3u * s->corners; i++) {
 		int64_t v = (int64_t)element->position[i] * (1 << s->shift);
-
 		good &= v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 		element->position[i] = good ? (int32_t)v : 0;
 	}
 	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++) {
 			int32_t v = (int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);
-
 			element->uv[2 * k + axis] = k == 0 ? v : plus(v, element->uv[2 * (k - 1) + axis]);
 			good &= in_bounds(element->uv[2 * k + axis]);
 		}
@@ -178,11 +170,9 @@ static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corne
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
 	uint32_t step = rows->shape.rows / 2048 + 1;
 	uint64_t bits = 0;
-
 	for (uint32_t row = 0; row < rows->shape.rows; row += step)
 		for (unsigned axis = 0; axis < 3; axis++) {
 			int32_t v;
-
 			for (unsigned k = 1; k <= corner; k++)
 				position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
 			v = minus(position[3 * corner + axis], predict(predictor, position, corner, axis));
@@ -194,14 +184,11 @@ static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corne
 static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 {
 	uint16_t chosen = 0;
-
 	for (unsigned corner = 2; corner < rows->shape.corners; corner++) {
 		unsigned best = 0;
 		uint64_t best_cost = predictor_cost(rows, corner, 0);
-
 		for (unsigned p = 1; p < ECO_ROWS_PREDICTORS; p++) {
 			uint64_t cost = predictor_cost(rows, corner, p);
-
 			if (cost < best_cost) {
 				best = p;
 				best_cost = cost;
@@ -217,14 +204,11 @@ static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 static void take_predictions(struct eco_chunk_rows *rows)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
-
 	for (unsigned corner = rows->shape.corners - 1u; corner >= 2; corner--) {
 		unsigned predictor = predictor_of(rows->shape.predictors, corner);
-
 		for (uint32_t row = 0; predictor != 0 && row < rows->shape.rows; row++)
 			for (unsigned axis = 0; axis < 3; axis++) {
 				int32_t *v = &rows->columns[corner].values[3 * (size_t)row + axis];
-
 				for (unsigned k = 1; k < corner; k++)
 					position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
 				*v = minus(*v, predict(predictor, position, corner, axis));
@@ -238,7 +222,6 @@ static void take_uv_shift(struct eco_chunk_rows *rows)
 	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv ? rows->shape.corners : 0, all = 0;
 	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: adjacent */
 	size_t total = 2 * (size_t)rows->shape.rows * count;
-
 	for (size_t i = 0; i < total; i++)
 		all |= (uint32_t)values[i];
 	while (rows->shape.uv_shift < 15 && all != 0 && !(all >> rows->shape.uv_shift & 1))
@@ -252,7 +235,6 @@ static int32_t ground_height(const struct eco_chunk_rows *rows, uint32_t row)
 {
 	const int32_t *x = rows->columns[0].values, *z = rows->columns[2].values;
 	uint32_t columns = rows->shape.ground_columns;
-
 	if (row == 0)
 		return 0;
 	if (x[row] <= x[row - 1])
@@ -265,7 +247,6 @@ static int32_t ground_place(const struct eco_chunk_rows *rows, uint32_t row, uns
 {
 	const int32_t *values = rows->columns[axis].values;
 	uint32_t columns = rows->shape.ground_columns;
-
 	if (axis == 0)
 		return row >= columns ? values[row - columns] : 0;
 	return row % columns > 0 ? values[row - 1] : 0;
@@ -278,7 +259,6 @@ static void take_low_bits(struct eco_chunk_rows *rows)
 	struct eco_draco_column *low = &rows->columns[rows->column_count];
 	int32_t *z = rows->columns[2].values;
 	uint32_t zeros[16] = { 0 };
-
 	if (rows->shape.ground_columns == 0)
 		return;
 	for (uint32_t row = 0; row < rows->shape.rows; row++)
@@ -299,7 +279,6 @@ static void give_low_bits(struct eco_chunk_rows *rows)
 {
 	const struct eco_draco_column *low = &rows->columns[rows->column_count - 1];
 	int32_t *z = rows->columns[2].values;
-
 	if (rows->shape.ground_columns == 0 || rows->shape.uv_shift == 0)
 		return;
 	for (uint32_t row = 0; row < rows->shape.rows; row++)
@@ -331,7 +310,6 @@ static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bo
 {
 	size_t count = (size_t)column->components * rows;
 	int32_t low = column->values[0], high = column->values[0];
-
 	for (size_t k = 1; k < count; k++) {
 		low = column->values[k] < low ? column->values[k] : low;
 		high = column->values[k] > high ? column->values[k] : high;
@@ -349,14 +327,13 @@ static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_
 		bool values_fit, differences_fit;
 		enum eco_code code = ECO_OK;
 		size_t plain = SIZE_MAX, difference = SIZE_MAX;
-
 		find_bounds(column, rows->shape.rows, &values_fit, &differences_fit);
 		as_difference.difference = true;
 		if (values_fit)
 			code = eco_draco_column_size(column, rows->shape.rows, &plain, error);
 		if (code == ECO_OK && differences_fit)
 			code = eco_draco_column_size(&as_difference, rows->shape.rows, &difference, error);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		column->difference = difference < plain;
 		if (!values_fit && !differences_fit)
@@ -371,16 +348,14 @@ static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_
 {
 	size_t total = 0;
 	int32_t *at;
-
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		total += (size_t)rows->columns[i].components * rows->shape.rows;
 	at = *storage = calloc(2 * total, sizeof **storage);
-	if (at == NULL)
+	if (!at)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", rows->shape.rows);
 	for (uint32_t half = 0; half < 2; half++)
 		for (uint32_t i = 0; i < rows->column_count; i++) {
 			struct eco_draco_column *c = &columns[half * rows->column_count + i];
-
 			*c = rows->columns[i];
 			c->values = at;
 			at += (size_t)c->components * rows->shape.rows;
@@ -393,7 +368,6 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
 	enum eco_code code;
-
 	rows->shape.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
@@ -401,15 +375,14 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 	code = choose_differences(rows, error);
 	if (code == ECO_OK && !rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count, rows->shape.rows, bytes, size, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = wide_columns(rows, wide, &storage, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++) {
 			uint32_t v = (uint32_t)rows->columns[i].values[k];
 			uint32_t high = v >> 16;
-
 			wide[i].values[k] = high < 0x8000 ? (int32_t)high : (int32_t)high - 0x10000;
 			wide[rows->column_count + i].values[k] = (int32_t)(v & 0xffff);
 		}
@@ -423,8 +396,7 @@ static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *byt
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
 	enum eco_code code = wide_columns(rows, wide, &storage, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count, rows->shape.rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
 		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++)
@@ -437,7 +409,6 @@ static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *byt
 enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	enum eco_code code;
-
 	for (unsigned k = 2; k < 6; k++)
 		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
 			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
@@ -446,7 +417,7 @@ enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes,
 		code = decode_wide(rows, bytes, size, error);
 	else
 		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count, rows->shape.rows, error);
-	if (code == ECO_OK)
+	if (!code)
 		give_ground(rows);
 	return code;
 }

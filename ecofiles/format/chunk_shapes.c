@@ -55,7 +55,6 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 static int32_t code_number(struct eco_shapes_codec *c, struct eco_bit *models, int32_t value, int32_t low, int32_t high)
 {
 	int32_t v = eco_range_number(&c->range, models, value);
-
 	if (v < low || v > high) {
 		c->failed = true;
 		return low > 0 ? low : high < 0 ? high : 0;
@@ -75,7 +74,6 @@ static void code_span(struct eco_shapes_codec *c, struct eco_span *s)
 static uint32_t common_shift(const struct eco_shapes *shapes)
 {
 	uint32_t any = 1u << 12;
-
 	for (uint32_t i = 0; i < shapes->count; i++)
 		for (uint32_t k = 0; k < 3u * shapes->items[i].corners; k++)
 			any |= (uint32_t)shapes->items[i].position[k];
@@ -85,13 +83,11 @@ static uint32_t common_shift(const struct eco_shapes *shapes)
 static void code_shape(struct eco_shapes_codec *c, struct eco_shape *s, uint32_t shift)
 {
 	const int32_t most = ECO_SHAPE_COORDINATE_MAX >> shift;
-
 	s->corners = (uint8_t)(3 + eco_range_raw(&c->range, 2, s->corners - 3u));
 	for (uint32_t k = 0; k < 3u * s->corners; k++)
 		s->position[k] = code_number(c, k % 3 == 2 ? c->flat : c->number, s->position[k] / (1 << shift), -most, most) * (1 << shift);
 	for (uint32_t k = 0; c->uv && k < 2u * s->corners; k++) {
 		int32_t before = k < 2 ? 0 : s->uv[k - 2];
-
 		s->uv[k] = before + code_number(c, c->texture[k & 1], s->uv[k] - before, -UV_MAX - before, UV_MAX - before);
 	}
 }
@@ -99,7 +95,6 @@ static void code_shape(struct eco_shapes_codec *c, struct eco_shape *s, uint32_t
 static void code_shapes(struct eco_shapes_codec *c)
 {
 	struct eco_shapes *s = &c->shapes;
-
 	s->count = (uint32_t)eco_range_raw(&c->range, 7, s->count);
 	if (s->count > ECO_SHAPES_MAX)
 		c->failed = true;
@@ -130,13 +125,11 @@ static void code_shapes(struct eco_shapes_codec *c)
 static void code_trends(struct eco_shapes_codec *c, uint32_t m)
 {
 	struct eco_shapes_head *h = &c->head;
-
 	h->trends[m] = (uint8_t)eco_range_raw(&c->range, 2, h->trends[m]);
 	for (uint32_t t = 0; t < h->trends[m]; t++)
 		for (uint32_t k = 2; k < m + 3; k++)
 			for (uint32_t j = 0; j < eco_corner_bases(k); j++) {
 				int32_t usual = j + 1 < k ? 1 << ECO_WEIGHT_BITS : 0, *weight = &h->trend[m][t].weight[k][j];
-
 				*weight = usual + code_number(c, c->weight, *weight - usual, -ECO_WEIGHT_MAX - usual, ECO_WEIGHT_MAX - usual);
 			}
 }
@@ -144,7 +137,6 @@ static void code_trends(struct eco_shapes_codec *c, uint32_t m)
 void eco_shapes_code_head(struct eco_shapes_codec *c)
 {
 	struct eco_shapes_head *h = &c->head;
-
 	h->sorted = eco_range_raw(&c->range, 1, h->sorted);
 	for (uint32_t i = 0; i < 3; i++)
 		h->first[i].low = code_number(c, c->number, h->first[i].low, -COARSE_MAX, COARSE_MAX);
@@ -184,7 +176,6 @@ static uint32_t gather(uint64_t v)
 static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, uint32_t most, uint32_t value)
 {
 	uint32_t n = 0;
-
 	while (n < most && eco_range_bit(&c->range, &models[n < ECO_STEPS_MODELLED ? n : ECO_STEPS_MODELLED - 1], n < value))
 		n++;
 	return n;
@@ -199,7 +190,6 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 	bool back = eco_range_bit(&c->range, &c->back, key < c->key);
 	uint64_t gap = back ? c->key - key : key - c->key;
 	uint32_t length = eco_bit_length(gap);
-
 	if (eco_range_bit(&c->range, &c->above, length > usual))
 		length = usual + 1 + code_steps(c, c->up, bits - (usual < bits ? usual + 1 : bits), length - usual - 1);
 	else
@@ -224,7 +214,6 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t first[3])
 {
 	uint32_t width = c->head.first[0].bits, bits = width < KEY_BITS ? width : KEY_BITS, rest = width - bits;
-
 	if (corners != c->corners)
 		c->key = 0;
 	c->corners = corners;
@@ -250,10 +239,8 @@ static int64_t lead_of(const struct eco_shapes *s, const int32_t *offset, uint32
 void eco_shapes_first(const struct eco_shapes *s, const struct eco_placing *placing, const int32_t *offset, int64_t first[3], uint32_t rest[3])
 {
 	uint32_t finer = ECO_EXACT_SHIFT - s->place_shift;
-
 	for (uint32_t i = 0; i < 3; i++) {
 		int64_t from = placing->center[i] + lead_of(s, offset, i) + (1 << finer >> 1);
-
 		first[i] = from >> finer;
 		rest[i] = (uint32_t)(from & ((1 << finer) - 1));
 	}
@@ -263,7 +250,6 @@ static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const in
 {
 	uint32_t finer = ECO_EXACT_SHIFT - c->shapes.place_shift, first[3] = { 0 }, rest[3] = { 0 };
 	int64_t at[3];
-
 	if (c->range.writer)
 		eco_shapes_first(&c->shapes, &l->placing, offset, at, rest);
 	for (uint32_t i = 0; i < 3 && c->range.writer; i++)
@@ -273,7 +259,6 @@ static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const in
 
 	for (uint32_t i = 0; i < 3; i++) {
 		int64_t from = (int64_t)first[i] + c->head.first[i].low;
-
 		from = from * (1 << finer) + (all >> i * finer & ((1u << finer) - 1)) - (1 << finer >> 1) - lead_of(&c->shapes, offset, i);
 		if (from > 2 * (int64_t)ECO_ROWS_VALUE_MAX || from < -2 * (int64_t)ECO_ROWS_VALUE_MAX) {
 			c->failed = true;
@@ -294,7 +279,6 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 	struct eco_placing *p = &l->placing;
 	uint32_t way = c->shapes.way_bits + 1u, sizes = c->shapes.stretch == ECO_STRETCH_NONE ? 1 : c->shapes.stretch == ECO_STRETCH_ALL ? 3 : 2;
 	int32_t offset[3 * ECO_CORNERS_MAX];
-
 	l->corners = shape->corners;
 	for (uint32_t i = 0; i < 2; i++)
 		p->way[i] = (int32_t)eco_range_field(&c->range, c->way[i], ECO_WAY_MODELLED, way, (uint32_t)p->way[i]);
@@ -314,7 +298,6 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 uint32_t eco_corners_slot(const struct eco_shapes_codec *c, const int32_t key[3])
 {
 	uint32_t slot = ((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu ^ (uint32_t)key[2] * 0xc2b2ae35u);
-
 	slot = (slot ^ slot >> 15) & c->slot_mask;
 	while (c->slots[slot] != UINT32_MAX && memcmp(c->keys + 3 * (size_t)c->slots[slot], key, 3 * sizeof *key) != 0)
 		slot = (slot + 1) & c->slot_mask;
@@ -334,7 +317,6 @@ static void remember(struct eco_shapes_codec *c, const struct eco_leaf *l, uint3
 static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k)
 {
 	uint32_t ago = c->seen_count - l->found[k], bits = eco_bit_length(ago);
-
 	if (!eco_range_bit(&c->range, &c->again[k], l->found[k] != UINT32_MAX))
 		return false;
 	bits = eco_range_tree(&c->range, c->back_bits, 5, bits) & 31;
@@ -351,7 +333,6 @@ static void code_corner(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t
 {
 	int32_t *miss = l->miss + 3 * k, *at = l->position + 3 * k;
 	int64_t guess[3];
-
 	for (uint32_t i = 0; i < 3; i++)
 		miss[i] = eco_range_near(&c->range, &c->near, &c->miss[k][i], miss[i]);
 	if (l->trend < c->head.trends[l->corners - 3]) {
@@ -361,7 +342,6 @@ static void code_corner(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t
 	} else {
 		for (uint32_t i = 0; i < 3; i++) {
 			int64_t v = at[(int32_t)i - 3] + (int64_t)miss[i] * (1 << ECO_EXACT_SHIFT);
-
 			c->failed |= v > ECO_ROWS_VALUE_MAX || v < -ECO_ROWS_VALUE_MAX;
 			at[i] = (int32_t)v;
 		}
@@ -372,14 +352,12 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t first[3];
 	struct eco_frame frame = { .of = 0 };
-
 	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u) & 3));
 	for (uint32_t i = 0; i < 3; i++)
 		first[i] = c->range.writer ? (uint32_t)(l->coarse[i] - c->head.first[i].low) : 0;
 	code_first(c, l->corners, first);
 	for (uint32_t i = 0; i < 3 && !c->failed; i++) {
 		int64_t v = (int64_t)first[i] + c->head.first[i].low;
-
 		c->failed = v > COARSE_MAX || v < -COARSE_MAX;
 		l->position[i] = c->failed ? 0 : (int32_t)v * (1 << ECO_EXACT_SHIFT);
 	}
@@ -405,7 +383,6 @@ static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
 	for (uint32_t i = 0; i < 2u * l->corners; i++) {
 		int64_t guess = i < 2 ? c->uv_before[i] : (int64_t)l->uv[i - 2] + c->uv_before[i] - c->uv_before[i - 2];
 		int64_t v = guess + eco_range_number(&c->range, c->texture[i & 1], c->range.writer ? (int32_t)(l->uv[i] - guess) : 0);
-
 		if (v > UV_MAX || v < -UV_MAX) {
 			c->failed = true;
 			return;
@@ -418,7 +395,6 @@ static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
 void eco_shapes_code_leaf(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t kinds = eco_bit_length(c->shapes.count);
-
 	l->shape = eco_range_tree(&c->range, c->kind, kinds, l->shape) & ((1u << kinds) - 1);
 	if (l->shape > c->shapes.count) {
 		c->failed = true;
@@ -446,10 +422,9 @@ enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_st
 	struct eco_shapes_codec *c = calloc(1, sizeof *c);
 	struct eco_shape *shapes = calloc(ECO_SHAPES_MAX, sizeof *shapes);
 	size_t corner = 0, primitives = 0;
-
 	if (c)
 		c->seen = malloc(3 * sizeof *c->seen * ((size_t)stored->corner_count + ECO_CORNERS_MAX));
-	if (c == NULL || c->seen == NULL || shapes == NULL) {
+	if (!c || !c->seen || !shapes) {
 		if (c)
 			free(c->seen);
 		free(c);
@@ -464,7 +439,6 @@ enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_st
 	eco_shapes_code_head(c);
 	for (uint32_t i = 0; i < stored->element_count && !c->failed; i++) {
 		struct eco_leaf l = { .shape = 0 };
-
 		eco_shapes_code_leaf(c, &l);
 		if (c->failed || corner + l.corners > stored->corner_count) {
 			c->failed = true;

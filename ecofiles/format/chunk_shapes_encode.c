@@ -42,7 +42,6 @@ static bool find_shapes(struct encoding *c)
 	size_t *at = malloc(c->count * sizeof *at);
 	uint32_t *by_element = malloc(c->count * sizeof *by_element);
 	bool good = at && by_element;
-
 	for (uint32_t i = 0; good && i < c->count; i++)
 		at[c->elements[i].element] = c->elements[i].corner_at;
 	good = good && eco_shapes_find(&c->codec.shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
@@ -66,10 +65,8 @@ static double cost_of(const struct encoding *c, const struct eco_shapes *shapes,
 	uint32_t step = c->count / UNITS_SAMPLE + 1, placed = 0, left = 0;
 	int32_t low[3], high[3];
 	double width = 2.0 * (shapes->way_bits + 1) + shapes->roll_bits + 2 - 3.0 * shapes->place_shift;
-
 	for (uint32_t i = 0; i < c->count; i += step) {
 		struct eco_placing p;
-
 		if (c->of[i] == ECO_SHAPE_NONE)
 			continue;
 		if (!eco_shape_fit(shapes, &shapes->items[c->of[i]], exact_of(c, i), &p)) {
@@ -106,15 +103,12 @@ static void choose_steps(struct encoding *c, double soup_bits)
 {
 	struct eco_shapes best = c->codec.shapes;
 	double least = cost_of(c, &best, soup_bits);
-
 	for (bool better = true; better;) {
 		const struct eco_shapes from = best;
-
 		better = false;
 		for (int kind = 0; kind < 6; kind++) {
 			struct eco_shapes tried = from;
 			double cost = coarsen(&tried, kind) ? cost_of(c, &tried, soup_bits) : INFINITY;
-
 			if (cost < least) {
 				least = cost;
 				best = tried;
@@ -131,7 +125,6 @@ static void measure_first(struct encoding *c)
 	struct eco_shapes_head *h = &c->codec.head;
 	int32_t low[3], high[3];
 	uint32_t widest = 0;
-
 	for (uint32_t i = 0; i < c->count; i++)
 		for (uint32_t k = 0; k < 3; k++)
 			widen(low, high, k, corner_of(c, i)[k], i == 0);
@@ -148,7 +141,6 @@ static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing 
 	int32_t offset[3 * ECO_CORNERS_MAX];
 	int64_t first[3];
 	uint32_t rest[3];
-
 	if (!eco_shape_turn(&c->shapes, shape, p, offset))
 		return false;
 	eco_shapes_first(&c->shapes, p, offset, first, rest);
@@ -161,10 +153,8 @@ static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing 
 static void place_all(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;
-
 	for (uint32_t i = 0; i < e->count; i++) {
 		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL : &c->shapes.items[e->of[i]];
-
 		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
 			e->of[i] = ECO_SHAPE_NONE;
 	}
@@ -174,7 +164,6 @@ static void measure_extra(struct encoding *e)
 {
 	const struct eco_elements *from = e->input->elements;
 	int32_t low[ECO_ROWS_EXTRA_MAX], high[ECO_ROWS_EXTRA_MAX];
-
 	for (uint32_t k = 0; k < from->extra_count; k++) {
 		for (uint32_t i = 0; i < e->count; i++)
 			widen(low, high, k, from->extra[(size_t)from->extra_count * (e->input->first + i) + k], i == 0);
@@ -187,12 +176,10 @@ static bool find_trends(struct encoding *e)
 {
 	uint32_t step = e->count / UNITS_SAMPLE + 1;
 	const int32_t **at = malloc((e->count / step + 1) * sizeof *at);
-
 	bool good = at != NULL;
 
 	for (uint32_t corners = 3; good && corners <= ECO_CORNERS_MAX; corners++) {
 		uint32_t count = 0;
-
 		for (uint32_t i = 0; i < e->count; i += step)
 			if (e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners)
 				at[count++] = exact_of(e, i);
@@ -222,7 +209,6 @@ static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
 static uint8_t write_all(struct encoding *e, struct eco_writer *w, bool sorted)
 {
 	struct eco_shapes_codec *c = &e->codec;
-
 	c->head.sorted = sorted;
 	c->extra_count = e->input->elements->extra_count;
 	c->uv = e->input->elements->uv != NULL;
@@ -231,7 +217,6 @@ static uint8_t write_all(struct encoding *e, struct eco_writer *w, bool sorted)
 	eco_shapes_code_head(c);
 	for (uint32_t i = 0; i < e->count; i++) {
 		struct eco_leaf l = leaf_of(e, i);
-
 		if (l.shape == c->shapes.count)
 			eco_corners_plan(c, &l);
 		eco_shapes_code_leaf(c, &l);
@@ -244,7 +229,6 @@ static void measure_sizes(struct encoding *e)
 {
 	int32_t low[3] = { 0 }, high[3] = { 0 };
 	bool first = true;
-
 	for (uint32_t i = 0; i < e->count; i++) {
 		for (uint32_t k = 0; k < 3 && e->of[i] != ECO_SHAPE_NONE; k++)
 			widen(low, high, k, e->placing[i].size[k], first);
@@ -260,8 +244,7 @@ static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *s
 	struct eco_writer w = { 0 };
 	uint8_t zeros = write_all(e, &w, sorted);
 	bool good = !w.failed;
-
-	if (good && (stream->bytes == NULL || w.size < stream->size)) {
+	if (good && (!stream->bytes || w.size < stream->size)) {
 		free((void *)stream->bytes);
 		*stream = (struct eco_stream){ .zeros = zeros, .bytes = w.bytes, .size = w.size };
 		w.bytes = NULL;
@@ -276,10 +259,8 @@ static bool write_smallest(struct encoding *e, struct eco_stream *stream)
 {
 	static const uint32_t uses[] = { 1, 8, 24, UINT32_MAX };
 	bool good = true;
-
 	for (size_t i = 0; i < sizeof uses / sizeof *uses && good; i++) {
 		uint32_t before = e->codec.shapes.count;
-
 		eco_shapes_keep(&e->codec.shapes, e->of, e->count, uses[i]);
 		if (i > 0 && e->codec.shapes.count == before)
 			continue;
@@ -296,7 +277,6 @@ static bool make_seen(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;
 	size_t corners = 0;
-
 	for (uint32_t i = 0; i < e->count; i++)
 		corners += corners_of(e, i);
 	c->slot_mask = 1;
@@ -313,7 +293,6 @@ enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struc
 {
 	struct encoding *e = calloc(1, sizeof *e);
 	bool good = e != NULL;
-
 	*stream = (struct eco_stream){ .size = 0 };
 	if (good) {
 		e->input = input;

@@ -142,7 +142,6 @@ enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &ex
 	for (uint32_t i = 0; i < expected.column_count; i++) {
 		const draco::PointAttribute *a = cloud.attribute(i);
 		const size_t want = sizeof(int32_t) * expected.columns[i].components * static_cast<size_t>(expected.rows);
-
 		if (!a->is_mapping_identity() || a->size() < expected.rows || a->buffer()->data_size() < want)
 			return refuse(error, ECO_DAMAGED, "rows are missing", "");
 		a->buffer()->Read(0, expected.columns[i].values, want);
@@ -181,7 +180,6 @@ enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *posit
 bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
 {
 	uint64_t v = 0;
-
 	for (int shift = 0; shift < 35; shift += 7) {
 		if (*at >= size)
 			return false;
@@ -212,7 +210,6 @@ bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bou
 	const size_t size = static_cast<size_t>(buffer.remaining_size());
 	size_t at = 0;
 	uint32_t first, second, symbols, splits;
-
 	if (!varint(bytes, size, &at, &first) || !varint(bytes, size, &at, &second))
 		return false;
 	const uint32_t faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
@@ -276,7 +273,6 @@ enum eco_code take_foreign_faces(const draco::Mesh &mesh, struct eco_draco_mesh 
 	for (uint32_t f = 0; f < to->faces; f++)
 		for (int c = 0; c < 3; c++) {
 			const uint32_t point = mesh.face(draco::FaceIndex(f))[c].value();
-
 			if (point >= to->points)
 				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
 			to->index[3 * static_cast<size_t>(f) + c] = point;
@@ -287,7 +283,6 @@ enum eco_code take_foreign_faces(const draco::Mesh &mesh, struct eco_draco_mesh 
 enum eco_code take_foreign_values(draco::Mesh *mesh, struct eco_draco_attribute *to, struct eco_error *error)
 {
 	const int32_t id = mesh->GetAttributeIdByUniqueId(to->id);
-
 	if (id < 0)
 		return refuse(error, ECO_DAMAGED, "an attribute is missing", "");
 	draco::PointAttribute *a = mesh->attribute(id);
@@ -377,7 +372,6 @@ bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
 	size_t at = sizeof head + 1;
 	uint32_t vertices, count, symbols, splits;
-
 	if (size <= at || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] != 0 && bytes[11] != 2))
 		return false;
 	if (!varint(bytes, size, &at, &vertices) || !varint(bytes, size, &at, &count))
@@ -449,7 +443,6 @@ static bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, u
 {
 	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
 	uint32_t field[2] = { 0, 0 };
-
 	if (size < at + 8 || bytes[16] != column_count)
 		return false;
 	for (int i = 0; i < 8; i++)

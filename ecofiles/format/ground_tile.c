@@ -5,7 +5,6 @@ static void span_of(struct eco_ground_span *s, uint32_t samples, uint8_t level, 
 	uint32_t stride = 1u << level, side = ECO_GROUND_CELLS << level;
 	uint32_t low = index * side, last = samples - 1, high = last - low > side ? low + side : last;
 	uint32_t inner = (high - low + stride - 1) / stride + 1, before = low > 0;
-
 	*s = (struct eco_ground_span){ .low = low, .high = high, .stride = stride, .inner = inner, .count = inner + before + (high < last),
 		.before = before, .last = last };
 }
@@ -20,7 +19,6 @@ void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y, cons
 uint32_t eco_ground_span_at(const struct eco_ground_span *s, uint32_t i)
 {
 	uint64_t at;
-
 	if (i < s->before)
 		return s->low - s->stride;
 	i -= s->before;
@@ -34,7 +32,6 @@ uint32_t eco_ground_span_at(const struct eco_ground_span *s, uint32_t i)
 bool eco_ground_on_grid(const struct eco_ground_tile *tile, uint32_t columns, uint32_t rows)
 {
 	uint32_t side = ECO_GROUND_CELLS << (tile->level % ECO_GROUND_LEVELS);
-
 	return tile->level < ECO_GROUND_LEVELS && columns >= 2 && rows >= 2 && columns <= ECO_GROUND_SIDE_MAX && rows <= ECO_GROUND_SIDE_MAX
 		&& tile->column <= (columns - 2) / side && tile->row <= (rows - 2) / side;
 }
@@ -43,7 +40,6 @@ uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows)
 {
 	uint32_t cells = (columns > rows ? columns : rows) - 1;
 	uint8_t level = 0;
-
 	while (level + 1u < ECO_GROUND_LEVELS && (ECO_GROUND_CELLS << level) < cells)
 		level++;
 	return level;
@@ -53,7 +49,6 @@ uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows)
 static uint32_t index_of(int32_t first, uint8_t level)
 {
 	uint32_t stride = 1u << level;
-
 	return first <= 0 ? 0 : ((uint32_t)first + stride) / (ECO_GROUND_CELLS << level);
 }
 
@@ -61,7 +56,6 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
 	uint32_t columns, uint32_t rows, struct eco_error *error)
 {
 	struct eco_ground_span x, y;
-
 	*tile = (struct eco_ground_tile){ .level = list->level };
 	if (list->level >= ECO_GROUND_LEVELS || e->element_count == 0 || e->corner_count != e->element_count)
 		return eco_fail(error, ECO_DAMAGED, "ground of level %u with %u samples", list->level, e->element_count);
@@ -75,7 +69,6 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
 			list->columns, x.count, y.count);
 	for (uint32_t row = 0, i = 0; row < y.count; row++) {
 		int32_t at_y = (int32_t)eco_ground_span_at(&y, row);
-
 		for (uint32_t column = 0; column < x.count; column++, i++)
 			if (e->position[3 * i] != (int32_t)eco_ground_span_at(&x, column) || e->position[3 * i + 1] != at_y)
 				return eco_fail(error, ECO_DAMAGED, "sample %u of a tile of ground is not at its place", i);

@@ -9,7 +9,6 @@ static bool locate(double at, double first, double step, uint32_t count, uint32_
 {
 	double place = (at - first) / step;
 	bool inside = place >= 0 && place <= count - 1;
-
 	if (!(place > 0))                    /* NaN too */
 		place = 0;
 	if (place > count - 1)

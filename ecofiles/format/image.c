@@ -16,8 +16,7 @@ static enum eco_code decode(struct eco_image *image, const char *name, const voi
 {
 	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, error);
 	char text[300];
-
-	if (module == NULL)
+	if (!module)
 		return ECO_NOT_FOUND;
 	if (module->decode(name, bytes, size, ECO_PIXELS_MAX, &image->width, &image->height, &image->rgba, text, sizeof text) == 0)
 		return ECO_OK;
@@ -50,7 +49,6 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 	struct eco_error inner = { .code = ECO_OK };
 	const char *kind = name_for(bytes, size_bytes);
 	enum eco_code code;
-
 	*image = (struct eco_image){ .rgba = NULL };
 	if (size_bytes == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
@@ -68,19 +66,18 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code;
-
 	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
 	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path, (long long)status.st_size,
 			ECO_IMAGE_FILE_MAX);
 	bytes = malloc((size_t)status.st_size + 1);
-	if (bytes == NULL)
+	if (!bytes)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	size = fread(bytes, 1, (size_t)status.st_size, file);
 	if (ferror(file))
 		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
-	else if (eco_png_is(bytes, size) || name_for(bytes, size) != NULL || size == 0)
+	else if (eco_png_is(bytes, size) || name_for(bytes, size) || size == 0)
 		code = eco_image_read_memory(image, bytes, size, path, error);
 	else
 		code = decode(image, path, NULL, 0, error);      /* some rarer formats are read from files only */
@@ -92,9 +89,8 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 {
 	FILE *file = fopen(path, "rb");
 	enum eco_code code;
-
 	*image = (struct eco_image){ .rgba = NULL };
-	if (file == NULL)
+	if (!file)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
 	code = read_open(image, file, path, error);
 	fclose(file);
@@ -111,12 +107,11 @@ enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pi
 {
 	const struct eco_image_module *module;
 	char text[300];
-
 	assert(a->width == b->width && a->height == b->height && a->channels == 3 && b->channels == 3);
 	assert(a->width > 0 && a->height > 0 && (uint64_t)a->width * a->height <= ECO_PIXELS_MAX);
 	*differing = 0;
 	module = eco_module(ECO_MODULE_IMAGE, error);
-	if (module == NULL)
+	if (!module)
 		return ECO_NOT_FOUND;
 	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text, sizeof text) != 0)
 		return eco_fail(error, ECO_NO_MEMORY, "comparing pictures: %s", text);
@@ -126,7 +121,6 @@ enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pi
 static bool write_all(FILE *file, const uint8_t *bytes, size_t size)
 {
 	bool good = fwrite(bytes, 1, size, file) == size;
-
 	return fclose(file) == 0 && good;
 }
 
@@ -137,17 +131,16 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
 	size_t size;
 	FILE *file;
 	enum eco_code code = eco_png_encode_fast(pixels, &bytes, &size, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside) {
 		free(bytes);
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
 	}
 	file = fopen(beside, "wb");
-	if (file == NULL || !write_all(file, bytes, size) || rename(beside, path) != 0) {
+	if (!file || !write_all(file, bytes, size) || rename(beside, path) != 0) {
 		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
-		if (file != NULL)
+		if (file)
 			unlink(beside);
 	}
 	free(bytes);

@@ -60,7 +60,6 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 	for (size_t i = 0; i < pixels; i++) {
 		const uint8_t *from = &row[i * size_t(channels)];
 		uint8_t *to = out.get() + i * 4;
-
 		for (int c = 0; c < 3; c++)
 			to[c] = channels >= 3 ? from[c] : from[0];
 		to[3] = has_alpha ? from[channels - 1] : 255;

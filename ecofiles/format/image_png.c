@@ -24,7 +24,6 @@ struct coding {
 static _Noreturn void on_error(png_structp png, const char *text)
 {
 	struct coding *c = png_get_error_ptr(png);
-
 	snprintf(c->text, sizeof c->text, "%s", text);
 	longjmp(c->back, 1);
 }
@@ -38,7 +37,7 @@ static void on_warning(png_structp png, const char *text)
 static void need(struct coding *c, const void *memory)
 {
 	c->no_memory |= memory == NULL;
-	if (memory == NULL)
+	if (!memory)
 		png_error(c->png, "out of memory");
 }
 
@@ -59,7 +58,6 @@ bool eco_png_is(const uint8_t *bytes, size_t size_bytes)
 static void take(png_structp png, png_bytep to, size_t count)
 {
 	struct coding *c = png_get_io_ptr(png);
-
 	if (count > c->size - c->at)
 		png_error(png, "it ends too early");
 	memcpy(to, c->from + c->at, count);
@@ -112,11 +110,10 @@ enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size
 {
 	struct coding c = { .from = bytes, .size = size_bytes };
 	enum eco_code code;
-
 	*image = (struct eco_image){ .rgba = NULL };
 	c.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
 	c.info = c.png != NULL ? png_create_info_struct(c.png) : NULL;
-	if (c.info == NULL)
+	if (!c.info)
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", name);
 	else if (try_read(&c, image))
 		code = ECO_OK;
@@ -126,7 +123,7 @@ enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", name);
 	else
 		code = eco_fail(error, ECO_DAMAGED, "%.200s: a PNG that is cut off or damaged: %s", name, c.text);
-	if (code != ECO_OK)
+	if (code)
 		*image = (struct eco_image){ .rgba = NULL };
 	png_destroy_read_struct(&c.png, &c.info, NULL);
 	release(&c);
@@ -138,11 +135,9 @@ enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size
 static void append(png_structp png, png_bytep from, size_t count)
 {
 	struct coding *c = png_get_io_ptr(png);
-
 	if (count > c->capacity - c->used) {
 		size_t capacity = 2 * c->capacity + count;
 		uint8_t *bytes = realloc(c->bytes, capacity);
-
 		need(c, bytes);
 		c->bytes = bytes;
 		c->capacity = capacity;
@@ -159,7 +154,6 @@ static void flush(png_structp png)
 static void write_pixels(struct coding *c, const struct eco_pixels *pixels, int filters)
 {
 	int kind = pixels->channels == 1 ? PNG_COLOR_TYPE_GRAY : pixels->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
-
 	png_set_write_fn(c->png, c, append, flush);
 	png_set_IHDR(c->png, c->info, pixels->width, pixels->height, 8, kind, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
 		PNG_FILTER_TYPE_DEFAULT);
@@ -182,7 +176,6 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 {
 	struct coding c = { .bytes = NULL };
 	enum eco_code code = ECO_OK;
-
 	assert(pixels->channels == 1 || pixels->channels == 3 || pixels->channels == 4);
 	*bytes = NULL;
 	*size_bytes = 0;
@@ -191,7 +184,7 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 			ECO_PIXELS_MAX);
 	c.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
 	c.info = c.png != NULL ? png_create_info_struct(c.png) : NULL;
-	if (c.info == NULL || !try_write(&c, pixels, filters)) {
+	if (!c.info || !try_write(&c, pixels, filters)) {
 		code = eco_fail(error, ECO_NO_MEMORY, "a picture of %u x %u pixels cannot be written: %s", pixels->width, pixels->height,
 			c.info == NULL ? "out of memory" : c.text);
 	} else {
@@ -211,7 +204,6 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 	uint8_t *differences;
 	size_t size;
 	enum eco_code code = encode(pixels, PNG_FILTER_NONE, bytes, size_bytes, error);
-
 	if (code != ECO_OK || encode(pixels, PNG_ALL_FILTERS, &differences, &size, NULL) != ECO_OK)
 		return code;
 	if (size < *size_bytes) {

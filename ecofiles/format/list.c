@@ -16,7 +16,7 @@ const char *const eco_organ_names[ECO_ORGAN_COUNT] = {
 
 void eco_elements_free(struct eco_elements *elements)
 {
-	if (elements == NULL)
+	if (!elements)
 		return;
 	free(elements->corners);
 	free(elements->position);
@@ -54,7 +54,6 @@ uint32_t eco_list_vertices(const struct eco_list *list)
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index)
 {
 	const int32_t *position, *extra;
-
 	assert(index < instances->element_count && instances->extra_count >= 2);
 	position = instances->position + 3 * (size_t)index;
 	/* PLACE comes last among the attributes. */

@@ -41,7 +41,6 @@ void eco_model_free(struct eco_model *model)
 double eco_model_height(const struct eco_model *model)
 {
 	double top = 0;
-
 	for (uint32_t i = 0; i < model->vertex_count; i++)
 		if (model->position[i * 3 + 2] > top)
 			top = model->position[i * 3 + 2];

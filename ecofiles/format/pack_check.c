@@ -31,7 +31,7 @@ static bool range_fits(uint64_t first, uint64_t count, uint64_t total)
 
 static bool name_ends(const char name[64])
 {
-	return memchr(name, 0, 64) != NULL;
+	return memchr(name, 0, 64);
 }
 
 /* ---- Single records ---- */
@@ -49,8 +49,7 @@ enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error
 enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error)
 {
 	enum eco_code code = eco_list_check_coding(list, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (list->level != 0 && list->kind != ECO_LIST_POINTS && (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
 		return BAD("list: level %u of kind %u", list->level, list->kind);
@@ -86,7 +85,6 @@ enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chun
 {
 	uint64_t most = (uint64_t)chunk->element_count * (list->kind == ECO_LIST_TRIANGLES && list->coder != ECO_CODER_MESH ? 4 : 1);
 	bool form = list->coder == ECO_CODER_FORM;
-
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
 		return BAD("chunk: %u elements are not in 1..%u", chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
 	if (chunk->primitive_count < chunk->element_count || chunk->primitive_count > most)
@@ -107,7 +105,6 @@ static enum eco_code check_list_references(const struct eco_scene *s, uint32_t i
 {
 	const struct eco_list *list = &s->lists[id];
 	bool of_tile = list->kind == ECO_LIST_INSTANCES || (list->attributes & ECO_ATTR_PLANT);
-
 	if (list->owner != ECO_NONE && list->owner >= (of_tile ? s->tile_count : s->plant_count))
 		return BAD("list %u: owner %u is not there", id, list->owner);
 	if (list->plant != ECO_NONE && list->plant >= s->plant_count)
@@ -118,8 +115,7 @@ static enum eco_code check_list_references(const struct eco_scene *s, uint32_t i
 		return BAD("list %u: image %u is not an image list", id, list->image);
 	if (list->partner != ECO_NONE) {
 		const struct eco_list *partner = list->partner < s->list_count ? &s->lists[list->partner] : NULL;
-
-		if (partner == NULL || partner->kind != ECO_LIST_TRIANGLES || partner->coder != ECO_CODER_ELEMENTS)
+		if (!partner || partner->kind != ECO_LIST_TRIANGLES || partner->coder != ECO_CODER_ELEMENTS)
 			return BAD("list %u: partner %u is not a list of fans", id, list->partner);
 		if (partner->chunk_count != list->chunk_count || partner->owner != list->owner)
 			return BAD("list %u: %u chunks of owner %u, its partner %u has %u of owner %u", id, list->chunk_count, list->owner,
@@ -132,14 +128,12 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 {
 	const struct eco_list *list = &s->lists[id];
 	uint64_t primitives = 0, elements = 0;
-
 	if (!range_fits(list->chunk_first, list->chunk_count, s->chunk_count) || list->chunk_count > *chunks_left)
 		return BAD("list %u: chunks [%u, +%u) of %u, or shared with another list", id, list->chunk_first, list->chunk_count,
 			s->chunk_count);
 	*chunks_left -= list->chunk_count;
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + i];
-
 		if (eco_chunk_check(list, chunk, error) != ECO_OK)
 			return ECO_DAMAGED;
 		primitives += chunk->primitive_count;
@@ -156,10 +150,8 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 static enum eco_code check_forms(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->lists[id], *partner = &s->lists[list->partner];
-
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const struct eco_chunk *own = &s->chunks[list->chunk_first + i], *of = &s->chunks[partner->chunk_first + i];
-
 		if (own->element_count != of->element_count)
 			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i, own->element_count, of->element_count,
 				list->partner);
@@ -173,7 +165,6 @@ static enum eco_code check_forms(const struct eco_scene *s, uint32_t id, struct 
 static enum eco_code check_lists(const struct eco_scene *s, struct eco_error *error)
 {
 	uint64_t chunks_left = s->chunk_count;
-
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		if (eco_list_check(&s->lists[i], error) != ECO_OK || check_list_references(s, i, error) != ECO_OK
 		    || check_list_chunks(s, i, &chunks_left, error) != ECO_OK)
@@ -189,13 +180,11 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 {
 	const struct eco_ladder *ladder = &s->ladders[ladder_id];
 	float last = 0;
-
 	if (ladder->curve_count > CURVE_SAMPLES_MAX || !range_fits(ladder->curve_first, eco_ladder_samples(ladder), s->curve_count))
 		return BAD("ladder %u: curve [%u, +%u) of %u samples; at most %u", ladder_id, ladder->curve_first, ladder->curve_count,
 			s->curve_count, CURVE_SAMPLES_MAX);
 	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++) {
 		const struct eco_curve *c = &s->curves[ladder->curve_first + i], *around = i < ladder->curve_count ? NULL : c - ladder->curve_count;
-
 		if (around ? c->share != around->share || c->reach != around->reach : !(c->share > last && c->share <= 1))
 			return BAD("ladder %u: share %g of curve sample %u does not ascend in (0, 1]", ladder_id, (double)c->share, i);
 		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX) || !within(c->fn, 0, SCALE_MAX))
@@ -224,7 +213,6 @@ static enum eco_code check_ladder_levels(const struct eco_scene *s, uint32_t id,
 {
 	const struct eco_ladder *l = &s->ladders[id];
 	uint32_t last = 0;
-
 	if (l->level_count > ECO_LEVELS_MAX || (l->level_count > 0 && l->triangles == ECO_NONE))
 		return BAD("ladder %u: %u levels of list %#x", id, l->level_count, l->triangles);
 	for (uint32_t i = 0; i < ECO_LEVELS_MAX; i++) {
@@ -242,7 +230,6 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 {
 	const struct eco_ladder *l = &s->ladders[id];
 	const struct eco_plant *plant;
-
 	if (l->plant >= s->plant_count)
 		return BAD("ladder %u: plant %u is not there", id, l->plant);
 	plant = &s->plants[l->plant];
@@ -275,10 +262,8 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 static enum eco_code check_plants(const struct eco_scene *s, struct eco_error *error)
 {
 	uint64_t ladders = 0, anchors = 0;
-
 	for (uint32_t i = 0; i < s->plant_count; i++) {
 		const struct eco_plant *p = &s->plants[i];
-
 		if (!name_ends(p->name))
 			return BAD("plant %u: its name has no end", i);
 		if (!within(p->height_m, 0, RADIUS_MAX) || !within(p->area, 0, AREA_MAX))
@@ -311,7 +296,6 @@ static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_
 {
 	const struct eco_group *g = &s->groups[id];
 	const struct eco_list *list;
-
 	if (g->tile != tile)
 		return BAD("group %u: of tile %u, listed by tile %u", id, g->tile, tile);
 	if (g->plant >= s->plant_count || g->list >= s->list_count)
@@ -328,7 +312,6 @@ static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_
 static enum eco_code check_child(const struct eco_scene *s, uint32_t id, uint32_t tile, struct eco_error *error)
 {
 	const struct eco_child *c = &s->children[id];
-
 	if (c->tile >= s->tile_count || c->tile <= tile)
 		return BAD("child %u: tile %u is not after its parent %u of %u tiles", id, c->tile, tile, s->tile_count);
 	for (int i = 0; i < 3; i++)
@@ -344,7 +327,6 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 {
 	const struct eco_tile *t = &s->tiles[id];
 	uint64_t instances = 0;
-
 	for (int i = 0; i < 3; i++)
 		if (!within(t->low[i], -METRES_MAX, METRES_MAX) || !within(t->high[i], -METRES_MAX, METRES_MAX) || t->low[i] > t->high[i])
 			return BAD("tile %u: bounds of axis %d, %g to %g, are impossible", id, i, t->low[i], t->high[i]);
@@ -373,10 +355,8 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 static enum eco_code check_tiles(const struct eco_scene *s, struct eco_error *error)
 {
 	uint64_t groups = 0, children = 0;
-
 	for (uint32_t i = 0; i < s->tile_count; i++) {
 		const struct eco_tile *t = &s->tiles[i];
-
 		if (!range_fits(t->group_first, t->group_count, s->group_count) || !range_fits(t->child_first, t->child_count, s->child_count))
 			return BAD("tile %u: groups [%u, +%u) of %u, children [%u, +%u) of %u", i, t->group_first, t->group_count, s->group_count,
 				t->child_first, t->child_count, s->child_count);
@@ -399,7 +379,6 @@ static enum eco_code check_ground_tile(const struct eco_scene *s, uint32_t id, s
 	const struct eco_ground_tile *t = &s->ground[id];
 	const struct eco_list *list, *first;
 	struct eco_ground_span x, y;
-
 	if (t->list >= s->list_count || s->lists[t->list].kind != ECO_LIST_GROUND || s->lists[t->list].chunk_count != 1)
 		return BAD("ground tile %u: list %u is not ground of one chunk", id, t->list);
 	if (!eco_ground_on_grid(t, s->ground_columns, s->ground_rows))
@@ -425,7 +404,6 @@ static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t i
 {
 	const struct eco_ground_tile *t = &s->ground[id];
 	uint32_t found = 0;
-
 	for (uint32_t quarter = 0; quarter < 4 && t->level > 0; quarter++) {
 		const struct eco_ground_tile *c = &s->ground[t->child_first + found];
 		struct eco_ground_tile there = { .level = (uint8_t)(t->level - 1), .column = 2 * t->column + quarter % 2,
@@ -445,7 +423,6 @@ static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t i
 static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *error)
 {
 	uint32_t next = 1, lists = 0;
-
 	if ((s->ground_count == 0) != (s->ground_columns == 0) || (s->ground_count == 0) != (s->ground_rows == 0))
 		return BAD("scene: %u ground tiles of %u x %u samples", s->ground_count, s->ground_columns, s->ground_rows);
 	for (uint32_t i = 0; i < s->list_count; i++)
@@ -459,7 +436,6 @@ static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *e
 		return BAD("ground tile 0: level %u does not cover %u x %u samples", s->ground[0].level, s->ground_columns, s->ground_rows);
 	for (uint32_t i = 0; i < s->ground_count; i++) {
 		const struct eco_ground_tile *t = &s->ground[i];
-
 		if (t->child_first != (t->child_count > 0 ? next : 0) || t->child_count > s->ground_count - next)
 			return BAD("ground tile %u: children [%u, +%u) of %u tiles", i, t->child_first, t->child_count, s->ground_count);
 		next += t->child_count;

@@ -23,8 +23,7 @@ struct body {
 static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind kind, uint64_t records, struct body body)
 {
 	uint32_t record_bytes = eco_section_info[kind].record_bytes;
-
-	if (body.bytes == NULL) {
+	if (!body.bytes) {
 		body.bytes = body.owned.bytes;
 		body.section.size = body.owned.size;
 	}
@@ -46,7 +45,6 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 {
 	uint32_t count = 0;
 	struct body body;
-
 	add_body(bodies, &count, ECO_SECTION_META, 0, (struct body){ .bytes = (const uint8_t *)meta_json,
 		.section.size = meta_json == NULL ? 0 : strlen(meta_json) });
 	body = (struct body){ 0 };
@@ -62,7 +60,6 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 	body = (struct body){ 0 };
 	for (uint32_t i = 0; i < s->chunk_count; i++) {
 		struct eco_chunk chunk = s->chunks[i];
-
 		chunk.offset += chunk_data;
 		eco_chunk_write(&body.owned, &chunk);
 	}
@@ -93,7 +90,6 @@ static uint64_t align(uint64_t at)
 static uint64_t place_bodies(struct body *bodies, uint32_t count, uint32_t section_count)
 {
 	uint64_t at = ECO_PACK_HEADER_BYTES + (uint64_t)section_count * ECO_PACK_SECTION_BYTES;
-
 	for (uint32_t i = 0; i < count; i++) {
 		bodies[i].section.offset = align(at);
 		at = bodies[i].section.offset + bodies[i].section.size;
@@ -104,7 +100,6 @@ static uint64_t place_bodies(struct body *bodies, uint32_t count, uint32_t secti
 static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset, struct eco_error *error)
 {
 	static const uint8_t zeros[ECO_PACK_ALIGN];
-
 	return eco_pack_write_all(w->file, w->temporary, zeros, offset - at, error);
 }
 
@@ -113,12 +108,10 @@ static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *
 	size_t size = 1u << 18;
 	uint8_t *buffer = malloc(size);
 	enum eco_code code = ECO_OK;
-
-	if (buffer == NULL)
+	if (!buffer)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for copying", w->path);
 	for (uint64_t at = 0; code == ECO_OK && at < w->spooled;) {
 		ssize_t got = pread(w->spool, buffer, w->spooled - at < size ? w->spooled - at : size, (off_t)at);
-
 		if (got < 0 && errno == EINTR)
 			continue;
 		if (got <= 0)
@@ -136,7 +129,6 @@ static enum eco_code write_header(struct eco_pack_writer *w, const struct body *
 {
 	struct eco_writer start = { 0 }, table = { 0 }, hashed = { 0 };
 	enum eco_code code;
-
 	for (uint32_t i = 0; i < count; i++)
 		eco_section_write(&table, &bodies[i].section);
 	eco_write_bytes(&start, ECO_PACK_MAGIC, 8);
@@ -179,18 +171,18 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 		bodies[count] = (struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA, .offset = chunk_data, .size = w->spooled } };
 		file_size = chunk_data + w->spooled;
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = write_header(w, bodies, section_count, file_size, error);
 	at = ECO_PACK_HEADER_BYTES + (uint64_t)section_count * ECO_PACK_SECTION_BYTES;
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++) {
 		code = write_padding(w, at, bodies[i].section.offset, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = eco_pack_write_all(w->file, w->temporary, bodies[i].bytes, bodies[i].section.size, error);
 		at = bodies[i].section.offset + bodies[i].section.size;
 	}
 	if (code == ECO_OK && w->spooled > 0)
 		code = write_padding(w, at, chunk_data, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = copy_payloads(w, error);
 	free_bodies(bodies, count);
 	return code;
@@ -201,7 +193,6 @@ static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	int folder;
-
 	if (fsync(w->file) != 0)
 		return eco_pack_io_failed(w->temporary, "sync", error);
 	if (rename(w->temporary, w->path) != 0)
@@ -222,7 +213,6 @@ enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_s
 {
 	struct eco_scene whole = *scene;
 	enum eco_code code = ECO_OK;
-
 	whole.lists = writer->lists;
 	whole.list_count = writer->list_count;
 	whole.chunks = writer->chunks;
@@ -230,11 +220,11 @@ enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_s
 	if (whole.place_count > UINT32_MAX)
 		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack", writer->path,
 			(unsigned long long)whole.place_count, UINT32_MAX);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_scene_check(&whole, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = write_file(writer, &whole, meta_json, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = publish(writer, error);
 	eco_pack_abort(writer);
 	return code;

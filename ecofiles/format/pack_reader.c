@@ -27,7 +27,6 @@ static enum eco_code check_section(const struct eco_section *s, uint32_t last_ki
 	struct eco_error *error)
 {
 	uint32_t record_bytes;
-
 	if (s->kind <= last_kind || s->kind >= ECO_SECTION_KIND_END)
 		return eco_fail(error, ECO_DAMAGED, "section kind %u after kind %u", s->kind, last_kind);
 	record_bytes = eco_section_info[s->kind].record_bytes;
@@ -62,7 +61,6 @@ static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s
 static uint64_t header_hash(const uint8_t *map, size_t table_size)
 {
 	uint8_t hashed[24 + ECO_SECTION_KIND_END * ECO_PACK_SECTION_BYTES];
-
 	memcpy(hashed, map, 24);
 	memcpy(hashed + 24, map + ECO_PACK_HEADER_BYTES, table_size);
 	return XXH3_64bits(hashed, 24 + table_size);
@@ -77,7 +75,6 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	uint32_t version = eco_read_u32(&r), count = eco_read_u32(&r), last_kind = 0;
 	uint64_t file_size = eco_read_u64(&r), hash = eco_read_u64(&r), at;
 	enum eco_code code = ECO_OK;
-
 	if (r.failed || memcmp(magic, ECO_PACK_MAGIC, 8) != 0)
 		return eco_fail(error, ECO_DAMAGED, "not a pack: it does not begin with %s", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
@@ -94,13 +91,12 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	at = ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES;
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
 		struct eco_section s;
-
 		if (!eco_section_read(&r, &s))
 			return eco_fail(error, ECO_DAMAGED, "section record %u does not end with zero", i);
 		code = check_section(&s, last_kind, at, file_size, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = check_bytes(map, &s, at, error);
-		if (code == ECO_OK) {
+		if (!code) {
 			o->sections[s.kind] = s;
 			last_kind = s.kind;
 			at = s.offset + s.size;
@@ -118,8 +114,7 @@ static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, si
 	const struct eco_section *s = &o->sections[kind];
 	struct eco_reader r = { .bytes = o->pack.map + s->offset, .size = s->size };
 	uint8_t *records = calloc(s->count > 0 ? s->count : 1, size);
-
-	if (records == NULL)
+	if (!records)
 		return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records", eco_section_info[kind].name, s->count);
 	o->tables[kind] = records;
 	*table = records;
@@ -145,19 +140,18 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 	const struct eco_section *s = o->sections;
 	struct eco_reader r = { .bytes = o->pack.map + s[ECO_SECTION_SCENE].offset, .size = s[ECO_SECTION_SCENE].size };
 	enum eco_code code = ECO_OK;
-
 	if (s[ECO_SECTION_SCENE].count != 1)
 		return eco_fail(error, ECO_DAMAGED, "section SCENE has %u records instead of 1", s[ECO_SECTION_SCENE].count);
 	eco_scene_read(&r, scene);
 	if (r.failed)
 		return eco_fail(error, ECO_DAMAGED, "section SCENE has an impossible field");
 #define TABLE(kind, field, name) \
-	if (code == ECO_OK) \
+	if (!code) \
 		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, &scene->name##_count, \
 			read_##name, error);
 	ECO_PACK_TABLES(TABLE)
 	TABLE(CHUNKS, chunks, chunk)
-	if (code == ECO_OK)
+	if (!code)
 		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground, &scene->ground_count,
 			read_ground_tile, error);
 #undef TABLE
@@ -176,10 +170,8 @@ static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *
 	const struct eco_section *data = &o->sections[ECO_SECTION_CHUNK_DATA];
 	const struct eco_scene *scene = &o->pack.scene;
 	uint64_t end = data->offset;
-
 	for (uint32_t i = 0; i < scene->chunk_count; i++) {
 		const struct eco_chunk *c = &scene->chunks[i];
-
 		if (c->offset < data->offset || c->offset > end || c->size_bytes > data->offset + data->size - c->offset
 		    || (c->offset < end && c->size_bytes > end - c->offset))
 			return eco_fail(error, ECO_DAMAGED, "chunk %u: bytes [%llu, +%u) neither follow the payloads before nor are among them", i,
@@ -197,9 +189,8 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 {
 	struct opened *o = calloc(1, sizeof *o);
 	enum eco_code code;
-
 	*pack = NULL;
-	if (o == NULL) {
+	if (!o) {
 		if (mapped)
 			munmap((void *)bytes, size);
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for a pack");
@@ -208,13 +199,13 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	o->pack.map_size = size;
 	o->mapped = mapped;
 	code = read_frame(o, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = read_tables(o, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_chunk_data(o, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_scene_check(&o->pack.scene, error);
-	if (code != ECO_OK)
+	if (code)
 		eco_pack_close(&o->pack);
 	else
 		*pack = &o->pack;
@@ -233,7 +224,6 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 	enum eco_code code;
 	void *map;
 	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-
 	*pack = NULL;
 	if (file < 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path, strerror(errno));
@@ -250,7 +240,7 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 	if (map == MAP_FAILED)
 		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path, (long long)status.st_size, strerror(errno));
 	code = open_bytes(pack, map, (size_t)status.st_size, true, &inner);
-	if (code != ECO_OK)
+	if (code)
 		return eco_fail(error, code, "%s: %s", path, inner.text);
 	return ECO_OK;
 }
@@ -258,8 +248,7 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 void eco_pack_close(struct eco_pack *pack)
 {
 	struct opened *o = (struct opened *)pack;
-
-	if (o == NULL)
+	if (!o)
 		return;
 	for (int kind = 0; kind < ECO_SECTION_KIND_END; kind++)
 		free(o->tables[kind]);
@@ -283,7 +272,6 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
 	const struct eco_scene *scene = &pack->scene;
 	const struct eco_chunk *c;
 	struct eco_chunk_id id;
-
 	*bytes = NULL;
 	*size_bytes = 0;
 	if (chunk >= scene->chunk_count)

@@ -65,7 +65,6 @@ static void read_u32s(struct eco_reader *r, uint32_t *v, unsigned count)
 static void write_name(struct eco_writer *w, const char *name, size_t size)
 {
 	size_t length = strnlen(name, size - 1);
-
 	eco_write_bytes(w, name, length);
 	write_zeros(w, (unsigned)(size - length));
 }
@@ -74,9 +73,8 @@ static void read_name(struct eco_reader *r, char *name, size_t size)
 {
 	const uint8_t *bytes = eco_read_bytes(r, size);
 	size_t length;
-
 	memset(name, 0, size);
-	if (bytes == NULL)
+	if (!bytes)
 		return;
 	length = strnlen((const char *)bytes, size);
 	for (size_t i = length; i < size; i++)
@@ -317,7 +315,6 @@ void eco_child_write(struct eco_writer *w, const struct eco_child *child)
 void eco_child_read(struct eco_reader *r, struct eco_child *child)
 {
 	uint8_t placed;
-
 	child->tile = eco_read_u32(r);
 	placed = eco_read_u8(r);
 	if (placed > 1)
@@ -386,8 +383,7 @@ void eco_chunk_write(struct eco_writer *w, const struct eco_chunk *chunk)
 void eco_chunk_read(struct eco_reader *r, struct eco_chunk *chunk)
 {
 	const uint8_t *id = eco_read_bytes(r, sizeof chunk->id.bytes);
-
-	if (id != NULL)
+	if (id)
 		memcpy(chunk->id.bytes, id, sizeof chunk->id.bytes);
 	chunk->offset = eco_read_u64(r);
 	chunk->size_bytes = eco_read_u32(r);
@@ -408,7 +404,6 @@ struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)
 {
 	const uint8_t *p;
 	uint32_t word[5];
-
 	assert(index < scene->place_count);
 	p = scene->places + index * ECO_PLACE_BYTES;
 	for (unsigned i = 0; i < 5; i++)

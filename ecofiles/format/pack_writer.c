@@ -26,10 +26,8 @@ enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_
 enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size, struct eco_error *error)
 {
 	const uint8_t *at = bytes;
-
 	while (size > 0) {
 		ssize_t written = write(file, at, size);
-
 		if (written < 0 && errno == EINTR)
 			continue;
 		if (written <= 0)
@@ -43,7 +41,6 @@ enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, 
 static enum eco_code open_spool(struct eco_pack_writer *w, struct eco_error *error)
 {
 	char *name = NULL;
-
 	w->spool = open(w->folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
 	if (w->spool >= 0)
 		return ECO_OK;
@@ -63,8 +60,7 @@ static enum eco_code open_spool(struct eco_pack_writer *w, struct eco_error *err
 static char *folder_of(const char *path)
 {
 	const char *slash = strrchr(path, '/');
-
-	if (slash == NULL)
+	if (!slash)
 		return strdup(".");
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
@@ -75,7 +71,6 @@ static bool may_replace(const char *path)
 	char magic[8];
 	int file = open(path, O_RDONLY | O_CLOEXEC);
 	ssize_t got = file >= 0 ? read(file, magic, sizeof magic) : -1;
-
 	if (file >= 0)
 		close(file);
 	return got == 0 || (got == sizeof magic && memcmp(magic, ECO_PACK_MAGIC, sizeof magic) == 0);
@@ -87,16 +82,15 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 	struct stat status;
 	bool there = stat(path, &status) == 0;
 	enum eco_code code;
-
 	*writer = NULL;
-	if (w == NULL)
+	if (!w)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	w->file = w->spool = -1;
 	w->path = strdup(path);
 	w->folder = folder_of(path);
 	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
 		w->temporary = NULL;
-	if (w->path == NULL || w->folder == NULL || w->temporary == NULL) {
+	if (!w->path || !w->folder || !w->temporary) {
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	} else if (path[0] == 0) {
 		code = eco_fail(error, ECO_BAD_USAGE, "a pack needs a file name");
@@ -110,7 +104,7 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		code = w->file < 0 ? eco_pack_io_failed(path, "create", error) : open_spool(w, error);
 	}
-	if (code != ECO_OK) {
+	if (code) {
 		eco_pack_abort(w);
 		return code;
 	}
@@ -135,7 +129,7 @@ static void writer_free(struct eco_pack_writer *w)
 
 void eco_pack_abort(struct eco_pack_writer *writer)
 {
-	if (writer == NULL)
+	if (!writer)
 		return;
 	if (writer->file >= 0)
 		unlink(writer->temporary);
@@ -147,11 +141,9 @@ void eco_pack_abort(struct eco_pack_writer *writer)
 static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk *chunk)
 {
 	uint32_t slot;
-
 	memcpy(&slot, chunk->id.bytes, sizeof slot);
 	for (;; slot++) {
 		uint32_t found = w->ids.slots[slot & (w->ids.size - 1)];
-
 		if (found == 0 || (memcmp(w->chunks[found - 1].id.bytes, chunk->id.bytes, sizeof chunk->id.bytes) == 0
 		    && w->chunks[found - 1].size_bytes == chunk->size_bytes))
 			return slot & (w->ids.size - 1);
@@ -161,13 +153,12 @@ static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk 
 static bool grow_ids(struct eco_pack_writer *w)
 {
 	uint32_t *old = w->ids.slots;
-
 	if (w->ids.size / 2 > w->chunk_count)
 		return true;
 	w->ids.size = w->ids.size == 0 ? 256 : 2 * w->ids.size;
 	w->ids.slots = calloc(w->ids.size, sizeof *w->ids.slots);
 	free(old);
-	if (w->ids.slots == NULL) {
+	if (!w->ids.slots) {
 		w->ids.size = 0;
 		return false;
 	}
@@ -180,11 +171,10 @@ static bool grow_chunks(struct eco_pack_writer *w)
 {
 	uint32_t capacity = w->chunk_capacity == 0 ? 64 : 2 * w->chunk_capacity;
 	struct eco_chunk *chunks;
-
 	if (w->chunk_count < w->chunk_capacity)
 		return true;
 	chunks = realloc(w->chunks, capacity * sizeof *chunks);
-	if (chunks == NULL)
+	if (!chunks)
 		return false;
 	w->chunks = chunks;
 	w->chunk_capacity = capacity;
@@ -195,11 +185,10 @@ static bool grow_lists(struct eco_pack_writer *w)
 {
 	uint32_t capacity = w->list_capacity == 0 ? 64 : 2 * w->list_capacity;
 	struct eco_list *lists;
-
 	if (w->list_count < w->list_capacity)
 		return true;
 	lists = realloc(w->lists, capacity * sizeof *lists);
-	if (lists == NULL)
+	if (!lists)
 		return false;
 	w->lists = lists;
 	w->list_capacity = capacity;
@@ -212,7 +201,6 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled, .size_bytes = (uint32_t)size,
 		.element_count = elements, .primitive_count = primitives };
 	uint32_t slot;
-
 	if (w->chunk_count >= ECO_NONE / 4 || !grow_chunks(w) || !grow_ids(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path, w->chunk_count);
 	slot = id_slot(w, &chunk);
@@ -220,8 +208,7 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
 	} else {
 		enum eco_code code = eco_pack_write_all(w->spool, w->temporary, bytes, size, error);
-
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		w->spooled += size;
 		w->ids.slots[slot] = w->chunk_count + 1;
@@ -234,7 +221,6 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 static uint32_t count_primitives(const struct eco_elements *elements, uint32_t first, uint32_t end)
 {
 	uint32_t count = 0;
-
 	for (uint32_t i = first; i < end; i++)
 		count += elements->corners[i] < 3 ? 1 : elements->corners[i] - 2u;
 	return count;
@@ -247,7 +233,6 @@ static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct 
 	uint32_t ordinal, uint32_t first, uint32_t end, struct eco_error *error)
 {
 	const struct eco_chunk_input input = { list, elements, first, end, ordinal };
-
 	*chunk = (struct eco_encoded_chunk){ .elements = end - first, .primitives = count_primitives(elements, first, end) };
 	return eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
 }
@@ -258,11 +243,10 @@ static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct ec
 	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
 		struct eco_encoded_chunk chunk;
 		enum eco_code code = encode_plain(&chunk, list, elements, i, first, ends[i], error);
-
-		if (code == ECO_OK)
+		if (!code)
 			code = add_chunk(w, chunk.bytes, chunk.size, chunk.elements, chunk.primitives, error);
 		free(chunk.bytes);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	return ECO_OK;
@@ -280,11 +264,10 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 		uint8_t *bytes = NULL;
 		size_t size = 0;
 		enum eco_code code = eco_chunk_encode_form(&input, list, forms, &bytes, &size, error);
-
-		if (code == ECO_OK)
+		if (!code)
 			code = add_chunk(w, bytes, size, ends[i] - first, count_primitives(forms, first, ends[i]), error);
 		free(bytes);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	return ECO_OK;
@@ -295,7 +278,6 @@ static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *
 	struct eco_error *error)
 {
 	struct eco_list *stored;
-
 	if (!grow_lists(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path, w->list_count);
 	stored = &w->lists[w->list_count];
@@ -318,7 +300,6 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	bool form = list->coder == ECO_CODER_FORM;
 	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
 	enum eco_code code;
-
 	*list_id = ECO_NONE;
 	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner", writer->list_count, list->coder,
@@ -330,9 +311,9 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 			elements->element_count);
 	code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
 		: add_plain_chunks(writer, list, elements, ends, end_count, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = add_list(writer, list, chunk_first, list_id, error);
-	for (int axis = 0; axis < 3 && code == ECO_OK && elements->exact != NULL; axis++)
+	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
 		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
 	return code;
 }
@@ -341,11 +322,10 @@ enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list
 	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	assert(list->coder != ECO_CODER_FORM && list->coder != ECO_CODER_BYTES);
 	assert((end_count > 0 ? ends[end_count - 1] : 0) == elements->element_count);
 	*encoded = (struct eco_encoded){ .chunks = calloc(end_count + 1u, sizeof *encoded->chunks) };
-	if (encoded->chunks == NULL)
+	if (!encoded->chunks)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u chunks", end_count);
 	for (uint32_t first = 0; code == ECO_OK && encoded->count < end_count; first = ends[encoded->count++])
 		code = encode_plain(&encoded->chunks[encoded->count], list, elements, encoded->count, first, ends[encoded->count], error);
@@ -364,13 +344,11 @@ enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct 
 	uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
-
 	*list_id = ECO_NONE;
 	for (uint32_t i = 0; i < encoded->count; i++) {
 		const struct eco_encoded_chunk *chunk = &encoded->chunks[i];
 		enum eco_code code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives, error);
-
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	return add_list(writer, list, chunk_first, list_id, error);
@@ -381,7 +359,6 @@ enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct ec
 {
 	uint32_t chunk_first = writer->chunk_count;
 	enum eco_code code;
-
 	*list_id = ECO_NONE;
 	assert(list->coder == ECO_CODER_BYTES);
 	if (size == 0 || size > ECO_CHUNK_BYTES_MAX)
@@ -396,17 +373,15 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 {
 	const struct eco_list *old = &from->scene.lists[from_list];
 	uint32_t chunk_first = writer->chunk_count;
-
 	*list_id = ECO_NONE;
 	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count; i++) {
 		const struct eco_chunk *chunk = &from->scene.chunks[i];
 		const uint8_t *bytes;
 		size_t size;
 		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
-
-		if (code == ECO_OK)
+		if (!code)
 			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count, error);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	return add_list(writer, list, chunk_first, list_id, error);
@@ -416,7 +391,6 @@ static enum eco_code read_spool(const struct eco_pack_writer *w, const struct ec
 {
 	for (size_t done = 0; done < chunk->size_bytes;) {
 		ssize_t got = pread(w->spool, bytes + done, chunk->size_bytes - done, (off_t)(chunk->offset + done));
-
 		if (got < 0 && errno == EINTR)
 			continue;
 		if (got <= 0)
@@ -432,13 +406,12 @@ static bool join(struct eco_elements *all, const struct eco_elements *part)
 	size_t before = all->element_count, count = before + part->element_count, extra = part->extra_count;
 	uint8_t *corners = realloc(all->corners, count);
 	int32_t *position, *values;
-
 	all->corners = corners != NULL ? corners : all->corners;
 	position = realloc(all->position, 3 * count * sizeof *position);
 	all->position = position != NULL ? position : all->position;
 	values = realloc(all->extra, (extra * count + 1) * sizeof *values);
 	all->extra = values != NULL ? values : all->extra;
-	if (corners == NULL || position == NULL || values == NULL)
+	if (!corners || !position || !values)
 		return false;
 	memcpy(corners + before, part->corners, part->element_count);
 	memcpy(position + 3 * before, part->position, 3 * (size_t)part->element_count * sizeof *position);
@@ -454,7 +427,6 @@ static enum eco_code join_chunk(struct eco_elements *points, const struct eco_li
 {
 	struct eco_elements part = { .element_count = 0 };
 	enum eco_code code = eco_chunk_decode(list, chunk, ordinal, bytes, chunk->size_bytes, &part, error);
-
 	if (code == ECO_OK && !join(points, &part))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory for %u points", list->primitive_count);
 	eco_elements_free(&part);
@@ -465,19 +437,17 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 {
 	const struct eco_list *list = &writer->lists[list_id];
 	enum eco_code code = ECO_OK;
-
 	assert(list_id < writer->list_count && list->kind == ECO_LIST_POINTS && list->coder == ECO_CODER_KD);
 	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
 	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
 		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
 		uint8_t *bytes = malloc(chunk->size_bytes);
-
 		code = bytes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path) : read_spool(writer, chunk, bytes, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = join_chunk(points, list, chunk, i, bytes, error);
 		free(bytes);
 	}
-	if (code != ECO_OK)
+	if (code)
 		eco_elements_free(points);
 	return code;
 }
@@ -486,19 +456,17 @@ enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, str
 {
 	const struct eco_list *list = &pack->scene.lists[list_id];
 	enum eco_code code = ECO_OK;
-
 	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
 	if (list->kind != ECO_LIST_POINTS || list->coder != ECO_CODER_KD)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u is not one of points", list_id);
 	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
 		const uint8_t *bytes;
 		size_t size;
-
 		code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = join_chunk(points, list, &pack->scene.chunks[list->chunk_first + i], i, bytes, error);
 	}
-	if (code != ECO_OK)
+	if (code)
 		eco_elements_free(points);
 	return code;
 }

@@ -22,7 +22,7 @@
 
 void eco_plan_free(struct eco_plan *plan)
 {
-	if (plan == NULL)
+	if (!plan)
 		return;
 	free(plan->placements);
 	free(plan->runs);

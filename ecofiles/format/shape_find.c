@@ -403,7 +403,7 @@ static const int32_t *uv_of(const struct finder *f, uint32_t i)
 static bool same_skin(const struct finder *f, uint32_t a, uint32_t b)
 {
 	return corners_of(f, a) == corners_of(f, b)
-		&& (uv_of(f, a) == NULL || memcmp(uv_of(f, a), uv_of(f, b), 2 * sizeof(int32_t) * corners_of(f, a)) == 0);
+		&& (!uv_of(f, a) || memcmp(uv_of(f, a), uv_of(f, b), 2 * sizeof(int32_t) * corners_of(f, a)) == 0);
 }
 
 static bool is_of(const struct finder *f, const struct model *m, uint8_t stretch, uint32_t i)
@@ -553,7 +553,7 @@ static bool measure(struct finder *f)
 	for (uint32_t i = 0; by && i < f->sized; i++)
 		f->by_size[i] = by[i].element;
 	free(by);
-	return by != NULL;
+	return by;
 }
 
 static void finest_steps(const struct finder *f, struct eco_shapes *s)

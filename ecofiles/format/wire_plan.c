@@ -357,7 +357,6 @@ static void write_cut(struct eco_writer *w, const struct eco_cut *cut, struct cu
 	enum first_form first = first_form(cut, before);
 	enum scale_form scale = scale_form(cut->scale, state->stated);
 	bool more = first != FIRST_ZERO || share != SHARE_ALL;
-
 	eco_write_u8(w, (uint8_t)((moved ? CUT_ANCHOR : 0) | (cut->list != before->list ? CUT_LIST : 0) | bands << CUT_BANDS_SHIFT |
 		scale << CUT_SCALE_SHIFT | (more ? CUT_MORE : 0) | (cut->end == before->end ? CUT_END_AGAIN : 0)));
 	if (moved && state->summaries)

@@ -28,7 +28,6 @@ static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_instance *slot = &source->instances[source->instance_count];
 	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
 	struct eco_json plant = eco_json_member(at, "plant");
-
 	if (!eco_json_object(at, instance_fields) || !eco_json_required(at, "plant") || !eco_json_required(at, "at")
 		|| !eco_source_plant_of(source, &plant, &instance.plant)
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, instance.at)
@@ -46,30 +45,27 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 {
 	struct eco_json node = eco_json_member(top, "instances");
 	size_t count, rows = 0, scatters = 0;
-
-	if (node.value == NULL)
+	if (!node.value)
 		return true;
 	if (!eco_json_array(&node, INSTANCES_MAX))
 		return false;
 	count = json_array_size(node.value);
 	for (size_t i = 0; i < count; i++) {
 		const json_t *item = json_array_get(node.value, i);
-
 		rows += json_object_get(item, "from") != NULL;
 		scatters += json_object_get(item, "scatter") != NULL;
 	}
 	source->instances = calloc(count + 1, sizeof *source->instances);
 	source->positions = calloc(rows + 1, sizeof *source->positions);
 	source->scatters = calloc(scatters + 1, sizeof *source->scatters);
-	if (source->instances == NULL || source->positions == NULL || source->scatters == NULL)
+	if (!source->instances || !source->positions || !source->scatters)
 		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		bool good;
-
-		if (json_object_get(item.value, "from") != NULL)
+		if (json_object_get(item.value, "from"))
 			good = eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
-		else if (json_object_get(item.value, "scatter") != NULL)
+		else if (json_object_get(item.value, "scatter"))
 			good = eco_scene_parse_scatter(source, &item, &source->scatters[source->scatter_count++]);
 		else
 			good = parse_instance(source, &item);
@@ -83,7 +79,6 @@ static bool parse_child(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_source_child *child = &source->children[source->child_count++];
 	struct eco_json node = eco_json_member(at, "eco");
-
 	child->source = ECO_NONE;
 	child->scale = 1;
 	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco") || !eco_json_required(at, "at")
@@ -97,17 +92,15 @@ static bool parse_child(struct eco_source *source, const struct eco_json *at)
 static bool parse_children(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "children");
-
-	if (node.value == NULL)
+	if (!node.value)
 		return true;
 	if (!eco_json_array(&node, INSTANCES_MAX))
 		return false;
 	source->children = calloc(json_array_size(node.value) + 1, sizeof *source->children);
-	if (source->children == NULL)
+	if (!source->children)
 		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
-
 		if (!parse_child(source, &item))
 			return false;
 	}
@@ -121,8 +114,7 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 	const char *slash = strrchr(source->path, '/'), *name = slash != NULL ? slash + 1 : source->path;
 	struct eco_json node = eco_json_member(top, "name");
 	size_t bytes = strcspn(name, ".");
-
-	if (node.value != NULL) {
+	if (node.value) {
 		if (!eco_json_text(top, "name", 63, &name) || !eco_source_name_is_fine(&node, name, strlen(name)))
 			return false;
 		bytes = strlen(name);
@@ -136,8 +128,7 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "tile");
 	uint64_t instances = ECO_TILE_INSTANCES;
-
-	if (node.value != NULL && (!eco_json_object(&node, tile_fields) || !eco_json_whole(&node, "instances", 1, 65536, &instances)))
+	if (node.value && (!eco_json_object(&node, tile_fields) || !eco_json_whole(&node, "instances", 1, 65536, &instances)))
 		return false;
 	source->tile_instances = (uint32_t)instances;
 	return true;
@@ -146,12 +137,11 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json origin = eco_json_member(top, "origin");
-
 	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
 		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
-	if (source->crs != NULL && origin.value == NULL)
+	if (source->crs && !origin.value)
 		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, such as "
 			"\"origin\": [747375, 4308510, 0]");
 	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
@@ -166,9 +156,8 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 	struct eco_json top;
 	json_t *root;
 	bool good;
-
 	*source = (struct eco_source){ .path = strdup(path), .on_disk = on_disk };
-	if (source->path == NULL)
+	if (!source->path)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	if (size > ECO_SOURCE_BYTES_MAX) {
 		eco_source_free(source);

@@ -11,8 +11,7 @@ static char *path_beside(const char *base, const char *relative)
 	const char *slash = strrchr(base, '/');
 	size_t folder = slash != NULL && *relative != '/' ? (size_t)(slash - base) + 1 : 0;
 	char *path = malloc(folder + strlen(relative) + 1);
-
-	if (path != NULL) {
+	if (path) {
 		memcpy(path, base, folder);
 		strcpy(path + folder, relative);
 	}
@@ -24,7 +23,7 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 	if (!eco_json_is_text(at, ECO_PATH_BYTES))
 		return false;
 	*path = path_beside(source->path, json_string_value(at->value));
-	if (*path == NULL)
+	if (!*path)
 		return eco_json_no_memory(at);
 	if (!source->on_disk || access(*path, R_OK) == 0)
 		return true;
@@ -36,17 +35,15 @@ bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_jso
 {
 	bool several = json_is_array(at->value);
 	size_t size = several ? json_array_size(at->value) : 1;
-
 	if (size == 0)
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no %s", what);
 	if (several && !eco_json_array(at, most))
 		return false;
 	*paths = calloc(size, sizeof **paths);
-	if (*paths == NULL)
+	if (!*paths)
 		return eco_json_no_memory(at);
 	for (size_t i = 0; i < size; i++) {
 		struct eco_json item = several ? eco_json_item(at, i) : *at;
-
 		if (!eco_scene_parse_path(source, &item, &(*paths)[(*count)++]))
 			return false;
 	}
@@ -56,10 +53,9 @@ bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_jso
 bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs)
 {
 	struct eco_json node = eco_json_member(at, key);
-
 	if (!eco_scene_copy_text(at, key, ECO_PATH_BYTES, crs))
 		return false;
-	if (*crs == NULL || source->crs != NULL)
+	if (!*crs || source->crs)
 		return true;
 	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this "
 		"one out", *crs);
@@ -68,13 +64,12 @@ bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json 
 bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
 {
 	const char *text = NULL;
-
 	if (!eco_json_text(at, key, bytes_max, &text))
 		return false;
-	if (text == NULL)
+	if (!text)
 		return true;
 	*out = strdup(text);
-	return *out != NULL || eco_json_no_memory(at);
+	return *out || eco_json_no_memory(at);
 }
 
 bool eco_up_of(const char *name, enum eco_up *up)
@@ -106,10 +101,9 @@ bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m)
 {
 	struct eco_json unit = eco_json_member(at, "unit");
 	const char *name = NULL;
-
 	if (!eco_json_text(at, "unit", 16, &name))
 		return false;
-	if (name == NULL || eco_unit_metres(name, unit_m))
+	if (!name || eco_unit_metres(name, unit_m))
 		return true;
 	return eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 }

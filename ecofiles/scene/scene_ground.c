@@ -11,7 +11,6 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 {
 	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
 	uint64_t band = 1;
-
 	ground->no_holes = json_is_null(nodata.value);
 	ground->has_nodata = nodata.value != NULL && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
@@ -20,7 +19,7 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
 		return false;
 	ground->band = (uint32_t)band;
-	if (ground->scale == 0 && scale.value != NULL)
+	if (ground->scale == 0 && scale.value)
 		return eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
 	return true;
 }
@@ -29,10 +28,9 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 static bool parse_place(struct eco_ground_source *ground, const struct eco_json *at)
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
-
-	if ((corner.value == NULL) != (pixel.value == NULL))
+	if ((!corner.value) != (!pixel.value))
 		return eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' size) go together");
-	if (corner.value == NULL)
+	if (!corner.value)
 		return true;
 	if (ground->height_count > 1)
 		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give each a world file");
@@ -52,8 +50,7 @@ bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 {
 	struct eco_json node = eco_json_member(top, "ground"), heights = eco_json_member(&node, "heights");
 	struct eco_ground_source *ground = &source->ground;
-
-	return node.value == NULL || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights")
+	return !node.value || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights")
 		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights, &ground->height_count)
 		&& eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) && parse_meaning(ground, &node)
 		&& parse_place(ground, &node) && eco_scene_parse_crs(source, &node, "crs", &ground->crs));

@@ -22,7 +22,6 @@ static const char *const rule_fields[] = { "name", "component", "size", "is", NU
 static int name_compare(const void *a, const void *b, void *context)
 {
 	const struct eco_source_plant *plants = context;
-
 	return strcmp(plants[*(const uint32_t *)a].name, plants[*(const uint32_t *)b].name);
 }
 
@@ -36,11 +35,9 @@ static void sort_names(struct eco_source *source)
 static uint32_t find_plant(const struct eco_source *source, const char *name)
 {
 	uint32_t low = 0, high = source->name_count;
-
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2, plant = source->plants_by_name[middle];
 		int order = strcmp(source->plants[plant].name, name);
-
 		if (order == 0)
 			return plant;
 		if (order < 0)
@@ -54,7 +51,6 @@ static uint32_t find_plant(const struct eco_source *source, const char *name)
 bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name, uint32_t *plant)
 {
 	char known[200] = "";
-
 	*plant = find_plant(source, name);
 	if (*plant != ECO_NONE)
 		return true;
@@ -74,7 +70,6 @@ bool eco_source_plant_of(const struct eco_source *source, const struct eco_json 
 static bool add_variant(struct eco_source *source, const struct eco_json *files, const struct eco_source_plant *plant)
 {
 	struct eco_source_plant *slot = &source->plants[source->plant_count++];
-
 	*slot = *plant;
 	return eco_scene_parse_paths(source, files, "file", FILES_MAX, &slot->models, &slot->model_count);
 }
@@ -82,11 +77,10 @@ static bool add_variant(struct eco_source *source, const struct eco_json *files,
 static bool parse_variants(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
 {
 	struct eco_json model = eco_json_member(at, "model"), variants = eco_json_member(at, "variants");
-
 	if ((model.value != NULL) == (variants.value != NULL))
 		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several files that make it up: [\"wood.obj\", "
 			"\"leaves.obj\"]), or \"variants\": [\"FILE\", ...], of which each instance takes one");
-	if (model.value != NULL)
+	if (model.value)
 		return add_variant(source, &model, plant);
 	if (!eco_json_array(&variants, VARIANTS_MAX))
 		return false;
@@ -95,7 +89,6 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 		return eco_json_fail(&variants, ECO_BAD_INPUT, "\"variants\" names no file");
 	for (; plant->variant < plant->variant_count; plant->variant++) {
 		struct eco_json item = eco_json_item(&variants, plant->variant);
-
 		if (!add_variant(source, &item, plant))
 			return false;
 	}
@@ -108,10 +101,9 @@ static bool parse_up(const struct eco_json *at, enum eco_up *up)
 {
 	struct eco_json node = eco_json_member(at, "up");
 	const char *name = NULL;
-
 	if (!eco_json_text(at, "up", 8, &name))
 		return false;
-	if (name == NULL)
+	if (!name)
 		return true;
 	if (eco_up_of(name, up))
 		return true;
@@ -121,16 +113,14 @@ static bool parse_up(const struct eco_json *at, enum eco_up *up)
 static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
 {
 	struct eco_json node = eco_json_member(at, "importance");
-
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
 		importance[i] = 0;
-	if (node.value == NULL)
+	if (!node.value)
 		return true;
 	if (!eco_json_object(&node, importance_fields))
 		return false;
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
 		double number = 1;
-
 		if (!eco_json_number(&node, importance_fields[i], 0.01, 100, &number))
 			return false;
 		importance[i] = (float)number;
@@ -144,7 +134,6 @@ static bool parse_is(const struct eco_json *at, uint8_t *is)
 {
 	struct eco_json node = eco_json_member(at, "is");
 	const char *name = NULL;
-
 	if (!eco_json_required(at, "is") || !eco_json_text(at, "is", 16, &name))
 		return false;
 	if (strcmp(name, "left out") == 0) {
@@ -164,7 +153,6 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	struct eco_json size = eco_json_member(at, "size");
 	const char *name = NULL;
 	uint64_t component = 0;
-
 	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is) || !eco_json_text(at, "name", 255, &name)
 		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component) || !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
 		return false;
@@ -173,23 +161,21 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	rule->kind = name != NULL ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
 	rule->name = name != NULL ? strdup(name) : NULL;
-	return name == NULL || rule->name != NULL || eco_json_no_memory(at);
+	return !name || rule->name || eco_json_no_memory(at);
 }
 
 static bool parse_rules(const struct eco_json *at, struct eco_source_plant *plant)
 {
 	struct eco_json node = eco_json_member(at, "parts");
-
-	if (node.value == NULL)
+	if (!node.value)
 		return true;
 	if (!eco_json_array(&node, RULES_MAX))
 		return false;
 	plant->parts = calloc(json_array_size(node.value) + 1, sizeof *plant->parts);
-	if (plant->parts == NULL)
+	if (!plant->parts)
 		return eco_json_no_memory(&node);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
-
 		if (!parse_rule(&item, &plant->parts[plant->part_count++]))
 			return false;
 	}
@@ -227,10 +213,8 @@ static size_t count_variants(const json_t *plants)
 	const char *key;
 	json_t *plant;
 	size_t count = 0;
-
 	json_object_foreach((json_t *)plants, key, plant) {
 		size_t variants = json_array_size(json_object_get(plant, "variants"));
-
 		(void)key;
 		count += variants > 1 ? variants : 1;
 	}
@@ -241,8 +225,7 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 {
 	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = NULL };
 	size_t count;
-
-	if (node.value == NULL)
+	if (!node.value)
 		return true;
 	if (!json_is_object(node.value))
 		return eco_json_object(&node, plant_fields);
@@ -251,7 +234,7 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
 	source->plants = calloc(count + 1, sizeof *source->plants);
 	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
-	if (source->plants == NULL || source->plants_by_name == NULL)
+	if (!source->plants || !source->plants_by_name)
 		return eco_json_no_memory(&node);
 	while (eco_json_next(&node, &entry))
 		if (!parse_plant(source, &entry))

@@ -30,7 +30,7 @@ static bool species_set(const struct eco_source *source, const struct eco_json *
 		species->variant_count = source->plants[species->plant].variant_count;
 	}
 	species->name = strdup(name);
-	return species->name != NULL || eco_json_no_memory(at);
+	return species->name || eco_json_no_memory(at);
 }
 
 struct folded { char *text; uint32_t key; };
@@ -45,10 +45,8 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 {
 	struct folded *folded = calloc(spec->map_count + 1u, sizeof *folded);
 	bool good = folded != NULL;
-
 	for (uint32_t i = 0; good && i < spec->map_count; i++) {
 		char text[ECO_COLUMN_BYTES];
-
 		eco_text_fold(spec->map[i].name, text, sizeof text);
 		folded[i] = (struct folded){ strdup(text), i };
 		good = folded[i].text != NULL;
@@ -59,14 +57,13 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 		qsort(folded, spec->map_count, sizeof *folded, compare_folded);
 	for (uint32_t i = 1; good && i < spec->map_count; i++) {
 		const struct eco_species *a = &spec->map[folded[i - 1].key], *b = &spec->map[folded[i].key];
-
 		if (strcmp(folded[i - 1].text, folded[i].text) != 0 || a->plant == b->plant)
 			continue;
 		eco_json_fail(at, ECO_BAD_INPUT, "\"%.60s\" and \"%.60s\" are one species (capitals and spaces do not count), with two plants", a->name,
 			b->name);
 		good = false;
 	}
-	for (uint32_t i = 0; folded != NULL && i < spec->map_count; i++)
+	for (uint32_t i = 0; folded && i < spec->map_count; i++)
 		free(folded[i].text);
 	free(folded);
 	return good;
@@ -75,15 +72,13 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 static bool parse_map(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json entry = { .file = NULL };
-
 	if (!eco_json_names(at, MAP_MAX))
 		return false;
 	spec->map = calloc(json_object_size(at->value) + 1, sizeof *spec->map);
-	if (spec->map == NULL)
+	if (!spec->map)
 		return eco_json_no_memory(at);
 	while (eco_json_next(at, &entry)) {
 		bool fallback = strcmp(entry.key, "*") == 0;
-
 		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback : &spec->map[spec->map_count]))
 			return false;
 		spec->map_count += !fallback;
@@ -95,15 +90,14 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 static bool map_of_plants(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	spec->map = calloc(source->plant_count + 1u, sizeof *spec->map);
-	for (uint32_t i = 0; spec->map != NULL && i < source->plant_count; i += source->plants[i].variant_count) {
+	for (uint32_t i = 0; spec->map && i < source->plant_count; i += source->plants[i].variant_count) {
 		struct eco_species *species = &spec->map[spec->map_count];
-
 		*species = (struct eco_species){ strdup(source->plants[i].name), i, source->plants[i].variant_count };
-		if (species->name == NULL)
+		if (!species->name)
 			break;
 		spec->map_count++;
 	}
-	if (spec->map == NULL || (spec->map_count == 0 && source->plant_count > 0))
+	if (!spec->map || (spec->map_count == 0 && source->plant_count > 0))
 		return eco_json_no_memory(at);
 	return keys_differ(at, spec);
 }
@@ -111,18 +105,17 @@ static bool map_of_plants(const struct eco_source *source, const struct eco_json
 static bool parse_species(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
-
 	spec->fallback.plant = ECO_NONE;
 	if (!eco_scene_copy_text(at, "species", ECO_COLUMN_BYTES, &spec->species))
 		return false;
-	if (plant.value != NULL) {
-		if (spec->species != NULL || map.value != NULL)
+	if (plant.value) {
+		if (spec->species || map.value)
 			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or \"plant\"");
 		return eco_source_plant_of(source, &plant, &spec->fallback.plant) && species_set(source, &plant, "*", &spec->fallback);
 	}
-	if (spec->species == NULL)
+	if (!spec->species)
 		return eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a \"map\"");
-	return map.value != NULL ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
+	return map.value ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
 }
 
 /* ---- Heights and crowns ---- */
@@ -141,7 +134,6 @@ static bool parse_unit(const struct eco_json *at, double *unit_m)
 static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bool *there)
 {
 	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max") != NULL;
-
 	*there = rate || max;
 	rule->shape = 1;
 	if (*there && !(rate && max))
@@ -153,20 +145,17 @@ static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bo
 static int compare_rules(const void *a, const void *b)
 {
 	uint32_t p = ((const struct eco_allometry *)a)->plant, q = ((const struct eco_allometry *)b)->plant;
-
 	return p < q ? -1 : p > q;
 }
 
 static bool parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
 {
 	struct eco_json entry = { .file = NULL };
-
 	if (!eco_json_names(at, source->name_count))
 		return false;
 	while (eco_json_next(at, &entry)) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
-
 		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) || !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
@@ -180,11 +169,10 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 {
 	struct eco_json per_plant = eco_json_member(at, "per_plant");
 	bool there;
-
 	size->rules = calloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
-	if (size->rules == NULL)
+	if (!size->rules)
 		return eco_json_no_memory(at);
-	if (per_plant.value != NULL && !parse_per_plant(source, &per_plant, size))
+	if (per_plant.value && !parse_per_plant(source, &per_plant, size))
 		return false;
 	size->rules[size->rule_count].plant = ECO_NONE;
 	if (!parse_rule(at, &size->rules[size->rule_count], &there))
@@ -206,16 +194,15 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	struct eco_json unit = eco_json_member(at, "unit");
 	uint64_t count = *levels;
 	unsigned kinds = 0, which = 0;
-
 	if (!eco_json_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &count))
 		return false;
 	*levels = (uint32_t)count;
 	for (unsigned i = 0; i < sizeof from / sizeof *from; i++)
-		if (json_object_get(at->value, from[i].key) != NULL) {
+		if (json_object_get(at->value, from[i].key)) {
 			kinds++;
 			which = i;
 		}
-	if (json_object_get(at->value, "value") != NULL) {
+	if (json_object_get(at->value, "value")) {
 		size->kind = ECO_SIZE_NUMBER;
 		if (kinds++ == 0)
 			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
@@ -223,7 +210,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	if (kinds != 1)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
 			"from_dbh_in");
-	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value != NULL)
+	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
 		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"", from[which].key);
 	size->kind = from[which].kind;
 	size->factor = from[which].factor;
@@ -236,7 +223,6 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 {
 	struct eco_size *size = &spec->heights[spec->height_count++];
 	double number;
-
 	if (json_is_object(at->value))
 		return parse_height_object(source, at, size, &spec->levels);
 	number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
@@ -254,20 +240,18 @@ static bool parse_height(const struct eco_source *source, const struct eco_json 
 	bool several = json_is_array(height.value);
 	size_t count = several ? json_array_size(height.value) : 1;
 	uint64_t levels = 0;
-
 	if (!eco_json_whole(at, "levels", 1, 1024, &levels))
 		return false;
 	spec->levels = (uint32_t)levels;
-	if (height.value == NULL)
+	if (!height.value)
 		return true;
 	if (several && (!eco_json_array(&height, SOURCES_MAX) || count == 0))
 		return eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
 	spec->heights = calloc(count, sizeof *spec->heights);
-	if (spec->heights == NULL)
+	if (!spec->heights)
 		return eco_json_no_memory(at);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = several ? eco_json_item(&height, i) : height;
-
 		if (!parse_height_source(source, &item, spec))
 			return false;
 	}
@@ -278,8 +262,7 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 {
 	struct eco_json crown = eco_json_member(at, "crown_m"), is_node;
 	const char *is = NULL;
-
-	if (crown.value == NULL)
+	if (!crown.value)
 		return true;
 	spec->crown.unit_m = 1;
 	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column") || !eco_json_required(&crown, "is")
@@ -300,13 +283,12 @@ static bool parse_sign(const struct eco_json *at, const char *key, const char *s
 {
 	struct eco_json node = eco_json_member(at, key);
 	const char *text = NULL;
-
 	if (!eco_json_text(at, key, 8, &text))
 		return false;
-	if (text == NULL)
+	if (!text)
 		return true;
 	*sign = *text;
-	if (strlen(text) == 1 && strchr(signs, *text) != NULL)
+	if (strlen(text) == 1 && strchr(signs, *text))
 		return true;
 	return eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
 }
@@ -315,7 +297,6 @@ static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spe
 {
 	struct eco_json node = eco_json_member(at, "duplicates");
 	const char *text = "keep";
-
 	if (!eco_json_text(at, "duplicates", 8, &text))
 		return false;
 	spec->skip_duplicates = strcmp(text, "skip") == 0;
@@ -327,7 +308,6 @@ static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spe
 static bool parse_file(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json from = eco_json_member(at, "from");
-
 	if (!eco_json_object(at, row_fields))
 		return false;
 	eco_json_place(&from, &spec->line, &spec->column);
@@ -338,16 +318,16 @@ static bool parse_file(const struct eco_source *source, const struct eco_json *a
 
 static bool parse_place(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
 {
-	if (json_object_get(at->value, "x") != NULL && !eco_json_required(at, "y"))
+	if (json_object_get(at->value, "x") && !eco_json_required(at, "y"))
 		return false;
-	if (json_object_get(at->value, "y") != NULL && !eco_json_required(at, "x"))
+	if (json_object_get(at->value, "y") && !eco_json_required(at, "x"))
 		return false;
 	if (!eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x) || !eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
 		|| !eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
 		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical) || !eco_scene_parse_crs(source, at, "crs", &spec->crs))
 		return false;
 	/* a file's own CRS is seen when it is opened; columns never have one */
-	if (source->crs == NULL || spec->crs != NULL || spec->x == NULL)
+	if (!source->crs || spec->crs || !spec->x)
 		return true;
 	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "
 		"\"%.80s\", or \"EPSG:4326\" for degrees",

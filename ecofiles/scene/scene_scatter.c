@@ -26,13 +26,12 @@ static bool parse_plant(const struct eco_source *source, const struct eco_json *
 static bool parse_plants(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json entry = { .file = NULL };
-
 	if (!eco_json_names(at, KINDS_MAX))
 		return false;
 	if (json_object_size(at->value) == 0)
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");
 	spec->plants = calloc(json_object_size(at->value), sizeof *spec->plants);
-	if (spec->plants == NULL)
+	if (!spec->plants)
 		return eco_json_no_memory(at);
 	while (eco_json_next(at, &entry))
 		if (!parse_plant(source, &entry, &spec->plants[spec->plant_count++]))
@@ -44,7 +43,6 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 static bool parse_numbers(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json density = eco_json_member(at, "density_per_ha"), mix = eco_json_member(at, "mix");
-
 	if (!eco_scene_copy_text(at, "density_column", ECO_COLUMN_BYTES, &spec->density_column)
 		|| !eco_scene_copy_text(at, "count_column", ECO_COLUMN_BYTES, &spec->count_column))
 		return false;
@@ -58,9 +56,8 @@ static bool parse_numbers(const struct eco_source *source, const struct eco_json
 static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
-
 	spec->height_low_m = spec->height_high_m = NAN;
-	if (height.value == NULL)
+	if (!height.value)
 		return true;
 	if (!json_is_object(height.value)) {
 		if (!eco_json_number(at, "height_m", 0.001, 1000, &spec->height_low_m))
@@ -80,8 +77,7 @@ static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spe
 static bool parse_clear(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json clear_of = eco_json_member(at, "clear_of");
-
-	return (clear_of.value == NULL || eco_scene_parse_path(source, &clear_of, &spec->clear_of))
+	return (!clear_of.value || eco_scene_parse_path(source, &clear_of, &spec->clear_of))
 		&& eco_scene_copy_text(at, "clear_layer", ECO_COLUMN_BYTES, &spec->clear_layer)
 		&& eco_scene_parse_crs(source, at, "clear_crs", &spec->clear_crs) && eco_json_number(at, "clear_m", 0, 1e5, &spec->clear_m);
 }
@@ -89,7 +85,6 @@ static bool parse_clear(const struct eco_source *source, const struct eco_json *
 bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at, struct eco_scatter_spec *spec)
 {
 	struct eco_json where = eco_json_member(at, "scatter");
-
 	eco_json_place(&where, &spec->line, &spec->column);
 	return eco_json_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
 		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer) && eco_scene_parse_crs(source, at, "crs", &spec->crs)

@@ -28,7 +28,6 @@ static enum eco_code read_text(const char *path, char **text, size_t *size, stru
 	struct eco_error own = { .code = ECO_OK };
 	uint8_t *bytes = NULL;
 	enum eco_code code = eco_file_read(path, ECO_SOURCE_BYTES_MAX, &bytes, size, &own);
-
 	*text = (char *)bytes;
 	return code == ECO_OK ? code : eco_fail(error, code, "%s%s", own.text,
 		code == ECO_TOO_LARGE ? "; keep many plants in a CSV file (\"from\")" : "");
@@ -40,15 +39,13 @@ static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t 
 	struct eco_error unread = { .code = ECO_OK };
 	struct eco_json_file file = { .name = walk->sources->items[source].path, .error = walk->error };
 	char *json;
-
 	if (read_text(file.name, &json, &file.size, &unread) == ECO_OK) {
 		json_t *root;
 		struct eco_json top, children, item, eco;
-
 		file.text = json;
 		root = eco_json_open(&file);
 		top = eco_json_root(&file, root);
-		if (root != NULL) {
+		if (root) {
 			children = eco_json_member(&top, "children");
 			item = eco_json_item(&children, child);
 			eco = eco_json_member(&item, "eco");
@@ -65,7 +62,6 @@ static void chain_text(const struct walk *walk, uint32_t again, char *text, size
 {
 	size_t used = (size_t)snprintf(text, size, "a file cannot be inside itself: ");
 	uint32_t i = 0;
-
 	while (walk->chain[i] != again)
 		i++;
 	for (; i < walk->depth && used < size; i++)
@@ -80,13 +76,12 @@ static enum eco_code add_source(struct walk *walk, const char *path, char *real,
 	enum eco_code code;
 	char *text;
 	size_t size = 0;
-
 	*index = sources->count;
 	code = read_text(path, &text, &size, walk->error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_source_parse_as(&sources->items[*index], text, size, path, true, walk->error);
 	free(text);
-	if (code != ECO_OK) {
+	if (code) {
 		free(real);
 		return code;
 	}
@@ -103,8 +98,7 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 	char *real = realpath(child->eco, NULL), text[360];
 	uint32_t index = 0;
 	enum eco_code code;
-
-	if (real == NULL)
+	if (!real)
 		return fail_at_child(walk, parent, number, ECO_IO, strerror(errno));
 	while (index < sources->count && strcmp(walk->real[index], real) != 0)
 		index++;
@@ -122,7 +116,7 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 		return fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
 	}
 	code = add_source(walk, child->eco, real, &index);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	child->source = index;
 	if (sources->items[index].ground.height_count > 0) {
@@ -135,19 +129,17 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 static enum eco_code walk_source(struct walk *walk, uint32_t index)
 {
 	const struct eco_source *source = &walk->sources->items[index];
-
 	walk->open[index] = true;
 	walk->chain[walk->depth++] = index;
 	for (uint32_t i = 0; i < source->child_count; i++) {
 		struct eco_source_child *child = &source->children[i];
 		enum eco_code code;
-
 		if (i > 0 && strcmp(child->eco, child[-1].eco) == 0) {
 			child->source = child[-1].source;
 			continue;
 		}
 		code = walk_child(walk, index, i);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	walk->depth--;
@@ -162,8 +154,7 @@ static enum eco_code order_sources(struct walk *walk)
 	struct eco_sources *sources = walk->sources;
 	uint32_t count = sources->count, *place = calloc(count, sizeof *place);
 	struct eco_source *items = calloc(count, sizeof *items);
-
-	if (place == NULL || items == NULL) {
+	if (!place || !items) {
 		free(place);
 		free(items);
 		return eco_fail(walk->error, ECO_NO_MEMORY, "out of memory");
@@ -186,11 +177,10 @@ static enum eco_code load(struct walk *walk, const char *path)
 	char *real = realpath(path, NULL);
 	uint32_t root;
 	enum eco_code code;
-
-	if (real == NULL)
+	if (!real)
 		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
 	code = add_source(walk, path, real, &root);
-	if (code == ECO_OK)
+	if (!code)
 		code = walk_source(walk, root);
 	return code == ECO_OK ? order_sources(walk) : code;
 }
@@ -199,21 +189,20 @@ enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, st
 {
 	struct walk walk = { .sources = sources, .error = error };
 	enum eco_code code;
-
 	*sources = (struct eco_sources){ calloc(ECO_SOURCES_MAX, sizeof *sources->items), 0 };
 	walk.real = calloc(ECO_SOURCES_MAX, sizeof *walk.real);
 	walk.open = calloc(ECO_SOURCES_MAX, sizeof *walk.open);
 	walk.finished = calloc(ECO_SOURCES_MAX, sizeof *walk.finished);
-	if (sources->items == NULL || walk.real == NULL || walk.open == NULL || walk.finished == NULL)
+	if (!sources->items || !walk.real || !walk.open || !walk.finished)
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	else
 		code = load(&walk, path);
-	for (uint32_t i = 0; walk.real != NULL && i < sources->count; i++)
+	for (uint32_t i = 0; walk.real && i < sources->count; i++)
 		free(walk.real[i]);
 	free(walk.real);
 	free(walk.open);
 	free(walk.finished);
-	if (code != ECO_OK)
+	if (code)
 		eco_sources_free(sources);
 	return code;
 }

@@ -54,7 +54,7 @@ struct finder {
 static bool is_cutout(const struct finder *f, uint32_t i)
 {
 	uint32_t material = f->shape[i].material;
-	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material) != NULL && f->shape[i].clear > CLEAR_LEAST;
+	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material) && f->shape[i].clear > CLEAR_LEAST;
 }
 
 static enum verdict judge(const struct lod_shape *b, bool cutout)

@@ -369,10 +369,10 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 {
 	*plant = (struct lod_plant){ 0 };
 	enum eco_code code = check(model, options, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	struct lod_build *b = calloc(1, sizeof *b);
-	if (b == NULL)
+	if (!b)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to build a plant");
 	b->plant = plant;
 	b->model = model;
@@ -397,14 +397,14 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 	}
 	lod_arena_free(&b->arena);
 	free(b);
-	if (code != ECO_OK)
+	if (code)
 		lod_plant_free(plant);
 	return code;
 }
 
 void lod_plant_free(struct lod_plant *plant)
 {
-	if (plant == NULL)
+	if (!plant)
 		return;
 	for (uint32_t i = 0; i < plant->list_count; i++) {
 		eco_elements_free(&plant->lists[i].elements);

@@ -115,7 +115,7 @@ static bool read_exact(struct eco_reader *r, struct eco_elements *e)
 			return false;
 		e->exact[i] = e->position[i] * (1 << ECO_EXACT_SHIFT) + (int32_t)value;
 	}
-	return e->exact != NULL;
+	return e->exact;
 }
 
 static enum eco_code read_ends(struct lod_list_draft *draft, struct eco_reader *r, struct eco_error *error)

@@ -212,10 +212,10 @@ struct masks { struct lod_mask *mask; uint64_t work; };
 static bool hidden(struct masks *masks, const struct lod_mesh *mesh, const struct eco_model *model, uint32_t t, struct lod_arena *arena)
 {
 	const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
-	if (image == NULL || !lod_mesh_material(model, mesh->material[t])->cutout)
+	if (!image || !lod_mesh_material(model, mesh->material[t])->cutout)
 		return false;
 	struct lod_mask *mask = &masks->mask[image - model->images];
-	if (mask->opaque == NULL)
+	if (!mask->opaque)
 		lod_mask_open(mask, image, arena);
 	return lod_mask_hidden(mask, mesh->uv + 6 * (size_t)t, &masks->work);
 }
@@ -287,7 +287,7 @@ static void mark_collapsed(struct lod_mesh *mesh)
 void lod_weld_neighbours(struct lod_mesh *mesh, struct lod_arena *arena)
 {
 	uint32_t n = 3 * mesh->triangle_count;
-	if (mesh->across == NULL)
+	if (!mesh->across)
 		mesh->across = lod_arena_take(arena, n, sizeof *mesh->across);
 	memset(mesh->across, 0xff, n * sizeof *mesh->across);
 	struct lod_arena_piece *mark = arena->last;

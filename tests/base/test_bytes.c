@@ -11,7 +11,6 @@ static void numbers_come_back_and_are_little_endian(void **state)
 		0, 0, 0, 4, 0x40, 'a', 'b' };
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
-
 	eco_write_u8(&w, 0xfe);
 	eco_write_u16(&w, 0x1234);
 	eco_write_u32(&w, 0x12345678);
@@ -42,7 +41,6 @@ static void a_reader_that_ran_out_stays_failed(void **state)
 {
 	const uint8_t bytes[] = { 1, 2, 3 };
 	struct eco_reader r = { .bytes = bytes, .size = sizeof bytes };
-
 	assert_int_equal(eco_read_u32(&r), 0);
 	assert_true(r.failed);
 	assert_int_equal(eco_read_u8(&r), 0);
@@ -57,7 +55,6 @@ static void varints_come_back(void **state)
 	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63, UINT64_MAX };
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
-
 	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
 		eco_write_varint(&w, values[i]);
 		eco_write_zigzag(&w, (int64_t)values[i]);
@@ -87,7 +84,6 @@ static void varints_have_one_spelling(void **state)
 
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		struct eco_reader r = { .bytes = bad[i].bytes, .size = bad[i].size };
-
 		assert_true(eco_read_varint(&r) == 0);
 		assert_true(r.failed);
 	}
@@ -96,7 +92,6 @@ static void varints_have_one_spelling(void **state)
 static void zigzag_orders_by_magnitude(void **state)
 {
 	struct eco_writer w = { 0 };
-
 	eco_write_zigzag(&w, 0);
 	eco_write_zigzag(&w, -1);
 	eco_write_zigzag(&w, 1);

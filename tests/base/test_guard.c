@@ -35,8 +35,7 @@ static enum eco_code fill_memory(bool crash, struct eco_error *error)
 {
 	for (;;) {
 		uint8_t *block = malloc(64u << 20);
-
-		if (block == NULL && !crash)
+		if (!block && !crash)
 			return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 		*(volatile uint8_t *)block = 1;
 	}
@@ -45,7 +44,6 @@ static enum eco_code fill_memory(bool crash, struct eco_error *error)
 static void spin(void)
 {
 	volatile uint64_t turns = 0;
-
 	for (;;)
 		turns++;
 }
@@ -53,7 +51,6 @@ static void spin(void)
 static enum eco_code misbehave(void *ctx, FILE *out, struct eco_error *error)
 {
 	static char block[1u << 20];
-
 	switch (*(const enum deed *)ctx) {
 	case ANSWER:
 		return fputs("result", out) >= 0 ? ECO_OK : ECO_IO;
@@ -109,9 +106,8 @@ static int descriptors(void)
 {
 	DIR *folder = opendir("/proc/self/fd");
 	int count = 0;
-
 	assert_non_null(folder);
-	while (readdir(folder) != NULL)
+	while (readdir(folder))
 		count++;
 	closedir(folder);
 	return count;
@@ -145,21 +141,19 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 		{ INTERRUPTED, ECO_INTERRUPTED, "tree.obj: interrupted", true },
 	};
 	int open_before = descriptors();
-
 	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = ends[i].deed;
 		char text[16] = "";
 		FILE *result;
-
 		if (SANITIZED && !ends[i].sanitized)
 			continue;
 		assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", deed == SLEEP || deed == DEAF || deed == STOPPED ? &brief : &small,
 			&result, &error), ends[i].code);
-		if (strstr(error.text, ends[i].says) == NULL)
+		if (!strstr(error.text, ends[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", error.text, ends[i].says);
 		assert_int_equal(result != NULL, deed == ANSWER);
-		if (result != NULL) {
+		if (result) {
 			assert_int_equal(fread(text, 1, sizeof text - 1, result), 6);
 			assert_string_equal(text, "result");
 			fclose(result);
@@ -173,12 +167,10 @@ static void a_parent_without_standard_descriptors_reads_too(void **state)
 {
 	pid_t parent = fork();
 	int status = 0;
-
 	if (parent == 0) {
 		enum deed deed = ANSWER;
 		char text[16] = "";
 		FILE *result = NULL;
-
 		for (int i = 0; i < 3; i++)
 			close(i);
 		if (eco_guard_run(misbehave, &deed, "tree.obj", NULL, &result, NULL) != ECO_OK)
@@ -196,7 +188,6 @@ struct writing { uint32_t count; enum eco_code code; bool crash; };
 static enum eco_code write_numbers(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct writing *w = ctx;
-
 	for (uint32_t i = 0; i < w->count; i++)
 		if (fwrite(&i, sizeof i, 1, out) != 1)
 			return eco_fail(error, ECO_IO, "nobody reads");
@@ -213,14 +204,12 @@ static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 		{ { 100000, ECO_BAD_INPUT, false }, ECO_BAD_INPUT }, { { 70000, ECO_OK, true }, ECO_DAMAGED },
 	};
 	int open_before = descriptors();
-
 	for (size_t i = 0; i < sizeof streams / sizeof *streams; i++) {
 		struct writing what = streams[i].what;
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_guard *guard;
 		uint32_t number, count = 0;
 		FILE *stream;
-
 		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream, &error), ECO_OK);
 		for (; fread(&number, sizeof number, 1, stream) == 1; count++)
 			if (number != count)
@@ -234,14 +223,12 @@ static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 static void who_stops_reading_ends_the_child_without_an_error(void **state)
 {
 	int open_before = descriptors();
-
 	for (uint32_t wanted = 0; wanted < 3; wanted++) {
 		struct writing what = { .count = UINT32_MAX };
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_guard *guard;
 		uint32_t number;
 		FILE *stream;
-
 		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream, &error), ECO_OK);
 		for (uint32_t i = 0; i < wanted; i++)
 			assert_int_equal(fread(&number, sizeof number, 1, stream), 1);
@@ -256,13 +243,11 @@ static void a_stream_that_stays_silent_ends_by_the_clock(void **state)
 {
 	static const enum deed deeds[] = { SLEEP, DEAF };
 	int open_before = descriptors();
-
 	for (size_t i = 0; i < sizeof deeds / sizeof *deeds; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = deeds[i];
 		struct eco_guard *guard;
 		FILE *stream;
-
 		assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "stems.csv", &brief, &stream, &error), ECO_OK);
 		assert_int_equal(fgetc(stream), EOF);
 		assert_int_equal(eco_guard_finish(guard, &error), ECO_TOO_LARGE);
@@ -283,7 +268,6 @@ static void *nothing(void *ctx) { return ctx; }
 static bool open_for(const char *path, int flags)
 {
 	int file = open(path, flags, 0666);
-
 	if (file >= 0)
 		close(file);
 	return file >= 0;
@@ -296,7 +280,6 @@ static bool attempt(const struct trial *t)
 	struct rlimit core = { 0 };
 	pthread_t thread;
 	pid_t pid;
-
 	switch (t->attempt) {
 	case READ_FILE:
 		return open_for(file, O_RDONLY | O_CLOEXEC);
@@ -317,9 +300,9 @@ static bool attempt(const struct trial *t)
 	case WRITE_FILE:
 		return open_for(file, O_WRONLY) || open_for(file, O_RDWR);
 	case CREATE_FILE:
-		return open_for(other, O_RDONLY | O_CREAT) || fopen(other, "w") != NULL;
+		return open_for(other, O_RDONLY | O_CREAT) || fopen(other, "w");
 	case APPEND_FILE:
-		return fopen(file, "a") != NULL;
+		return fopen(file, "a");
 	case TRUNCATE_FILE:
 		return open_for(file, O_RDONLY | O_TRUNC) || truncate(file, 0) == 0;
 	case MAKE_FOLDER:
@@ -356,7 +339,6 @@ static bool attempt(const struct trial *t)
 static enum eco_code try_it(void *ctx, FILE *out, struct eco_error *error)
 {
 	struct trial trial = *(struct trial *)ctx;
-
 	trial.worked = attempt(&trial);
 	trial.filtered = !open_for("/dev/null", O_WRONLY);
 	return fwrite(&trial, sizeof trial, 1, out) == 1 ? ECO_OK : eco_fail(error, ECO_IO, "no result");
@@ -365,7 +347,6 @@ static enum eco_code try_it(void *ctx, FILE *out, struct eco_error *error)
 static void a_child_reads_and_does_nothing_else(void **state)
 {
 	int parents_file, result_file;
-
 	mkdir("build/tmp", 0777);
 	result_file = open("build/tmp/guard-file", O_RDWR | O_CREAT | O_TRUNC, 0644);
 	assert_true(result_file >= 0 && write(result_file, "kept", 4) == 4);
@@ -376,7 +357,6 @@ static void a_child_reads_and_does_nothing_else(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct stat file;
 		FILE *result;
-
 		if (eco_guard_run(try_it, &trial, "attempt", NULL, &result, &error) != ECO_OK)
 			fail_msg("attempt %d: %s", (int)a, error.text);
 		assert_int_equal(fread(&trial, sizeof trial, 1, result), 1);
@@ -406,7 +386,6 @@ static void a_child_reads_and_does_nothing_else(void **state)
 static enum eco_code import_text(const char *name, const char *format, const char *within, struct eco_ground *ground, struct eco_error *error)
 {
 	char text[4096], *path;
-
 	snprintf(text, sizeof text, format, within);
 	path = (char *)input_text("guard", name, text);
 	return eco_ground_import(ground, &(struct eco_ground_options){ .source = &(struct eco_ground_source){ .heights = &path, .height_count = 1 } },
@@ -425,7 +404,6 @@ static void files_that_name_servers_reach_nobody(void **state)
 	socklen_t size = sizeof address;
 	int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 	struct pollfd heard = { .fd = server, .events = POLLIN };
-
 	if (server < 0 || bind(server, (struct sockaddr *)&address, size) != 0 || listen(server, 8) != 0
 		|| getsockname(server, (struct sockaddr *)&address, &size) != 0)
 		skip();
@@ -433,7 +411,6 @@ static void files_that_name_servers_reach_nobody(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_ground ground;
 		char within[256];
-
 		snprintf(within, sizeof within, files[i].within, (unsigned)ntohs(address.sin_port));
 		if (import_text(files[i].name, files[i].format, within, &ground, &error) == ECO_OK)
 			fail_msg("%s was read", files[i].name);
@@ -450,7 +427,6 @@ static void files_that_name_other_folders_are_read(void **state)
 	char elsewhere[PATH_MAX];
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_ground ground;
-
 	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"),
 		elsewhere));
 	if (import_text("far.vrt", MOSAIC, elsewhere, &ground, &error) != ECO_OK)
@@ -472,17 +448,14 @@ static void *interrupt_soon(void *ctx)
 static void an_interrupted_parent_ends_its_children(void **state)
 {
 	int open_before = descriptors();
-
 	for (int streams = 0; streams < 2; streams++) {
 		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = SLEEP;
 		pthread_t thread;
 		FILE *stream;
-
 		assert_int_equal(pthread_create(&thread, NULL, interrupt_soon, NULL), 0);
 		if (streams) {
 			struct eco_guard *guard;
-
 			assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "tree.obj", NULL, &stream, &error), ECO_OK);
 			assert_int_equal(fgetc(stream), EOF);
 			assert_int_equal(eco_guard_finish(guard, &error), ECO_INTERRUPTED);
@@ -497,7 +470,6 @@ static void an_interrupted_parent_ends_its_children(void **state)
 static enum eco_code tell_and_sleep(void *ctx, FILE *out, struct eco_error *error)
 {
 	pid_t self = getpid();
-
 	(void)ctx, (void)error;
 	fwrite(&self, sizeof self, 1, out);
 	fflush(out);
@@ -509,13 +481,11 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 {
 	int told[2];
 	pid_t parent, child = 0;
-
 	assert_int_equal(pipe(told), 0);
 	parent = fork();
 	if (parent == 0) {
 		struct eco_guard *guard;
 		FILE *stream;
-
 		if (eco_guard_start(&guard, tell_and_sleep, NULL, "tree.obj", NULL, &stream, NULL) != ECO_OK
 			|| fread(&child, sizeof child, 1, stream) != 1 || write(told[1], &child, sizeof child) != sizeof child)
 			_exit(1);
@@ -526,14 +496,13 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 	for (int i = 0; i < 500 && kill(child, 0) == 0; i++) {
 		char path[64], text[256] = "";
 		FILE *stat_file;
-
 		snprintf(path, sizeof path, "/proc/%d/stat", (int)child);
 		stat_file = fopen(path, "r");
-		if (stat_file != NULL && fread(text, 1, sizeof text - 1, stat_file) > 0 && strstr(text, ") Z") != NULL) {
+		if (stat_file && fread(text, 1, sizeof text - 1, stat_file) > 0 && strstr(text, ") Z") != NULL) {
 			fclose(stat_file);
 			break;               /* dead, and whoever adopted it has not looked yet */
 		}
-		if (stat_file != NULL)
+		if (stat_file)
 			fclose(stat_file);
 		usleep(10000);
 		assert_true(i < 499);
@@ -550,7 +519,6 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	enum deed deed = SPIN;
 	FILE *result;
-
 	setenv(ECO_GUARD_SECONDS_VARIABLE, "1", 1);
 	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "ECO_IMPORT_SECONDS=4 allows more"));
@@ -568,7 +536,6 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 static void larger_files_may_take_more(void **state)
 {
 	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20), all = eco_guard_limits_for(UINT64_MAX);
-
 	assert_true(none.memory_bytes >= 1ull << 30 && none.cpu_s >= 60 && none.clock_s >= none.cpu_s);
 	assert_true(some.memory_bytes > none.memory_bytes && some.cpu_s > none.cpu_s && some.clock_s > none.clock_s);
 	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s && all.clock_s > all.cpu_s);

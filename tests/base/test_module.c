@@ -15,12 +15,11 @@ static void put(const char *name, const char *bytes)
 {
 	char path[200];
 	FILE *file;
-
 	mkdir("build/tmp", 0755);
 	mkdir(FOLDER, 0755);
 	snprintf(path, sizeof path, FOLDER "/%s", name);
 	unlink(path);
-	if (bytes == NULL)
+	if (!bytes)
 		return;
 	file = fopen(path, "wb");
 	assert_non_null(file);
@@ -31,10 +30,9 @@ static void put(const char *name, const char *bytes)
 static void assert_refused(enum eco_module module, const char *says, const char *and)
 {
 	struct eco_error error = { .code = ECO_OK };
-
 	assert_null(eco_module(module, &error));
 	assert_int_equal(error.code, ECO_NOT_FOUND);
-	if (strstr(error.text, says) == NULL || strstr(error.text, and) == NULL)
+	if (!strstr(error.text, says) || !strstr(error.text, and))
 		fail_msg("neither \"%s\" nor \"%s\" in: %s", says, and, error.text);
 }
 
@@ -59,7 +57,6 @@ static void another_module_under_that_name_is_refused(void **state)
 {
 	char target[4096], *folder = target;     /* the program's: the last of its path, which may lie below another of that name */
 	ssize_t length = readlink("/proc/self/exe", target, sizeof target - 20);
-
 	assert_true(length > 0);
 	target[length] = 0;
 	for (char *next = target; (next = strstr(next + 1, "/tests/"));)
@@ -75,7 +72,6 @@ static void another_module_under_that_name_is_refused(void **state)
 static void modules_above_the_programs_folder_are_found_and_kept(void **state)
 {
 	const uint32_t *table;
-
 	unsetenv(ECO_MODULES_VARIABLE);
 	table = eco_module(ECO_MODULE_PROJ, NULL);
 	assert_non_null(table);

@@ -7,10 +7,8 @@
 static void items_stay_when_the_array_moves(void **state)
 {
 	uint32_t *items = NULL, capacity = 0, moves = 0;
-
 	for (uint32_t count = 0; count < 100000; count++) {
 		uint32_t before = capacity;
-
 		assert_true(eco_room(&items, &capacity, count, sizeof *items));
 		assert_true(capacity > count && capacity >= before);
 		moves += capacity != before;
@@ -26,10 +24,8 @@ static void what_cannot_be_had_leaves_the_array_alone(void **state)
 {
 	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 }, { 1u << 30, SIZE_MAX >> 33 } };
 	char byte, *items = &byte;
-
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		uint32_t capacity = rows[i].capacity;
-
 		if (i == 2)
 			items = NULL;
 		assert_false(eco_room(&items, &capacity, capacity, rows[i].size));

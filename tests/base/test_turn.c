@@ -13,7 +13,6 @@ static void quarter_turns_are_exact(void **state)
 		{ 0, 0, 1 }, { 16384, 1, 0 }, { 32768, 0, -1 }, { 49152, -1, 0 },
 	};
 	double sine, cosine;
-
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		eco_turn_sincos(cases[i].turn, &sine, &cosine);
 		assert_true(sine == cases[i].sine);
@@ -25,7 +24,6 @@ static void every_turn_is_the_sine_within_an_ulp(void **state)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double sine, cosine, radians = turn * (2 * 3.14159265358979323846 / 65536);
-
 		eco_turn_sincos((uint16_t)turn, &sine, &cosine);
 		assert_true(fabs(sine - sin(radians)) < 1e-15);
 		assert_true(fabs(cosine - cos(radians)) < 1e-15);
@@ -37,7 +35,6 @@ static void opposite_turns_mirror_to_the_bit(void **state)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double s, c, other_s, other_c;
-
 		eco_turn_sincos((uint16_t)turn, &s, &c);
 		eco_turn_sincos((uint16_t)-turn, &other_s, &other_c);
 		assert_true(s == -other_s && c == other_c);
@@ -52,7 +49,6 @@ static void results_are_the_golden_ones(void **state)
 	static double all[2 * 65536];
 	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8, 0x00, 0xec, 0x92, 0xa3, 0xa6 };
 	struct eco_chunk_id id;
-
 	for (uint32_t turn = 0; turn < 65536; turn++)
 		eco_turn_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
 	id = eco_chunk_hash((const uint8_t *)all, sizeof all);
@@ -77,7 +73,6 @@ static void degrees_go_to_the_nearest_step(void **state)
 static void the_first_error_wins(void **state)
 {
 	struct eco_error error = { 0 };
-
 	assert_int_equal(eco_fail(&error, ECO_DAMAGED, "%s %d", "first", 1), ECO_DAMAGED);
 	assert_int_equal(eco_fail(&error, ECO_IO, "second"), ECO_IO);
 	assert_int_equal(error.code, ECO_DAMAGED);

@@ -233,7 +233,7 @@ static bool has_picture(const struct bench *bench, const char *file)
 	FILE *in = fopen(path, "rb");
 	if (in)
 		fclose(in);
-	return in != NULL;
+	return in;
 }
 
 static enum eco_code write_three(struct bench *bench, const char *file, const struct view_picture *ours, const struct view_picture *full,

@@ -14,7 +14,7 @@ static const struct { const char *extension, *id; } formats[] = { { "glb", "glb2
 int main(int argc, char **argv)
 {
 	const char *extension = argc == 3 ? strrchr(argv[2], '.') : NULL;
-	if (extension == NULL) {
+	if (!extension) {
 		fprintf(stderr, "usage: convert IN OUT.{obj,ply,dae,fbx,glb,stl,3ds}\n");
 		return 2;
 	}
@@ -23,7 +23,7 @@ int main(int argc, char **argv)
 		if (strcmp(formats[i].extension, extension) == 0)
 			id = formats[i].id;
 	const struct aiScene *scene = aiImportFile(argv[1], aiProcess_Triangulate);
-	if (scene == NULL || aiExportScene(scene, id, argv[2], 0) != aiReturn_SUCCESS) {
+	if (!scene || aiExportScene(scene, id, argv[2], 0) != aiReturn_SUCCESS) {
 		fprintf(stderr, "convert: %s to %s: %s\n", argv[1], argv[2], aiGetErrorString());
 		return 1;
 	}

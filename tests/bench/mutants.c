@@ -215,7 +215,7 @@ static struct bytes read_file(const char *path)
 {
 	FILE *file = fopen(path, "rb");
 	struct bytes b = { malloc(SIZE_MOST), 0 };
-	if (file == NULL || b.at == NULL)
+	if (!file || !b.at)
 		stop("cannot be read", path);
 	b.size = fread(b.at, 1, SIZE_MOST, file);
 	fclose(file);
@@ -228,7 +228,7 @@ static struct bytes read_file(const char *path)
 static void write_file(const char *path, const struct bytes *b)
 {
 	FILE *file = fopen(path, "wb");
-	if (file == NULL || (b->size > 0 && fwrite(b->at, b->size, 1, file) != 1) || fclose(file) != 0)
+	if (!file || (b->size > 0 && fwrite(b->at, b->size, 1, file) != 1) || fclose(file) != 0)
 		stop("cannot be written", path);
 }
 
@@ -237,17 +237,17 @@ static void link_neighbours(const char *path, const char *folder)
 {
 	char home[PATH_MAX], from[2 * PATH_MAX], to[2 * PATH_MAX], *slash;
 	struct dirent *entry;
-	if (realpath(path, home) == NULL || (slash = strrchr(home, '/')) == NULL)
+	if (!realpath(path, home) || !(slash = strrchr(home, '/')))
 		stop("cannot be found", path);
 	*slash = 0;
 	DIR *list = opendir(home);
-	while (list != NULL && (entry = readdir(list)) != NULL) {
+	while (list && (entry = readdir(list))) {
 		snprintf(from, sizeof from, "%s/%s", home, entry->d_name);
 		snprintf(to, sizeof to, "%s/%s", folder, entry->d_name);
 		if (entry->d_name[0] != '.' && symlink(from, to) != 0 && errno != EEXIST)
 			stop("cannot be linked", to);
 	}
-	if (list != NULL)
+	if (list)
 		closedir(list);
 }
 
@@ -257,9 +257,9 @@ static int descriptors(void)
 {
 	DIR *list = opendir("/proc/self/fd");
 	int count = 0;
-	while (list != NULL && readdir(list) != NULL)
+	while (list && readdir(list))
 		count++;
-	if (list != NULL)
+	if (list)
 		closedir(list);
 	return count;
 }
@@ -270,10 +270,10 @@ static long resident_kb(void)
 	long kb = 0;
 	malloc_trim(0);
 	FILE *file = fopen("/proc/self/status", "r");
-	while (file != NULL && fgets(line, sizeof line, file) != NULL)
+	while (file && fgets(line, sizeof line, file))
 		if (sscanf(line, "VmRSS: %ld", &kb) == 1)
 			break;
-	if (file != NULL)
+	if (file)
 		fclose(file);
 	return kb;
 }
@@ -327,7 +327,7 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 	double start = now_s();
 	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1 }, &error);
 	double took = now_s() - start;
-	if (code == ECO_OK)
+	if (!code)
 		look_at(&model);
 	eco_model_free(&model);
 	m->mutants++;
@@ -367,12 +367,12 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 	uint32_t count = 0;
 	for (int i = 1; i < argc; i++) {
 		const char *value = argv[i][0] == '-' && i + 1 < argc ? argv[i + 1] : NULL;
-		if (value == NULL && argv[i][0] != '-' && count < MODELS_MAX) {
+		if (!value && argv[i][0] != '-' && count < MODELS_MAX) {
 			const char *dot = strrchr(argv[i], '.');
 			models[count++] = (struct model){ .path = argv[i], .extension = dot != NULL ? dot + 1 : "", .bytes = read_file(argv[i]) };
 			continue;
 		}
-		if (value == NULL)
+		if (!value)
 			return 0;
 		if (strcmp(argv[i], "--count") == 0)
 			o->count = strtoull(value, NULL, 10);
@@ -390,7 +390,7 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 			return 0;
 		i++;
 	}
-	return o->folder != NULL ? count : 0;
+	return o->folder ? count : 0;
 }
 
 /* The importer takes its limits from the environment, as from whoever runs ecopack. The module for pictures is loaded once here, not by

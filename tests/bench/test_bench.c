@@ -159,7 +159,7 @@ static char *text_of(const char *name)
 	return text;
 }
 
-static bool says(const char *name, const char *what) { return strstr(text_of(name), what) != NULL; }
+static bool says(const char *name, const char *what) { return strstr(text_of(name), what); }
 
 static uint32_t lines_of(const char *name)
 {

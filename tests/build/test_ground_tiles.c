@@ -262,7 +262,7 @@ static void a_bound_on_tiles_is_kept_and_spent_where_it_shows(void **state)
 	struct lod_ground_choice none;
 	struct lod_ground_limits limits = { .tolerance_px = 1 };
 	assert_int_equal(lod_ground_select(&none, &(struct eco_scene){ .near_m = 1 }, &eye, &limits, NULL), ECO_OK);
-	assert_true(none.count == 0 && none.tiles == NULL);
+	assert_true(none.count == 0 && !none.tiles);
 }
 
 /* ---- Drawing ---- */

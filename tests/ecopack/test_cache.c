@@ -63,8 +63,8 @@ static uint32_t files_in(const char *path, const char *containing)
 {
 	uint32_t count = 0;
 	DIR *dir = opendir(path);
-	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;)
-		count += d->d_name[0] != '.' && strstr(d->d_name, containing) != NULL;
+	for (struct dirent *d; dir && (d = readdir(dir));)
+		count += d->d_name[0] != '.' && strstr(d->d_name, containing);
 	if (dir)
 		closedir(dir);
 	return count;
@@ -74,7 +74,7 @@ static void empty_folder(void)
 {
 	DIR *dir = opendir(folder);
 	char path[600];
-	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;) {
+	for (struct dirent *d; dir && (d = readdir(dir));) {
 		snprintf(path, sizeof path, "%s/%s", folder, d->d_name);
 		if (d->d_name[0] != '.')
 			unlink(path);
@@ -342,7 +342,7 @@ static void an_entry_that_is_no_plant_is_built_anew(void **state)
 	DIR *dir = opendir(folder);
 	struct main_cache cache;
 	main_cache_open(&cache, folder, 1 << 30);
-	for (struct dirent *d; dir && (d = readdir(dir)) != NULL;) {
+	for (struct dirent *d; dir && (d = readdir(dir));) {
 		struct main_cache_key key;
 		unsigned byte;
 		int read = 0;

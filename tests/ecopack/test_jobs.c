@@ -14,7 +14,6 @@ static enum eco_code make_value(void *ctx, uint64_t i, void *result, struct eco_
 {
 	struct run *run = ctx;
 	struct made *made = result;
-
 	made->value = malloc(sizeof *made->value);
 	assert_non_null(made->value);
 	*made->value = i * i;
@@ -25,7 +24,6 @@ static enum eco_code make_value(void *ctx, uint64_t i, void *result, struct eco_
 static enum eco_code take_value(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	struct run *run = ctx;
-
 	assert_int_equal(i, run->taken);
 	assert_int_equal(*((struct made *)result)->value, i * i);
 	if (i == run->take_fails_at)
@@ -40,8 +38,7 @@ static struct run *dropping;
 static void drop_value(void *result)
 {
 	struct made *made = result;
-
-	if (made->value != NULL)
+	if (made->value)
 		atomic_fetch_sub(&dropping->alive, 1);
 	free(made->value);
 }
@@ -57,13 +54,10 @@ static void results_come_in_order_with_any_number_of_threads(void **state)
 {
 	static const uint64_t counts[] = { 0, 1, 2, 7, 1023, 1024, 1025, 5000 };
 	static const uint32_t threads[] = { 0, 1, 2, 3, 16, 200 };
-
 	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
 		uint64_t sum = 0;
-
 		for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
 			struct run run = { .fails_at = UINT64_MAX, .take_fails_at = UINT64_MAX };
-
 			assert_int_equal(go(&run, counts[c], threads[t], NULL), ECO_OK);
 			assert_int_equal(run.taken, counts[c]);
 			assert_int_equal(run.alive, 0);
@@ -84,7 +78,6 @@ static void the_first_failure_is_the_one_that_is_told(void **state)
 		for (uint32_t threads = 1; threads < 4; threads++) {
 			struct run run = { .fails_at = cases[i].work, .take_fails_at = cases[i].take };
 			struct eco_error error = { .code = ECO_OK };
-
 			assert_int_equal(go(&run, 3000, threads, &error), cases[i].code);
 			assert_string_equal(error.text, cases[i].says);
 			assert_int_equal(run.taken, cases[i].taken);

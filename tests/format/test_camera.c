@@ -177,7 +177,7 @@ static void scripts_are_loaded_from_files(void **state)
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_IO);
-	assert_true(strstr(error.text, "not-there.json") && camera == NULL);
+	assert_true(strstr(error.text, "not-there.json") && !camera);
 	/* a script of more than one portion of reading */
 	FILE *file = fopen(path, "wb");
 	assert_non_null(file);

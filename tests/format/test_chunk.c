@@ -14,7 +14,6 @@ static void what_goes_in_comes_out(void **state)
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
-
 		if (kind_encode(&input, &bytes, &size, order, &error) != ECO_OK)
 			fail_msg("%s: %s", k->name, error.text);
 		chunk = kind_chunk(&in, first, end, size);
@@ -37,7 +36,6 @@ static void the_same_elements_give_the_same_bytes(void **state)
 		const struct eco_chunk_input input = { &list, &in, 0, kinds[i].count, 1 };
 		uint8_t *bytes[2];
 		size_t size[2];
-
 		for (int pass = 0; pass < 2; pass++)
 			assert_int_equal(kind_encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
 		assert_int_equal(size[0], size[1]);
@@ -107,11 +105,9 @@ static void first_chunks_keep_their_order(void **state)
 		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
 		uint8_t *bytes;
 		size_t size;
-
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
 		for (uint32_t e = 0; e < cases[i].end - cases[i].first; e++) {
 			uint32_t *before = &last[in.corners[cases[i].first + order[e]]];
-
 			falls += order[e] < *before;
 			*before = order[e];
 		}
@@ -138,7 +134,6 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 	struct eco_chunk chunk;
 	uint8_t *bytes;
 	size_t size;
-
 	for (int32_t i = 0; i < SIDE * SIDE; i++) {
 		corners[i] = 1;
 		position[3 * i] = 4 * (i % SIDE);
@@ -160,13 +155,11 @@ static void equal_texture_coordinates_are_free(void **state)
 	const struct kind *k = &kinds[8];
 	struct eco_elements in = kind_elements(k, 300, 4);
 	size_t size[2];
-
 	assert_string_equal(k->name, "textured quads");
 	for (int textured = 0; textured < 2; textured++) {
 		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured ? ECO_ATTR_UV : 0 };
 		const struct eco_chunk_input input = { &list, &in, 0, 300, 1 };
 		uint8_t *bytes;
-
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size[textured], NULL, NULL), ECO_OK);
 		free(bytes);
 	}
@@ -178,7 +171,6 @@ static void permutations_are_fair_and_fixed(void **state)
 {
 	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
 	uint32_t order[1000], seen[1000] = { 0 }, first[10] = { 0 };
-
 	eco_chunk_permutation(3, 8, order);
 	assert_memory_equal(order, golden, sizeof golden);
 	eco_chunk_permutation(0, 1000, order);
@@ -201,16 +193,13 @@ static void splits_start_small_and_grow(void **state)
 		{ 50000, 256, 4 }, { 50000, 256, 1 }, { 5000000, 32, 20 }, { UINT32_MAX, 1, 5000 }, { 7, 0, 100 },
 	};
 	static uint32_t ends[5000];
-
 	assert_int_equal(eco_chunk_split(0, 32, ends, 10), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		uint32_t n = eco_chunk_split(cases[i].count, cases[i].smallest, ends, cases[i].max), last = 0, before = 0;
-
 		assert_true(n >= 1 && n <= cases[i].max);
 		assert_int_equal(ends[n - 1], cases[i].count);
 		for (uint32_t k = 0; k < n; k++) {
 			uint32_t size = ends[k] - last;
-
 			assert_true(ends[k] > last && size <= ECO_CHUNK_ELEMENTS_MAX);
 			if (k + 1 == n && n > 1)
 				assert_true(2 * (uint64_t)size >= before);
@@ -265,7 +254,6 @@ static void names_are_xxh3_of_the_payload(void **state)
 	/* XXH3-128 of no bytes, as the xxhsum program prints it. */
 	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3, 0x24, 0x46, 0x8d, 0x49, 0x7f };
 	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
-
 	assert_memory_equal(id.bytes, empty, sizeof empty);
 }
 

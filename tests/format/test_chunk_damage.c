@@ -12,12 +12,10 @@ static void every_truncation_is_refused(void **state)
 		struct eco_chunk chunk;
 		uint8_t *bytes, *copy;
 		size_t size;
-
 		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t cut = 0; cut < size; cut++) {
 			struct eco_chunk shorter = chunk;
-
 			copy = malloc(cut > 0 ? cut : 1);
 			memcpy(copy, bytes, cut);
 			assert_int_not_equal(eco_chunk_decode(&list, &chunk, 1, copy, cut, &out, NULL), ECO_OK);
@@ -38,7 +36,7 @@ static void assert_bounded(const struct eco_list *list, const struct eco_chunk *
 	assert_int_equal(out->extra_count, eco_list_extra_count(list));
 	for (size_t i = 0; i < 3 * (size_t)out->corner_count; i++)
 		assert_true(abs(out->position[i]) <= VALUE_MAX);
-	for (size_t i = 0; out->uv != NULL && i < 2 * (size_t)out->corner_count; i++)
+	for (size_t i = 0; out->uv && i < 2 * (size_t)out->corner_count; i++)
 		assert_true(abs(out->uv[i]) <= VALUE_MAX);
 	for (size_t i = 0; i < (size_t)out->element_count * out->extra_count; i++)
 		assert_true(abs(out->extra[i]) <= VALUE_MAX);
@@ -54,7 +52,6 @@ static void every_flipped_bit_is_refused_or_bounded(void **state)
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
-
 		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t bit = 0; bit < 8 * size; bit++) {
@@ -80,7 +77,6 @@ static void counts_must_be_those_of_the_record(void **state)
 	struct eco_chunk chunk, wrong;
 	uint8_t *bytes;
 	size_t size;
-
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 	chunk = kind_chunk(&in, 0, 50, size);
 	wrong = chunk;
@@ -114,7 +110,6 @@ static void impossible_input_is_refused(void **state)
 	struct eco_error error = { 0 };
 	uint8_t *bytes;
 	size_t size;
-
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_BAD_INPUT);
 	input.end = 51;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_BAD_INPUT);

@@ -7,7 +7,6 @@ static struct eco_elements make_bark(uint32_t side)
 	struct eco_elements e = { .element_count = 2 * side * side, .corner_count = 6 * side * side, .extra_count = 1 };
 	static const uint8_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	size_t at = 0;
-
 	e.primitive_count = e.element_count;
 	e.corners = malloc(e.element_count);
 	memset(e.corners, 3, e.element_count);
@@ -18,7 +17,6 @@ static struct eco_elements make_bark(uint32_t side)
 		for (uint32_t x = 0; x < side; x++)
 			for (unsigned c = 0; c < 6; c++, at++) {
 				int32_t u = (int32_t)(x + corner[c][0]), v = (int32_t)(y + corner[c][1]);
-
 				e.position[3 * at] = 10 * u;
 				e.position[3 * at + 1] = 10 * v;
 				e.position[3 * at + 2] = u * u / 3 + v * u % 4;
@@ -39,7 +37,6 @@ static void connected_wood_is_small_and_keeps_its_texture(void **state)
 	struct eco_chunk chunk;
 	uint8_t *bytes;
 	size_t size;
-
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
@@ -75,7 +72,6 @@ static void no_wood_triangle_is_lost(void **state)
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
-
 		for (int c = 0; c < 12; c++)
 			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);

@@ -17,11 +17,9 @@ static void sparse_symbols_weigh_what_they_do_in_draco(void **state)
 {
 	static uint32_t symbols[5000];
 	uint64_t random = 7;
-
 	for (int round = 0; round < 400; round++) {
 		int count = 1 + (int)(next_random(&random) % (round % 4 == 0 ? 5000u : 40u)), largest = 0, own_unique = -1, our_unique = -2;
 		uint32_t range = 1u << (next_random(&random) % 21), step = 1 + next_random(&random) % 3;
-
 		for (int i = 0; i < count; i++) {
 			symbols[i] = next_random(&random) % range / step * step;
 			largest = (int)symbols[i] > largest ? (int)symbols[i] : largest;
@@ -35,6 +33,5 @@ static void sparse_symbols_weigh_what_they_do_in_draco(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = { cmocka_unit_test(sparse_symbols_weigh_what_they_do_in_draco) };
-
 	return cmocka_run_group_tests_name("entropy", tests, NULL, NULL);
 }

@@ -13,7 +13,6 @@ static void sample(uint8_t *bytes, uint32_t channels)
 static void png_gives_back_every_pixel(void **state)
 {
 	static const uint32_t kinds[] = { 1, 3, 4 };
-
 	for (size_t k = 0; k < 3; k++) {
 		uint32_t channels = kinds[k];
 		struct eco_error error = { .code = ECO_OK };
@@ -21,7 +20,6 @@ static void png_gives_back_every_pixel(void **state)
 		uint8_t bytes[48];
 		const struct eco_pixels pixels = { 4, 3, channels, bytes };
 		const char *path = input_path("image", "a.png");
-
 		sample(bytes, channels);
 		if (eco_png_write(&pixels, path, &error) != ECO_OK || eco_image_read(&image, path, &error) != ECO_OK)
 			fail_msg("%s", error.text);
@@ -44,7 +42,6 @@ static void memory_and_file_agree_whatever_the_name_says(void **state)
 	uint8_t bytes[48], *png;
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
 	size_t size;
-
 	sample(bytes, 4);
 	bytes[3] = 0;                        /* the colour under zero alpha survives too */
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, &error), ECO_OK);
@@ -62,7 +59,6 @@ static void the_same_pixels_give_the_same_bytes(void **state)
 	uint8_t bytes[48], *a, *b;
 	const struct eco_pixels pixels = { 4, 3, 3, bytes };
 	size_t a_size, b_size;
-
 	sample(bytes, 3);
 	assert_int_equal(eco_png_encode(&pixels, &a, &a_size, NULL), ECO_OK);
 	assert_int_equal(eco_png_encode(&pixels, &b, &b_size, NULL), ECO_OK);
@@ -84,7 +80,6 @@ static void colours_are_not_multiplied_by_alpha(void **state)
 	static const uint8_t wanted[] = { 200, 0, 0, 128, 0, 255, 0, 255, 0, 0, 0, 0, 90, 180, 40, 64 };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
-
 	if (eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(image.width, 4);
@@ -105,7 +100,6 @@ static void what_is_no_picture_is_an_error_that_names_it(void **state)
 	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_image image;
-
 		assert_int_not_equal(eco_image_read_memory(&image, inputs[i].bytes, inputs[i].size, inputs[i].name, &error), ECO_OK);
 		assert_null(image.rgba);
 		assert_non_null(strstr(error.text, inputs[i].name));
@@ -123,7 +117,6 @@ static void every_damage_to_a_png_is_found(void **state)
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
 	struct eco_image image;
 	size_t size;
-
 	sample(bytes, 4);
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, NULL), ECO_OK);
 	for (size_t cut = 0; cut < size; cut++)
@@ -158,7 +151,6 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	uint8_t bytes[48];
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
-
 	sample(bytes, 4);
 	assert_int_equal(eco_png_write(&pixels, "build/tmp/image/no/such/folder.png", &error), ECO_IO);
 	assert_non_null(strstr(error.text, "folder.png"));

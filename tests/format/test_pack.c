@@ -23,7 +23,6 @@ static uint8_t *read_file(const char *path, size_t *size)
 {
 	FILE *file = fopen(path, "rb");
 	uint8_t *bytes;
-
 	assert_non_null(file);
 	fseek(file, 0, SEEK_END);
 	*size = (size_t)ftell(file);
@@ -38,9 +37,8 @@ static int count_files(void)
 {
 	DIR *folder = opendir(FOLDER);
 	int count = 0;
-
 	assert_non_null(folder);
-	for (struct dirent *entry; (entry = readdir(folder)) != NULL;)
+	for (struct dirent *entry; (entry = readdir(folder));)
 		count += entry->d_name[0] != '.';
 	closedir(folder);
 	return count;
@@ -60,7 +58,6 @@ static uint8_t *small_pack(size_t *size)
 {
 	struct scene_builder p;
 	struct eco_error error = { 0 };
-
 	empty_folder();
 	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK)
 		fail_msg("%s", error.text);
@@ -74,13 +71,11 @@ static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_er
 	uint8_t *copy = malloc(size > 0 ? size : 1);
 	struct eco_pack *pack;
 	enum eco_code code;
-
 	memcpy(copy, bytes, size);
 	code = eco_pack_open_memory(&pack, copy, size, error);
 	for (uint32_t i = 0; code == ECO_OK && i < pack->scene.chunk_count; i++) {
 		const uint8_t *payload;
 		size_t payload_size;
-
 		code = eco_pack_payload(pack, i, &payload, &payload_size, error);
 	}
 	eco_pack_close(pack);
@@ -106,7 +101,6 @@ static void all_tables_come_back(void **state)
 	struct eco_error error = { 0 };
 	struct eco_pack *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
-
 	empty_folder();
 	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
 		fail_msg("%s", error.text);
@@ -158,17 +152,14 @@ static void all_payloads_decode(void **state)
 	uint32_t places = 0;
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
-
 	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pack->scene.list_count; i++) {
 		const struct eco_list *list = &pack->scene.lists[i];
-
 		for (uint32_t k = 0; k < list->chunk_count; k++) {
 			struct eco_error error = { 0 };
 			struct eco_elements e;
 			const uint8_t *payload;
 			size_t payload_size;
-
 			if (eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size, &error) != ECO_OK)
 				fail_msg("%s", error.text);
 			if (list->coder == ECO_CODER_BYTES) {
@@ -179,7 +170,6 @@ static void all_payloads_decode(void **state)
 				fail_msg("list %u: %s", i, error.text);
 			for (uint32_t n = 0; list->kind == ECO_LIST_INSTANCES && n < e.element_count; n++, places++) {
 				struct eco_place a = eco_place_of(&e, n), b = eco_place_read(&pack->scene, places);
-
 				assert_memory_equal(a.position, b.position, sizeof a.position);
 				assert_int_equal(a.turn, b.turn);
 				assert_int_equal(a.scale, b.scale);
@@ -199,7 +189,6 @@ static void the_small_pack_is_the_golden_one(void **state)
 	size_t size, golden_size;
 	uint8_t *bytes = small_pack(&size), *golden = read_file(GOLDEN_PATH, &golden_size);
 	struct eco_error error = { 0 };
-
 	if (open_exact(golden, golden_size, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(size, golden_size);
@@ -212,7 +201,6 @@ static void every_truncation_is_found(void **state)
 {
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
-
 	assert_int_equal(open_exact(bytes, size, NULL), ECO_OK);
 	for (size_t cut = 0; cut < size; cut++)
 		assert_int_not_equal(open_exact(bytes, cut, NULL), ECO_OK);
@@ -227,7 +215,6 @@ static void every_flipped_bit_is_found(void **state)
 	uint64_t seed = 1;
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
-
 	for (size_t bit = 0; bit < 8 * size; bit++) {
 		bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
 		assert_int_not_equal(open_exact(bytes, size, NULL), ECO_OK);
@@ -235,7 +222,6 @@ static void every_flipped_bit_is_found(void **state)
 	}
 	for (int i = 0; i < 50000; i++) {
 		size_t bit[2];
-
 		for (int k = 0; k < 2; k++)
 			bit[k] = (size_t)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 33) % (8 * size);
 		if (bit[0] == bit[1])
@@ -256,7 +242,6 @@ static void forged_tables_do_no_harm(void **state)
 	int accepted = 0;
 	size_t size;
 	uint8_t *bytes = small_pack(&size), *forged = malloc(size);
-
 	for (int i = 0; i < 20000; i++) {
 		memcpy(forged, bytes, size);
 		for (int k = 0; k <= i % 3; k++) {
@@ -278,7 +263,6 @@ static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
 	const uint8_t *payload;
 	size_t size, payload_size;
 	uint8_t *bytes = small_pack(&size);
-
 	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
 	bytes[pack->scene.chunks[3].offset + 5] ^= 1;
 	assert_int_equal(eco_pack_payload(pack, 3, &payload, &payload_size, &error), ECO_DAMAGED);
@@ -298,7 +282,6 @@ static void equal_payloads_are_stored_once(void **state)
 	struct scene_builder p;
 	struct eco_pack *pack;
 	uint32_t first = 0, last = 0;
-
 	empty_folder();
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	struct eco_list list = scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0, 0 });
@@ -327,7 +310,6 @@ static void a_failed_pack_leaves_the_old_one(void **state)
 	struct eco_error error = { 0 };
 	struct eco_pack_writer *w = NULL;
 	struct scene_builder p;
-
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	assert_int_equal(count_files(), 2);
 	eco_pack_abort(w);
@@ -352,7 +334,6 @@ static void a_full_disk_is_reported_and_leaves_nothing(void **state)
 {
 	struct rlimit old, limit;
 	size_t size;
-
 	free(small_pack(&size));
 	signal(SIGXFSZ, SIG_IGN);
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
@@ -360,7 +341,6 @@ static void a_full_disk_is_reported_and_leaves_nothing(void **state)
 		struct eco_error error = { 0 };
 		struct scene_builder p;
 		enum eco_code code;
-
 		empty_folder();
 		limit = old;
 		limit.rlim_cur = most;
@@ -378,12 +358,10 @@ static void impossible_targets_are_named(void **state)
 {
 	static const char *const paths[] = { FOLDER "/missing/x.eco", FOLDER, "/dev/null", "" };
 	struct eco_pack *pack;
-
 	empty_folder();
 	for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
 		struct eco_error error = { 0 };
 		struct eco_pack_writer *w = NULL;
-
 		assert_int_not_equal(eco_pack_create(&w, paths[i], &error), ECO_OK);
 		assert_null(w);
 		assert_non_null(strstr(error.text, paths[i]));
@@ -407,7 +385,6 @@ static void only_packs_and_empty_files_are_replaced(void **state)
 		FILE *file;
 		uint8_t *bytes;
 		size_t size;
-
 		empty_folder();
 		file = fopen(PATH, "wb");
 		assert_non_null(file);
@@ -432,7 +409,6 @@ static void bad_lists_are_refused(void **state)
 	struct eco_error error = { 0 };
 	struct eco_pack_writer *w = NULL;
 	uint32_t id;
-
 	empty_folder();
 	assert_int_equal(eco_pack_create(&w, PATH, &error), ECO_OK);
 	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, NULL), ECO_BAD_INPUT);
@@ -455,7 +431,6 @@ static void records_have_the_stated_sizes(void **state)
 	static const struct eco_scene scene;
 	struct eco_writer w = { 0 };
 	size_t before;
-
 #define SIZE(kind, call) before = w.size; call; assert_int_equal(w.size - before, eco_section_info[ECO_SECTION_##kind].record_bytes)
 	SIZE(SCENE, eco_scene_write(&w, &scene));
 	SIZE(PLANTS, eco_plant_write(&w, &(struct eco_plant){ 0 }));

@@ -104,7 +104,7 @@ static void freeing_empties_a_plan(void **state)
 {
 	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1, .runs = malloc(sizeof *plan.runs) };
 	eco_plan_free(&plan);
-	assert_true(plan.cuts == NULL && plan.runs == NULL && plan.cut_count == 0 && plan.vertices == 0);
+	assert_true(!plan.cuts && !plan.runs && plan.cut_count == 0 && plan.vertices == 0);
 	eco_plan_free(&plan);
 	eco_plan_free(NULL);
 }

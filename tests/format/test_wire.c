@@ -20,7 +20,7 @@ static enum eco_code tell(struct told *t, uint8_t what, struct eco_error *e)
 static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *e)
 {
 	struct told *t = ctx;
-	assert_true(scene->plants == NULL && scene->lists == NULL && scene->root == ECO_NONE);
+	assert_true(!scene->plants && !scene->lists && scene->root == ECO_NONE);
 	eco_wire_write_scene(&t->w, scene, id);
 	return tell(t, 1, e);
 }
@@ -404,7 +404,7 @@ static void holdings_survive_the_wire(void **state)
 			struct eco_holdings none;
 			struct eco_error error = { 0 };
 			assert_int_not_equal(eco_wire_read_holdings(w.bytes, size, &none, &error), ECO_OK);
-			assert_true(error.text[0] && none.items == NULL && none.count == 0);
+			assert_true(error.text[0] && !none.items && none.count == 0);
 		}
 		free(back.items);
 		eco_writer_free(&w);

@@ -172,7 +172,7 @@ static void every_truncation_of_a_plan_is_refused(void **state)
 			memcpy(exact, w.bytes, size);
 			struct eco_reader reader = { .bytes = exact, .size = size };
 			assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_DAMAGED);
-			assert_true(error.text[0] && back.cuts == NULL && back.placements == NULL);
+			assert_true(error.text[0] && !back.cuts && !back.placements);
 			free(exact);
 		}
 		eco_plan_free(&plan);

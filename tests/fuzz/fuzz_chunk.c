@@ -13,7 +13,6 @@ static void check(const struct eco_list *list, const struct eco_chunk *chunk, co
 {
 	const int32_t bound = (1 << 28) - 1;
 	uint32_t corners = 0;
-
 	assert(e->element_count == chunk->element_count && e->primitive_count == chunk->primitive_count);
 	for (uint32_t i = 0; i < e->element_count; i++)
 		corners += e->corners[i];
@@ -21,7 +20,7 @@ static void check(const struct eco_list *list, const struct eco_chunk *chunk, co
 	for (size_t i = 0; i < 3 * (size_t)corners; i++)
 		assert(e->position[i] <= bound && e->position[i] >= -bound);
 	assert((e->uv != NULL) == ((list->attributes & ECO_ATTR_UV) != 0));
-	for (size_t i = 0; e->uv != NULL && i < 2 * (size_t)corners; i++)
+	for (size_t i = 0; e->uv && i < 2 * (size_t)corners; i++)
 		assert(e->uv[i] <= bound && e->uv[i] >= -bound);
 	for (size_t i = 0; i < (size_t)e->element_count * e->extra_count; i++)
 		assert(e->extra[i] <= bound && e->extra[i] >= -bound);
@@ -35,7 +34,7 @@ static void encode_form(const struct eco_list *list, const struct eco_elements *
 		.primitive_count = e->element_count, .corners = malloc(e->element_count), .position = calloc(e->element_count, 36) };
 	const struct eco_chunk_input input = { &fans, &of, 0, e->element_count, 3 };
 
-	assert(of.corners != NULL && of.position != NULL);
+	assert(of.corners != NULL && of.position);
 	memset(of.corners, 3, e->element_count);
 	assert(eco_chunk_encode_form(&input, list, e, bytes, size, NULL) == ECO_OK);
 	eco_elements_free(&of);
@@ -47,7 +46,6 @@ static void encode_again(const struct eco_list *list, const struct eco_elements 
 	struct eco_error error = { 0 };
 	uint8_t *bytes;
 	size_t size;
-
 	if (list->coder == ECO_CODER_FORM)
 		encode_form(list, e, &bytes, &size);
 	else if (eco_chunk_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
@@ -61,7 +59,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_list list;
 	struct eco_chunk chunk;
 	struct eco_elements elements;
-
 	if (size < 8)
 		return 0;
 	list = (struct eco_list){ .kind = bytes[0], .coder = bytes[1], .attributes = bytes[2], .columns = bytes[3] };

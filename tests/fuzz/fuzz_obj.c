@@ -16,7 +16,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 static void check(const struct eco_model *m)
 {
 	uint64_t accounted = m->triangle_count;
-
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
 	assert(accounted == m->triangles_in);
@@ -35,7 +34,6 @@ static void read_obj(const char *path)
 	struct eco_model_frame frame = { .base = { 0 } };
 	struct eco_model model = { .position = NULL };
 	struct eco_error error = { .code = ECO_OK };
-
 	assert(notes != NULL);
 	if (eco_obj_read(&model, &frame, path, 100000, notes, &error) == ECO_OK) {
 		check(&model);
@@ -55,7 +53,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_error error = { .code = ECO_OK };
 	double base[3] = { 0, 0, 0 };
 	char path[64];
-
 	assert(memory >= 0 && write(memory, bytes, size) == (ssize_t)size);
 	snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
 	read_obj(path);

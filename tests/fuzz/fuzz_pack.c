@@ -18,7 +18,6 @@ static void read_chunks(const struct eco_pack *pack, const struct eco_list *list
 		struct eco_elements elements;
 		const uint8_t *payload;
 		size_t size;
-
 		eco_pack_payload(pack, list->chunk_first + i, &payload, &size, NULL);
 		if (list->coder == ECO_CODER_BYTES || chunk->element_count > 4096)
 			continue;
@@ -35,7 +34,6 @@ static void choose_ground(const struct eco_scene *s)
 	const struct lod_ground_limits limits = { .tolerance_px = 0.5 };
 	struct lod_ground_choice choice;
 	struct lod_eye eye;
-
 	lod_eye_make(&eye, &view);
 	if (lod_ground_select(&choice, s, &eye, &limits, NULL) != ECO_OK)
 		return;
@@ -48,7 +46,6 @@ static void read_all(const struct eco_pack *pack)
 {
 	const struct eco_scene *s = &pack->scene;
 	uint64_t sum = 0;
-
 	for (uint32_t i = 0; i < s->list_count && i < 64; i++)
 		read_chunks(pack, &s->lists[i]);
 	for (uint64_t i = 0; i < s->place_count; i++)
@@ -65,20 +62,18 @@ static void open_and_read(const uint8_t *bytes, size_t size)
 {
 	struct eco_error error = { 0 };
 	struct eco_pack *pack;
-
 	if (eco_pack_open_memory(&pack, bytes, size, &error) == ECO_OK) {
 		read_all(pack);
 		eco_pack_close(pack);
 	} else {
-		assert(pack == NULL && error.text[0] != 0);
+		assert(!pack && error.text[0] != 0);
 	}
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	uint8_t *copy = malloc(size > 0 ? size : 1);
-
-	if (copy == NULL)
+	if (!copy)
 		return 0;
 	open_and_read(bytes, size);
 	memcpy(copy, bytes, size);

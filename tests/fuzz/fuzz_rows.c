@@ -30,15 +30,13 @@ static uint64_t read_all(uint8_t how, const char *path)
 	uint64_t sum = 0;
 	bool more = true;
 	enum eco_code code = open_rows(&rows, how, path, &error);
-
 	if (code != ECO_OK) {
-		assert(rows == NULL && code == error.code && error.text[0] != 0);
+		assert(!rows && code == error.code && error.text[0] != 0);
 		return code;
 	}
 	assert(rows->column_count <= ECO_COLUMNS_MAX && rows->note_count <= ECO_ROWS_NOTES_MAX);
 	while (rows->next(rows, &more, &error) == ECO_OK && more) {
 		uint64_t row = rows->row;
-
 		assert(rows->field_count <= ECO_COLUMNS_MAX && row > 0 && (rows->place.kind != ECO_PLACE_POINT || rows->has_geometry));
 		for (uint32_t i = 0; i < rows->field_count; i++)
 			for (const char *c = rows->fields[i]; *c != 0; c++)
@@ -54,8 +52,7 @@ static void read_texts(const uint8_t *data, size_t size)
 	char *text = malloc(size + 1), folded[100], again[100];
 	double number, unit_m;
 	enum eco_size_form form;
-
-	if (text == NULL)
+	if (!text)
 		return;
 	memcpy(text, data, size);
 	text[size] = 0;
@@ -76,7 +73,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	char path[64];
 	int file;
-
 	if (size == 0)
 		return 0;
 	if (data[0] % 8 == 7) {

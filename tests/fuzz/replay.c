@@ -15,15 +15,13 @@ static int replay_file(const char *path)
 	FILE *file = fopen(path, "rb");
 	uint8_t *bytes = NULL;
 	size_t size = 0, got;
-
-	if (file == NULL) {
+	if (!file) {
 		fprintf(stderr, "%s: %s\n", path, strerror(errno));
 		return -1;
 	}
 	do {
 		uint8_t *grown = realloc(bytes, size + 65536);
-
-		if (grown == NULL)
+		if (!grown)
 			abort();
 		bytes = grown;
 		got = fread(bytes + size, 1, 65536, file);
@@ -33,7 +31,7 @@ static int replay_file(const char *path)
 	/* An allocation of the exact size, so that a sanitizer sees a byte read too far. */
 	uint8_t *exact = malloc(size > 0 ? size : 1);
 
-	if (exact == NULL)
+	if (!exact)
 		abort();
 	memcpy(exact, bytes, size);
 	LLVMFuzzerTestOneInput(exact, size);
@@ -48,7 +46,6 @@ static int replay(const char *path, int depth)
 	struct stat status;
 	struct dirent **entries;
 	int count = 0, n;
-
 	if (lstat(path, &status) != 0) {
 		fprintf(stderr, "%s: %s\n", path, strerror(errno));
 		return -1;
@@ -63,7 +60,6 @@ static int replay(const char *path, int depth)
 	for (int i = 0; i < n; i++) {
 		char *inner = NULL;
 		int one = 0;
-
 		if (entries[i]->d_name[0] != '.') {
 			if (asprintf(&inner, "%s/%s", path, entries[i]->d_name) < 0)
 				abort();
@@ -80,10 +76,8 @@ static int replay(const char *path, int depth)
 int main(int argc, char **argv)
 {
 	int count = 0;
-
 	for (int i = 1; i < argc; i++) {
 		int one = replay(argv[i], 0);
-
 		if (one < 0)
 			return 1;
 		count += one;

@@ -40,7 +40,6 @@ static bool as_is(void *ctx, double xy[2], struct eco_error *error)
 static void add(struct eco_areas *areas, const struct wkb *w)
 {
 	bool kept;
-
 	assert_int_equal(eco_areas_add_wkb(areas, w->bytes, w->size, as_is, NULL, &kept, NULL), ECO_OK);
 	assert_true(kept);
 }
@@ -53,7 +52,6 @@ static void holes_and_several_polygons_are_one_area(void **state)
 {
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
-
 	put_head(&w, 6);
 	put(&w, &(uint32_t){ 2 }, 4);
 	put_head(&w, 3);
@@ -80,7 +78,6 @@ static void bands_agree_with_every_edge(void **state)
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
 	uint32_t differ = 0;
-
 	for (uint32_t i = 0; i < CORNERS; i++)
 		for (int k = 0; k < 2; k++)
 			at[i][k] = (double)(eco_mix(7, 2 * i + (uint32_t)k) >> 40) / 1000;
@@ -92,10 +89,8 @@ static void bands_agree_with_every_edge(void **state)
 	for (uint32_t i = 0; i < 5000; i++) {
 		double x = (double)(eco_mix(8, i) >> 40) / 1000, y = (double)(eco_mix(9, i) >> 40) / 1000;
 		bool inside = false;
-
 		for (uint32_t e = 0; e < CORNERS; e++) {
 			const double *a = at[e], *b = at[(e + 1) % CORNERS];
-
 			if ((a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
 				inside = !inside;
 		}
@@ -108,10 +103,8 @@ static void bands_agree_with_every_edge(void **state)
 
 		for (uint32_t e = 0; e < CORNERS; e++) {
 			const double *a = at[e], *b = at[(e + 1) % CORNERS];
-
 			for (int k = 0; k <= 64; k++) {
 				double x = a[0] + k / 64.0 * (b[0] - a[0]), y = a[1] + k / 64.0 * (b[1] - a[1]);
-
 				least = y >= low && y <= high ? fmin(least, x) : least;
 				most = y >= low && y <= high ? fmax(most, x) : most;
 			}
@@ -125,7 +118,6 @@ static void bands_agree_with_every_edge(void **state)
 static double square_to(const double a[2], const double b[2], double x, double y)
 {
 	double dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy, t = length > 0 ? ((x - a[0]) * dx + (y - a[1]) * dy) / length : 0;
-
 	t = fmin(fmax(t, 0), 1);
 	return (a[0] + t * dx - x) * (a[0] + t * dx - x) + (a[1] + t * dy - y) * (a[1] + t * dy - y);
 }
@@ -133,13 +125,11 @@ static double square_to(const double a[2], const double b[2], double x, double y
 static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
 {
 	static const double reach[] = { 0.3, 4, 70 };
-
 	for (size_t r = 0; r < sizeof reach / sizeof *reach; r++) {
 		double at[60][2];
 		struct eco_areas areas = { .items = NULL };
 		struct wkb line = { .size = 0 }, point = { .size = 0 };
 		uint32_t differ = 0, near = 0;
-
 		for (uint32_t i = 0; i < 60; i++)
 			for (int k = 0; k < 2; k++)
 				at[i][k] = (double)(eco_mix(3, 2 * i + (uint32_t)k) >> 44) / 1000 - 300;
@@ -153,7 +143,6 @@ static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
 		for (uint32_t i = 0; i < 4000; i++) {
 			double x = (double)(eco_mix(4, i) >> 44) / 1000 - 300, y = (double)(eco_mix(5, i) >> 44) / 1000 - 300;
 			double least = square_to(at[59], at[59], x, y);
-
 			for (uint32_t e = 0; e < 58; e++)
 				least = fmin(least, square_to(at[e], at[e + 1], x, y));
 			differ += (least < reach[r] * reach[r]) != eco_areas_near(&areas, x, y);
@@ -171,7 +160,6 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
 	bool kept = true;
-
 	put_head(&w, 3);
 	put(&w, &(uint32_t){ 1 }, 4);
 	put_path(&w, square, 5);
@@ -196,15 +184,12 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 static void every_beginning_of_the_set_is_spread_evenly(void **state)
 {
 	static uint16_t p[ECO_BLUE_NOISE_POINTS][2];
-
 	assert_true(eco_blue_noise(p));
 	for (uint32_t n = ECO_BLUE_NOISE_POINTS; n >= 8; n = n * 5 / 7) {
 		double least = INFINITY;
-
 		for (uint32_t i = 0; i < n; i++)
 			for (uint32_t j = 0; j < i; j++) {
 				double x = (int16_t)(uint16_t)(p[i][0] - p[j][0]), y = (int16_t)(uint16_t)(p[i][1] - p[j][1]);
-
 				least = fmin(least, x * x + y * y);
 			}
 		assert_true(sqrt(least) > 0.55 * 65536 * sqrt(2 / (sqrt(3.0) * n)));

@@ -17,7 +17,6 @@ static struct eco_gltf *open_good(const char *rest)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_gltf *doc;
 	size_t size = gw_glb_bytes(rest, ' ', &file_bytes);
-
 	if (eco_gltf_open_memory(&doc, "build/tmp/gltf/x.glb", file_bytes, size, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	return doc;
@@ -34,7 +33,6 @@ static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t component
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
 	uint64_t count;
-
 	if (eco_gltf_read_floats(doc, (uint32_t)accessor, components, &values, &count, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(count, wanted_count);
@@ -49,10 +47,9 @@ static void expect_refused(struct eco_gltf *doc, int accessor, enum eco_code wan
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
 	uint64_t count;
-
 	assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)accessor, 0, &values, &count, &error), wanted);
 	assert_null(values);
-	if (strstr(error.text, says) == NULL)
+	if (!strstr(error.text, says))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
 }
 
@@ -64,7 +61,6 @@ static void json_may_be_padded_with_zeros_or_begin_with_a_mark(void **state)
 	uint8_t *bytes;
 	size_t size;
 	char text[130000];
-
 	gw_begin();
 	size = gw_glb_bytes(CHUNK_JSON, 0, &bytes);
 	assert_int_equal(eco_gltf_open_memory(&doc, "a.glb", bytes, size, NULL), ECO_OK);
@@ -80,7 +76,6 @@ static void a_document_that_is_cut_off_is_refused(void **state)
 	const float p[3] = { 1, 2, 3 };
 	uint8_t *bytes;
 	size_t size;
-
 	gw_begin();
 	gw_floats(p, 1, "VEC3", 3);
 	size = gw_glb_bytes(CHUNK_JSON, ' ', &bytes);
@@ -88,7 +83,6 @@ static void a_document_that_is_cut_off_is_refused(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
 		uint8_t *cut = malloc(at + 1);
-
 		memcpy(cut, bytes, at);
 		assert_int_not_equal(eco_gltf_open_memory(&doc, "cut.glb", cut, at, &error), ECO_OK);
 		assert_null(doc);
@@ -111,9 +105,8 @@ static void what_is_no_gltf_2_is_named(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
-
 		assert_int_equal(eco_gltf_open_memory(&doc, "n.gltf", (const uint8_t *)cases[i].text, strlen(cases[i].text), &error), cases[i].code);
-		if (strstr(error.text, cases[i].says) == NULL)
+		if (!strstr(error.text, cases[i].says))
 			fail_msg("%s\n  wanted ... %s", error.text, cases[i].says);
 	}
 }
@@ -129,7 +122,6 @@ static void buffers_are_found_beside_or_within(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
 		char buffer[200];
-
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		snprintf(buffer, sizeof buffer, ",\"uri\":\"%s\"", uris[i]);
@@ -148,10 +140,8 @@ static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
 		{ ",\"uri\":\"data:;base64,AAAA\"", ECO_DAMAGED, "has only 3 bytes" },
 	};
 	static const float p[3] = { 1, 2, 3 };
-
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_gltf *doc;
-
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		assert_int_equal(eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(cases[i].buffer, CHUNK_JSON)), NULL), ECO_OK);
@@ -179,7 +169,6 @@ static void numbers_of_every_type_are_read(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_gltf *doc;
-
 		gw_begin();
 		gw_accessor(gw_view(cases[i].from, cases[i].size, ""), cases[i].type, 4, "SCALAR", cases[i].normalized ? ",\"normalized\":true" : "");
 		doc = open_good("");
@@ -193,7 +182,6 @@ static void strides_offsets_and_columns_are_kept(void **state)
 	static const float interleaved[10] = { 9, 1, 2, 9, 9, 3, 4, 9, 5, 6 };
 	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15, 16, 0, 17, 18, 19, 0 };
 	struct eco_gltf *doc;
-
 	gw_begin();
 	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2", ",\"byteOffset\":4");
 	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
@@ -211,7 +199,6 @@ static void sparse_accessors_are_filled_in(void **state)
 	char sparse[3][300];
 	int v, i8, i32;
 	struct eco_gltf *doc;
-
 	gw_begin();
 	v = gw_view(values, sizeof values, "");
 	i8 = gw_view(bytes, sizeof bytes, "");
@@ -248,7 +235,6 @@ static void accessors_beyond_their_bytes_are_refused(void **state)
 		struct eco_gltf *doc;
 		uint8_t *bytes;
 		size_t size;
-
 		gw_begin();
 		gw_accessor(gw_view(four, sizeof four, ""), GLTF_FLOAT, cases[i].count, cases[i].kind, cases[i].more);
 		size = gw_glb_bytes("", ' ', &bytes);
@@ -268,7 +254,6 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	unsigned char packed[8192];
 	double wanted[400], corners[300];
 	struct eco_gltf *doc;
-
 	for (unsigned i = 0; i < 100; i++)
 		for (unsigned k = 0; k < 4; k++)
 			wanted[i * 4 + k] = (double)(places[i][k] = (float)(i * k) * 0.25f - 3);
@@ -279,7 +264,6 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	gw_begin();
 	for (int e = 0; e < 2; e++) {
 		const char *extension = e == 0 ? "EXT_meshopt_compression" : "KHR_meshopt_compression";
-
 		gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, places, 100, 16), 100, 16, "ATTRIBUTES", "NONE", extension),
 			GLTF_FLOAT, 100, "VEC4", "");
 		gw_accessor(gw_packed(packed, meshopt_encodeIndexBuffer(packed, sizeof packed, triangles, 300), 300, 2, "TRIANGLES", "NONE", extension),
@@ -291,7 +275,6 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	for (int e = 0; e < 2; e++) {
 		double *values;
 		uint64_t count;
-
 		expect_floats(doc, e * 3, 4, wanted, 100);
 		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 1, 1, &values, &count, NULL), ECO_OK);
 		for (unsigned i = 0; i < 300; i += 3)        /* triangles keep their order, and may begin at another corner */
@@ -314,7 +297,6 @@ static void filters_of_meshopt_are_undone(void **state)
 	double *values;
 	uint64_t count;
 	struct eco_gltf *doc;
-
 	gw_begin();
 	meshopt_encodeFilterOct(filtered, 4, 8, 16, normals[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8, "ATTRIBUTES", "OCTAHEDRAL",
@@ -381,7 +363,6 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 	for (int a = 0; a < 2; a++) {
 		double *values;
 		uint64_t count;
-
 		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)a, 4, &values, &count, NULL), ECO_OK);
 		for (int i = 0; i < 16; i++)
 			assert_true(fabs(values[i] - colors[i]) < (a == 0 ? 0.02 : 0.002));
@@ -407,7 +388,6 @@ static void meshopt_that_makes_no_sense_is_refused(void **state)
 		const uint8_t *view;
 		struct eco_gltf *doc;
 		size_t size;
-
 		gw_begin();
 		gw_packed(bytes, sizeof bytes, cases[i].count, cases[i].stride, cases[i].mode, cases[i].filter, "EXT_meshopt_compression");
 		doc = open_good("");
@@ -423,7 +403,6 @@ static void nodes_stand_where_their_ancestors_put_them(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_gltf *doc;
 	double m[16], p[3];
-
 	gw_begin();
 	doc = open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
 		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,\"x\"]}]");
@@ -462,7 +441,6 @@ static void what_a_viewer_would_show_is_walked(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char order[200] = "";
 		struct eco_gltf *doc;
-
 		gw_begin();
 		doc = open_good(cases[i].rest);
 		assert_int_equal(eco_gltf_walk(doc, note_node, order, NULL), cases[i].code);
@@ -486,7 +464,6 @@ static void a_tree_that_is_none_ends(void **state)
 
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_gltf *doc;
-
 		gw_begin();
 		doc = open_good(cases[i]);
 		assert_int_equal(eco_gltf_walk(doc, ignore_node, NULL, NULL), ECO_TOO_LARGE);

@@ -21,12 +21,11 @@ static enum eco_code read_model(struct eco_model *m, const char *rest, uint32_t 
 	uint8_t *bytes;
 	size_t size = gw_glb_bytes(rest, ' ', &bytes);
 	enum eco_code code;
-
 	*m = (struct eco_model){ .position = NULL };
 	frame = (struct eco_model_frame){ .unit_m = 0 };
 	notes = (struct eco_notes){ .used = 0 };
 	code = eco_gltf_open_memory(&doc, input_path("gltf_model", "m.glb"), bytes, size, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_gltf_read_document(m, &frame, doc, triangles_max, &notes, error);
 	eco_gltf_close(doc);
 	free(bytes);
@@ -37,7 +36,6 @@ static void read_good(struct eco_model *m, const char *rest)
 {
 	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
-
 	if (read_model(m, rest, 1000000, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	accounted = m->triangle_count;
@@ -54,9 +52,8 @@ static void read_fails(const char *rest, enum eco_code wanted, const char *says)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
 	enum eco_code code = read_model(&m, rest, 1000, &error);
-
 	eco_model_free(&m);
-	if (code != wanted || strstr(error.text, says) == NULL)
+	if (code != wanted || !strstr(error.text, says))
 		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
 }
 
@@ -64,7 +61,6 @@ static void read_fails(const char *rest, enum eco_code wanted, const char *says)
 static void expect_corner(const struct eco_model *m, uint32_t t, uint32_t c, double x, double y, double z)
 {
 	const float *p;
-
 	assert_true(t < m->triangle_count && m->index[t * 3 + c] < m->vertex_count);
 	p = &m->position[m->index[t * 3 + c] * 3];
 	if (fabs((double)p[0] - x) + fabs((double)p[1] + z) + fabs((double)p[2] - y) > 1e-4)
@@ -80,7 +76,6 @@ static void indices_of_every_type_or_none_make_triangles(void **state)
 	static const uint16_t shorts[6] = { 0, 1, 2, 2, 1, 3 };
 	static const uint32_t words[6] = { 0, 1, 2, 2, 1, 3 };
 	struct eco_model m;
-
 	for (int i = 0; i < 4; i++) {
 		gw_begin();
 		gw_floats(square[0], i < 3 ? 4 : 3, "VEC3", 3);
@@ -103,7 +98,6 @@ static void strips_and_fans_become_triangles(void **state)
 {
 	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
@@ -127,7 +121,6 @@ static void strips_and_fans_become_triangles(void **state)
 static void points_and_lines_are_counted_and_said(void **state)
 {
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
@@ -146,7 +139,6 @@ static void a_broken_index_is_kept_apart(void **state)
 {
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
@@ -162,7 +154,6 @@ static void quantized_meshes_are_read(void **state)
 	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
 	struct eco_model m;
-
 	gw_begin();
 	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
@@ -180,7 +171,6 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 {
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
@@ -197,7 +187,6 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 static void parts_are_nodes_and_meshes(void **state)
 {
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
@@ -242,7 +231,6 @@ static void instances_without_end_are_refused_at_once(void **state)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
@@ -259,7 +247,6 @@ static void skins_stand_where_their_joints_hold_them(void **state)
 	static const uint8_t joints[3][4] = { { 0, 1 }, { 0, 1 }, { 1, 0 } };
 	static const float weights[3][4] = { { 1, 0 }, { 0.5f, 0.5f }, { 1, 0 } };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
@@ -279,7 +266,6 @@ static void morph_targets_have_their_default_weights(void **state)
 {
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
@@ -295,7 +281,6 @@ static void vertex_colours_count_in_linear_light(void **state)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
@@ -310,7 +295,6 @@ static void vertex_colours_count_in_linear_light(void **state)
 static void the_older_materials_and_those_without_any_have_colours(void **state)
 {
 	struct eco_model m;
-
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
@@ -337,7 +321,6 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 	char rest[3000], text[1000] = "";
 	uint8_t *png;
 	size_t size;
-
 	if (eco_png_encode(&(struct eco_pixels){ 1, 1, 4, rgba }, &png, &size, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	input_bytes("gltf_model", "bark one.png", png, size);
@@ -389,7 +372,6 @@ static void draco_meshes_of_any_size_are_read(void **state)
 	uint8_t *bytes;
 	size_t size;
 	char rest[600];
-
 	for (uint32_t v = 0; v < vertices; v++) {
 		position[v * 3] = (int32_t)(v % DRACO_SIDE);
 		position[v * 3 + 1] = (int32_t)(v / DRACO_SIDE);
@@ -429,7 +411,6 @@ static void draco_meshes_of_any_size_are_read(void **state)
 		struct eco_draco_attribute a = { .id = 0, .components = 3 };
 		struct eco_draco_mesh mesh;
 		uint8_t *part = malloc(cut + 1);
-
 		memcpy(part, bytes, cut);
 		assert_int_not_equal(eco_draco_decode_gltf(part, cut, faces, vertices * 3, &a, 1, &mesh, NULL), ECO_OK);
 		assert_null(mesh.index);
@@ -450,7 +431,6 @@ static void draco_attributes_are_found_by_their_ids(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	uint8_t *bytes;
 	size_t size;
-
 	assert_int_equal(eco_draco_encode_mesh(position, 3, index, 1, &bytes, &size, NULL), ECO_OK);
 	assert_int_equal(eco_draco_decode_gltf(bytes, size, 1, 3, a, 1, &mesh, NULL), ECO_OK);
 	assert_true(mesh.faces == 1 && mesh.points == 3);
@@ -480,7 +460,6 @@ static void what_a_file_requires_and_is_not_read_is_named(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[500];
-
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
 		snprintf(rest, sizeof rest, ONE_MESH("\"POSITION\":0", "") ",%s", cases[i].list);
@@ -519,7 +498,6 @@ static void a_glb_is_known_by_its_content(void **state)
 	const char *path;
 	uint8_t *bytes;
 	size_t size;
-
 	for (int i = 0; i < 3; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
@@ -544,7 +522,6 @@ static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char rest[1000];
-
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
 		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":"

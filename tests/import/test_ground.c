@@ -33,7 +33,7 @@ static enum eco_code import(struct eco_ground *ground, const struct given *g, st
 	struct eco_ground_options options = { .source = &source, .scene_crs = g->scene_crs, .scene_vertical = g->scene_vertical,
 		.origin = { g->origin[0], g->origin[1], g->origin[2] }, .side_max = g->side_max, .warn = note };
 
-	for (int i = 0; g->path == NULL && i < 4 && g->paths[i] != NULL; i++)
+	for (int i = 0; !g->path && i < 4 && g->paths[i]; i++)
 		paths[source.height_count++] = (char *)g->paths[i];
 	warnings[0] = 0;
 	return eco_ground_import(ground, &options, error);
@@ -42,7 +42,6 @@ static enum eco_code import(struct eco_ground *ground, const struct given *g, st
 static void import_good(struct eco_ground *ground, const struct given *g)
 {
 	struct eco_error error = { .code = ECO_OK };
-
 	if (import(ground, g, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 }
@@ -51,16 +50,15 @@ static void import_fails(const struct given *g, const char *says)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_ground ground;
-
 	assert_int_not_equal(import(&ground, g, &error), ECO_OK);
 	assert_null(ground.height_m);
-	if (strstr(error.text, says) == NULL)
+	if (!strstr(error.text, says))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
 }
 
 static bool said(const char *text)
 {
-	return strstr(warnings, text) != NULL;
+	return strstr(warnings, text);
 }
 
 /* 3 x 2 samples of 10 m, first row in the north. */
@@ -70,7 +68,6 @@ static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
 {
 	static const float wanted[] = { 4, 5, 6, 1, 2, 3 };
 	struct eco_ground g;
-
 	import_good(&g, &(struct given){ .path = input_text("ground", "a.asc", GRID "11 12 13\n14.0 15 16\n"),
 		.origin = { 90, 190, 10 } });
 	assert_int_equal(g.columns, 3);
@@ -86,7 +83,6 @@ static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
 static void what_is_missing_grows_in_from_its_neighbours(void **state)
 {
 	struct eco_ground g;
-
 	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\n"
 		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 1e6 -9999 -9999 -9999\n") });
 	assert_int_equal(g.filled, 12);
@@ -106,11 +102,9 @@ static void a_hole_in_a_slope_is_levelled(void **state)
 	char text[8192];
 	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
 	struct eco_ground g;
-
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++) {
 			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
-
 			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c", hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
 		}
 	import_good(&g, &(struct given){ .path = input_text("ground", "slope.asc", text) });
@@ -118,7 +112,6 @@ static void a_hole_in_a_slope_is_levelled(void **state)
 	for (uint32_t y = 1; y + 1 < SIDE; y++)
 		for (uint32_t x = 1; x + 1 < SIDE; x++) {
 			const float *at = &g.height_m[y * SIDE + x];
-
 			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1 && fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
 		}
 	eco_ground_free(&g);
@@ -131,14 +124,12 @@ static const char *write_tiff(const char *name, bool south_up, int columns, int 
 	double transform[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
 	GDALDatasetH file;
 	GDALRasterBandH band;
-
 	GDALAllRegister();
 	file = GDALCreate(GDALGetDriverByName("GTiff"), path, columns, rows, 1, GDT_Int16, NULL);
 	assert_non_null(file);
 	GDALSetGeoTransform(file, transform);
-	if (crs != NULL) {
+	if (crs) {
 		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
-
 		OSRSetFromUserInput(reference, crs);
 		GDALSetSpatialRef(file, reference);
 		OSRDestroySpatialReference(reference);
@@ -157,7 +148,6 @@ static void scale_offset_and_row_order_of_the_file_are_honoured(void **state)
 	static const int16_t samples[] = { 2, 4, 6, 8, 10, 12 };
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 } };
 	struct eco_ground g;
-
 	o.path = write_tiff("north.tif", false, 2, 3, samples, "EPSG:32631");
 	import_good(&g, &o);
 	assert_true(g.x_m == 5 && g.y_m == 5 && g.columns == 2 && g.rows == 3);
@@ -175,7 +165,6 @@ static void a_crs_is_converted_and_never_guessed(void **state)
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 0 } };
 	struct eco_ground g;
 	double z;
-
 	for (int i = 0; i < 40 * 30; i++)
 		samples[i] = (int16_t)(i % 40 * 10);
 	o.path = write_tiff("utm.tif", false, 40, 30, samples, "EPSG:32631");
@@ -209,7 +198,6 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 {
 	static int16_t samples[64 * 32];
 	struct eco_ground g;
-
 	for (int i = 0; i < 64 * 32; i++)
 		samples[i] = (int16_t)(i % 64);
 	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL), .side_max = 16,
@@ -238,16 +226,14 @@ static const char *write_raster(const char *driver, const char *name, GDALDataTy
 	const char *path = input_path("ground", name);
 	GDALDriverH memory, target;
 	GDALDatasetH file, copy;
-
 	GDALAllRegister();
 	memory = GDALGetDriverByName("MEM");
 	target = GDALGetDriverByName(driver);
 	file = GDALCreate(memory, "", columns, rows, 1, type, NULL);
-	if (transform != NULL)
+	if (transform)
 		GDALSetGeoTransform(file, (double *)transform);
-	if (crs != NULL) {
+	if (crs) {
 		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
-
 		OSRSetFromUserInput(reference, crs);
 		GDALSetSpatialRef(file, reference);
 		OSRDestroySpatialReference(reference);
@@ -270,7 +256,6 @@ static void a_png_takes_its_meaning_from_the_scene(void **state)
 	static const double samples[16] = { 0, 1000, 2000, 65535, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
 	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL), .no_holes = true };
 	struct eco_ground ground;
-
 	remove("build/tmp/ground/map.png.aux.xml");
 	import_fails(&g, "add to the ground \"north_west\": [x, y]");
 	g.has_place = true;
@@ -299,7 +284,6 @@ static void a_world_file_says_where_a_picture_lies(void **state)
 	static const double samples[16] = { 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7, 8, 8, 8, 8 };
 	struct given g = { .path = write_raster("PNG", "world.png", GDT_UInt16, 4, 4, samples, NULL, NULL) };
 	struct eco_ground ground;
-
 	remove("build/tmp/ground/world.png.aux.xml");
 	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
 	import_good(&ground, &g);
@@ -313,7 +297,6 @@ static void units_of_the_file_are_converted_and_said(void **state)
 	const char *path;
 	struct eco_ground ground;
 	GDALDatasetH file;
-
 	for (int i = 0; i < 16; i++)
 		samples[i] = 1000 + i;
 	path = write_raster("GTiff", "feet.tif", GDT_Float32, 4, 4, samples, at_zero, NULL);
@@ -335,7 +318,6 @@ static void a_band_is_chosen_and_colours_are_no_heights(void **state)
 	static const uint8_t gray[4] = { 1, 2, 3, 4 };
 	struct eco_ground ground;
 	GDALDatasetH file;
-
 	GDALAllRegister();
 	file = GDALCreate(GDALGetDriverByName("GTiff"), path, 2, 2, 3, GDT_Byte, NULL);
 	GDALSetGeoTransform(file, (double *)at_zero);
@@ -369,12 +351,10 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 		struct given g = { 0 };
 		struct eco_ground ground;
 		uint64_t missing = 0;
-
 		for (int y = 0; y < HOLES_SIDE; y++)
 			for (int x = 0; x < HOLES_SIDE; x++) {
 				double *z = &samples[y * HOLES_SIDE + x];
 				bool here = (x > 10 && x < 15 && y > 20 && y < 30) || (x == 30 && y == 3);
-
 				*z = terrain(x, y) + cases[k].base;
 				if (cases[k].base != 0)
 					*z = *z < 8 ? 0 : *z - 8;        /* below the sea's level all is 0 */
@@ -414,7 +394,6 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 static void ground_that_is_all_one_is_said(void **state)
 {
 	struct eco_ground ground;
-
 	import_good(&ground, &(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
 	assert_true(said("every height is 7 m"));
 	eco_ground_free(&ground);
@@ -429,7 +408,6 @@ static void rasters_side_by_side_become_one_ground(void **state)
 	struct given g = { .no_holes = true };
 	struct eco_ground ground;
 	double z;
-
 	for (int i = 0; i < 16; i++) {
 		west[i] = 100 + i % 4;
 		east[i] = 104 + i % 4;
@@ -471,7 +449,6 @@ static void degrees_and_turned_rasters_are_resampled(void **state)
 	struct given g = { .scene_crs = "EPSG:32632", .origin = { 500000, 5316000, 0 } };
 	struct eco_ground ground;
 	double z, far_z = 0;
-
 	for (int i = 0; i < 3600; i++)
 		samples[i] = 500 + i / 60;           /* falls to the north: 500 in the first row */
 	g.path = write_raster("GTiff", "degrees.tif", GDT_Float32, 60, 60, samples, degrees, "EPSG:4326");
@@ -493,7 +470,6 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 {
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
 	struct eco_ground ground;
-
 	import_good(&ground, &g);
 	assert_true(said("add \"vertical\" to the scene and to its ground"));
 	eco_ground_free(&ground);
@@ -533,7 +509,6 @@ static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **st
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double z = -1;
-
 		assert_int_equal(eco_ground_height(&g, cases[i].x, cases[i].y, &z), cases[i].inside);
 		assert_true(z == cases[i].z);
 	}
@@ -552,9 +527,8 @@ static void the_shared_terrain_reads(void **state)
 	const char *data = getenv("ECO_DATA");
 	char path[4096];
 	struct eco_ground g;
-
 	snprintf(path, sizeof path, "%s/terrain/scbi_plot_elevation.tif", data != NULL ? data : "");
-	if (data == NULL || access(path, R_OK) != 0)
+	if (!data || access(path, R_OK) != 0)
 		skip();
 	import_good(&g, &(struct given){ .path = path, .crs = "EPSG:26917", .scene_crs = "EPSG:26917",
 		.origin = { 747375, 4308510, 0 } });

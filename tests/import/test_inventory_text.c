@@ -10,7 +10,6 @@ static void words_for_nothing_are_known(void **state)
 	static const char *const missing[] = { "", "  ", "NA", "n/a", "NaN", "NULL", "None", "-", "--", " ? ", "#N/A", "<Null>", "k.A.", "unknown",
 		"n.d.", "Desconocido", "unbekannt", "\u00a0" };
 	static const char *const there[] = { "0", "oak", "no", "- -", "unknown oak", "a very long text that cannot be a word for nothing" };
-
 	for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
 		if (!eco_text_is_missing(missing[i]))
 			fail_msg("\"%s\" is missing", missing[i]);
@@ -25,7 +24,6 @@ static void case_and_spaces_do_not_count(void **state)
 		{ "ДУБ Ёлка", "дуб ёлка" }, { "ΔΡΥΣ", "δρυσ" }, { "ŠŽČ Łódź", "šžč łódź" }, { "a\u00a0\u2009b", "a b" }, { "×", "×" },
 		{ "Quercus robur 'Fastigiata'", "quercus robur 'fastigiata'" } };
 	char folded[64];
-
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		assert_int_equal(eco_text_fold(pairs[i][0], folded, sizeof folded), strlen(pairs[i][1]));
 		assert_string_equal(folded, pairs[i][1]);
@@ -63,7 +61,6 @@ static void numbers_have_one_meaning_or_none(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = NAN;
 		bool good = eco_text_number(cases[i].text, cases[i].decimal, &number);
-
 		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
 			fail_msg("\"%s\" with '%c' is %g", cases[i].text, cases[i].decimal, good ? number : NAN);
 	}
@@ -101,7 +98,6 @@ static void sizes_are_numbers_ranges_and_bounds(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = 0, unit_m = 0;
 		enum eco_size_form form = eco_text_size(cases[i].text, cases[i].decimal, &number, &unit_m);
-
 		if (form != cases[i].form || (form != ECO_FORM_NONE && (fabs(number - cases[i].number) > 1e-12 || fabs(unit_m - cases[i].unit_m) > 1e-12)))
 			fail_msg("\"%s\" is of form %d, %g in units of %g m", cases[i].text, form, number, unit_m);
 	}

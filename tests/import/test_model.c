@@ -48,7 +48,6 @@ static void polygons_count_as_corners_minus_two(void **state)
 	assert_int_equal(m.triangle_count, 6);
 	for (uint32_t i = 0; i < m.triangle_count; i++) {
 		const float *a = &m.position[m.index[i * 3] * 3], *b = &m.position[m.index[i * 3 + 1] * 3], *c = &m.position[m.index[i * 3 + 2] * 3];
-
 		area += fabs(((double)b[0] - a[0]) * ((double)c[2] - a[2]) - ((double)b[2] - a[2]) * ((double)c[0] - a[0])) / 2;
 	}
 	if (fabs(area - 4) >= 1e-6)
@@ -61,14 +60,11 @@ static void polygons_count_as_corners_minus_two(void **state)
 static void any_simple_polygon_is_covered_exactly_once(void **state)
 {
 	uint32_t seed = 1;
-
 	for (uint32_t round = 0; round < 2000; round++) {
 		uint32_t n = 3 + round % 30, scratch[32], triangles[96];
 		double corners[96], polygon = 0, sum = 0;
-
 		for (uint32_t i = 0; i < n; i++) {
 			double angle = 6.283185307 * i / n, radius;
-
 			seed = seed * 1664525u + 1013904223u;
 			radius = 1 + (double)(seed >> 28);           /* whole numbers: corners in a line occur */
 			if (round % 7 == 0 && i > 0 && i % 5 == 0) {
@@ -81,14 +77,12 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 		}
 		for (uint32_t i = 0; i < n; i++) {
 			const double *a = &corners[i * 3], *b = &corners[(i + 1) % n * 3];
-
 			polygon += a[0] * b[1] - a[1] * b[0];
 		}
 		eco_polygon_split(corners, n, scratch, triangles);
 		for (uint32_t i = 0; i < n - 2; i++) {
 			const double *a = &corners[triangles[i * 3] * 3], *b = &corners[triangles[i * 3 + 1] * 3], *c = &corners[triangles[i * 3 + 2] * 3];
 			double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-
 			assert_true(area * (polygon < 0 ? -1 : 1) >= -1e-9);
 			sum += area;
 		}
@@ -121,7 +115,6 @@ static void bad_indices_are_dropped_by_the_last_step_too(void **state)
 	struct eco_notes notes = { .used = 0 };
 	static const float position[] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[] = { 0, 1, 7, 0, 1, 2, ECO_NONE, 1, 2 };
-
 	m.position = malloc(sizeof position);
 	m.index = malloc(sizeof index);
 	m.material = calloc(3, sizeof *m.material);
@@ -177,7 +170,6 @@ static void more_triangles_than_allowed_are_refused(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
 	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf 1 2 3\nf 2 4 3\nf 3 4 5\n");
-
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 },
 		&error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "3 triangles"));
@@ -193,12 +185,10 @@ static void damaged_files_are_survived(void **state)
 	char text[6000];
 	FILE *file = fopen(path, "rb");
 	size_t size = fread(text, 1, sizeof text, file), step = size / 40;
-
 	fclose(file);
 	for (size_t at = 1; at < size; at += step) {
 		struct eco_model m;
 		char kept = text[at];
-
 		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) },
 			.path_count = 1 }, NULL) == ECO_OK)
 			fail_msg("%zu of %zu bytes were taken for a model", at, size);
@@ -242,11 +232,10 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		char text[16] = "";
 		FILE *result;
-
 		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", NULL, &result, &error), wanted[i].code);
 		assert_non_null(strstr(error.text, wanted[i].says));
 		assert_int_equal(result != NULL, i == 0);
-		if (result == NULL)
+		if (!result)
 			continue;
 		assert_int_equal(fread(text, 1, sizeof text - 1, result), 6);
 		assert_string_equal(text, "result");
@@ -265,14 +254,12 @@ static void shared_models_arrive_whole(void **state)
 		{ "sh3d_scopia/poplar/poplar.obj", 132050, 0, 1, false, 7.3003 }, { "sh3d_cc0/plant/plant.obj", 14370, 0, 0, false, 1.171 },
 	};
 	const char *data = getenv("ECO_DATA");
-
-	if (data == NULL)
+	if (!data)
 		skip();
 	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
 		struct eco_model m;
 		char path[4096];
 		bool cutout = false;
-
 		snprintf(path, sizeof path, "%s/models/%s", data, models[i].path);
 		if (access(path, R_OK) != 0)
 			continue;

@@ -15,7 +15,6 @@
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
 	struct eco_error error = { .code = ECO_OK };
-
 	if (eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name), &error) != ECO_OK)
 		fail_msg("%s", error.text);
 }
@@ -24,7 +23,6 @@ static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 };
 	struct eco_model m;
-
 	write_png("leaf one.png", rgba, 2, 2);
 	input_text(TEST_FOLDER, "t.mtl", "newmtl m\nKd 0.64 0.64 0.64\nmap_Kd leaf one.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "t.obj", "mtllib t.mtl\n" TRIANGLE_UV), 0);
@@ -45,7 +43,6 @@ static void an_opacity_map_cuts_out(void **state)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 }, mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
 	struct eco_model m;
-
 	write_png("solid.png", solid, 2, 1);
 	write_png("mask.png", mask, 2, 1);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\nmap_d mask.png\n");
@@ -61,7 +58,6 @@ static void an_opacity_map_cuts_out(void **state)
 static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 {
 	struct eco_model m;
-
 	input_text(TEST_FOLDER, "g.mtl", "newmtl m\nKd 1 0 0.5\nmap_Kd C:\\trees\\gone.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "g.obj", "mtllib g.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.image_count, 0);
@@ -110,7 +106,6 @@ static void a_grey_that_nobody_chose_is_no_colour(void **state)
 static void colours_are_the_screens_unless_blender_wrote_them(void **state)
 {
 	struct eco_model m;
-
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");
 	import_high(&m, input_text(TEST_FOLDER, "c.obj", "mtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 51);
@@ -123,7 +118,6 @@ static void colours_are_the_screens_unless_blender_wrote_them(void **state)
 static void invisible_materials_are_left_out_and_counted(void **state)
 {
 	struct eco_model m;
-
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
 	import_high(&m, input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV "v 5 0 0\nusemtl n\nf 1 2 3\nf 1 3 4\n"), 0);
 	assert_int_equal(m.triangles_in, 3);
@@ -168,7 +162,6 @@ static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
 		struct eco_model m;
 		char rest[500];
-
 		snprintf(rest, sizeof rest, ",\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
 			"\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
 		import_high(&m, gltf("alpha.gltf", "{\"mesh\":0}", rest), 0);
@@ -188,7 +181,6 @@ static void import_textured(struct eco_model *m, const char *materials, const ui
 {
 	char meshes[2000] = "", nodes[2000] = "", text[8000];
 	size_t mesh = 0, node = 0;
-
 	write_png("row.png", rgba, width, 1);
 	for (uint32_t i = 0; i < 3; i++) {
 		mesh += (size_t)snprintf(meshes + mesh, sizeof meshes - mesh, "%s{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
@@ -205,7 +197,6 @@ static void assert_texel(const struct eco_model *m, const char *material, uint32
 {
 	const struct eco_material *of = material_of(m, material);
 	const uint8_t *texel;
-
 	assert_true(of->image < m->image_count);
 	assert_memory_equal(of->rgb, "\377\377\377", 3);
 	texel = &m->images[of->image].rgba[x * 4];
@@ -217,7 +208,6 @@ static void a_texture_takes_each_colour_it_is_used_with(void **state)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
 	struct eco_model m;
-
 	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
@@ -236,7 +226,6 @@ static void a_texture_cut_out_here_is_opaque_there(void **state)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
 	struct eco_model m;
-
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
@@ -245,7 +234,6 @@ static void a_texture_cut_out_here_is_opaque_there(void **state)
 	assert_true(material_of(&m, "leaf")->cutout && material_of(&m, "veil")->cutout && !material_of(&m, "bark")->cutout);
 	for (uint32_t x = 0; x < 3; x++) {
 		uint8_t level = (uint8_t)(9 - x);
-
 		assert_texel(&m, "leaf", x, (const uint8_t[]){ level, level, level, rgba[x * 4 + 3] });
 		assert_texel(&m, "bark", x, (const uint8_t[]){ level, level, level, 255 });
 		assert_texel(&m, "veil", x, (const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
@@ -257,7 +245,6 @@ static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
 	struct eco_model m;
-
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
@@ -288,13 +275,11 @@ static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
 {
 	struct eco_notes notes = { .used = 0 };
 	struct eco_model m;
-
 	make_motley(&m, 200);
 	assert_int_equal(eco_model_bake_tints(&m, "memory", &notes, NULL), ECO_OK);
 	assert_int_equal(m.image_count, 32);
 	for (uint32_t i = 0; i < 200; i++) {
 		const uint8_t *texel = m.images[m.materials[i].image].rgba;
-
 		assert_true(texel[0] == (i < 32 ? 255 - i : 224) && texel[2] == texel[0] && texel[3] == 255 && m.materials[i].rgb[1] == 255);
 	}
 	assert_non_null(strstr(notes.text, "168 materials are drawn in the nearest"));
@@ -305,7 +290,6 @@ static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
 {
 	static const uint8_t white[] = { 255, 255, 255, 255 };
 	struct eco_model m;
-
 	write_png("white.png", white, 1, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv 0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
@@ -359,13 +343,11 @@ static void draco_meshes_are_read(void **state)
 static void vertex_colours_become_materials(void **state)
 {
 	struct eco_model m;
-
 	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
 		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
 	assert_int_equal(m.material_count, 3);       /* red, blue, and white, which changes nothing */
 	for (uint32_t i = 0; i < 3; i++) {
 		const uint8_t *rgb = m.materials[m.material[i]].rgb;
-
 		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0) && rgb[2] == (i != 0 ? 255 : 0));
 		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");    /* one surface: lod/build/organ_split.h */
 	}
@@ -385,7 +367,6 @@ static void texture_transforms_turn_about_the_images_corner(void **state)
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_model m;
 		char rest[700];
-
 		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],\"extensionsRequired\":[\"KHR_texture_transform\"],"
 			"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{%s}}}}}],"
 			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"one.png\"}]", cases[i].transform);
@@ -404,7 +385,6 @@ static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[200];
-
 		snprintf(rest, sizeof rest, ",\"%s\":[\"%s\"]", cases[i].list, cases[i].name);
 		import_refuses(gltf("ext.gltf", "{\"mesh\":0}", rest), ECO_UNSUPPORTED, cases[i].name);
 	}

@@ -15,7 +15,6 @@ static void any_line_end_and_byte_order_mark_will_do(void **state)
 
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
 		struct eco_model m;
-
 		import_file(&m, input_text("formats", "ends.obj", files[i]), &(struct eco_model_options){ .up = ECO_UP_Y });
 		if (m.triangle_count != 1 || !has_place(&m, 0.5, 0, 0) || !has_place(&m, -0.5, 0, 1))
 			fail_msg("file %zu: %u triangles", i, m.triangle_count);
@@ -26,7 +25,6 @@ static void any_line_end_and_byte_order_mark_will_do(void **state)
 static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\n"
 		"f 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
 	assert_int_equal(m.triangles_in, 1 + 4 + 3 + 1);
@@ -39,7 +37,6 @@ static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 static void numbers_that_are_none_are_counted_or_named_with_their_line(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 0\nv 0 -1.#INF 0\nv 1e999 0 0\n"
 		"f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 1 2 7\nf 1 2 8\n"), NULL);
 	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 5);
@@ -63,7 +60,6 @@ static void what_is_no_obj_is_named(void **state)
 static void map_coordinates_keep_their_detail(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv 747376.125 4308510.250 312.5\n"
 		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"), &(struct eco_model_options){ .up = ECO_UP_Z,
 		.unit_m = 1 });
@@ -79,7 +75,6 @@ static void colours_of_vertices_may_be_shares_or_bytes(void **state)
 
 	for (size_t i = 0; i < 3; i++) {
 		struct eco_model m;
-
 		import_file(&m, input_text("formats", "vc.obj", files[i]), NULL);
 		assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 51, 0 }), 3);
 		eco_model_free(&m);
@@ -102,7 +97,6 @@ static void libraries_are_found_as_exporters_meant(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[300];
-
 		snprintf(text, sizeof text, "%s" TRIANGLE "usemtl bark\nf 1 2 3\n", cases[i].line);
 		input_text("formats", cases[i].file, cases[i].library);
 		import_file(&m, input_text("formats", "lib.obj", text), NULL);
@@ -117,7 +111,6 @@ static void libraries_are_found_as_exporters_meant(void **state)
 static void what_no_library_describes_is_grey_and_said(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste und Bl\xc3\xa4tter\nf 1 2 3\n"), NULL);
 	assert_int_equal(m.material_count, 2);
 	assert_int_equal(material_of(&m, "\xc3\x84ste und Bl\xc3\xa4tter")->rgb[1], 153);
@@ -140,7 +133,6 @@ static void transparency_is_read_with_sense(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
-
 		input_text("formats", "alpha.mtl", cases[i].library);
 		import_file(&m, input_text("formats", "alpha.obj", "mtllib alpha.mtl\n" TRIANGLE "v 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"), NULL);
 		if (m.dropped[ECO_DROP_TRANSPARENT] != cases[i].hidden)
@@ -153,7 +145,6 @@ static void transparency_is_read_with_sense(void **state)
 static void objects_and_groups_are_parts(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\n"
 		"f 1 2 6\n"), NULL);
 	assert_int_equal(m.part_count, 4);
@@ -171,7 +162,6 @@ static void objects_and_groups_are_parts(void **state)
 static void ply_text_brings_colours_and_counts_bad_faces(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nelement vertex 4\r\nproperty float x\r\n"
 		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\nelement face 2\r\n"
 		"property list uchar int vertex_indices\r\nend_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n"
@@ -186,7 +176,6 @@ static void ply_text_brings_colours_and_counts_bad_faces(void **state)
 static void put_double(uint8_t *to, double value, bool big)
 {
 	uint64_t bits;
-
 	memcpy(&bits, &value, sizeof bits);
 	for (int i = 0; i < 8; i++)
 		to[i] = (uint8_t)(bits >> (big ? 56 - 8 * i : 8 * i));
@@ -282,7 +271,6 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
-
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), NULL);
 		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT || m.source.unit_how != ECO_HOW_FORMAT
 			|| !close_to(m.scale, cases[i].unit_m, 1e-9) || !close_to(m.source.size[0], cases[i].wide, 1e-3) || !close_to(m.source.size[1], cases[i].deep, 1e-3)
@@ -311,7 +299,6 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
-
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), &(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
 		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5 || m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
 			fail_msg("case %zu: %g high, scale %g", i, m.source.size[2], m.scale);
@@ -332,14 +319,13 @@ static void a_unit_is_guessed_from_the_height_and_said(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[200];
-
 		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", cases[i].units);
 		import_file(&m, input_text("formats", "unit.obj", text), &(struct eco_model_options){ .up = ECO_UP_Y });
 		import_says(cases[i].says);
 		assert_true(close_to(eco_model_height(&m), cases[i].metres, 1e-4) && m.source.unit_how == ECO_HOW_GUESSED);
 		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
-		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && strstr(import_said, "taken for") == NULL && m.source.unit_how == ECO_HOW_HEIGHT);
+		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && !strstr(import_said, "taken for") && m.source.unit_how == ECO_HOW_HEIGHT);
 		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
 		assert_true(close_to(eco_model_height(&m) / (cases[i].units * 0.3048), 1, 1e-5));
@@ -357,7 +343,6 @@ static void comments_about_units_are_read(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[200];
-
 		snprintf(text, sizeof text, "%s\n" TRIANGLE "f 1 2 3\n", cases[i].comment);
 		import_file(&m, input_text("formats", "comment.obj", text), NULL);
 		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED) || (cases[i].metres > 0 && m.scale != cases[i].metres))
@@ -385,7 +370,6 @@ static void formats_without_axes_follow_their_convention(void **state)
 	uint8_t bytes[400], list[100];
 	size_t used, at = 0;
 	struct eco_model m;
-
 	list[0] = 3;
 	list[1] = 0;
 	memcpy(list + 2, places, 36);
@@ -421,7 +405,6 @@ static void formats_without_axes_follow_their_convention(void **state)
 static void binary_ply_may_begin_with_any_byte(void **state)
 {
 	static const char *const formats[] = { "binary_little_endian", "binary_big_endian" };
-
 	for (int big = 0; big < 2; big++)
 		for (int ends = 0; ends < 2; ends++)
 			for (int first = 0; first < 256; first += first < 64 ? 1 : 13) {
@@ -457,7 +440,6 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 static void empty_solids_are_no_harm(void **state)
 {
 	struct eco_model m;
-
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
 		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
@@ -490,7 +472,6 @@ static void several_files_are_one_plant(void **state)
 {
 	const char *paths[3];
 	struct eco_model m;
-
 	input_text("formats", "wood.mtl", "newmtl same\nKd 1 0 0\n");
 	input_text("formats", "leaf.mtl", "newmtl same\nKd 0 1 0\n");
 	paths[0] = input_text("formats", "wood.obj", "mtllib wood.mtl\nusemtl same\no Stem\nv 9 0 0\nv 11 0 0\nv 10 4 0\nf 1 2 3\n");
@@ -509,12 +490,11 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 {
 	const char *paths[2];
 	struct eco_model m;
-
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
 	assert_true(m.source.up == ECO_UP_Z && close_to(m.source.size[2], 140, 1e-3) && close_to(m.scale, 0.0254, 1e-9)
-		&& strstr(import_said, "taken for") == NULL);
+		&& !strstr(import_said, "taken for"));
 	eco_model_free(&m);
 	paths[0] = input_text("formats", "metres.dae", DAE("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>"));
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
@@ -527,7 +507,6 @@ static void one_bad_file_of_several_is_named(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"), "build/tmp/formats/gone.obj" };
 	struct eco_model m;
-
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2 }, &error), ECO_NOT_FOUND);
 	assert_non_null(strstr(error.text, "gone.obj"));
 	assert_null(m.position);
@@ -545,8 +524,7 @@ static void shared_models_agree_between_formats(void **state)
 	const char *data = getenv("ECO_DATA");
 	struct eco_model obj, fbx;
 	char path[2][4096];
-
-	if (data == NULL)
+	if (!data)
 		skip();
 	for (int i = 0; i < 2; i++) {
 		snprintf(path[i], sizeof path[i], "%s/models/quaternius/CommonTree_1.%s", data, i == 0 ? "obj" : "fbx");

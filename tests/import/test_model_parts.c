@@ -36,7 +36,6 @@ static const char *write_plant(void)
 {
 	char text[2000];
 	size_t used = 0;
-
 	input_text("parts", "plant.mtl", "newmtl bark\nKd 1 1 0\nnewmtl clay\nKd 1 0 0\nnewmtl soil\nKd 0 0 0\nnewmtl leaf\nKd 0 1 0\n");
 	used += (size_t)snprintf(text, sizeof text, "mtllib plant.mtl\no Stem\nusemtl bark\n");
 	used += put_square(text + used, sizeof text - used, 0, 6, 4, 1);
@@ -61,7 +60,6 @@ static void components_hang_together_by_place_within_a_material(void **state)
 	struct eco_components all, by_material;
 	struct eco_model m;
 	uint32_t *place;
-
 	import_with(&m, NULL, 0, 0);
 	place = malloc(m.vertex_count * sizeof *place);
 	assert_true(place != NULL && eco_model_places(&m, place));
@@ -84,7 +82,6 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 {
 	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
 	struct eco_model m;
-
 	import_with(&m, rules, 1, 7);
 	assert_int_equal(m.triangles_in, 11);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 3);
@@ -107,12 +104,10 @@ static void the_first_rule_that_fits_counts(void **state)
 			.is = ECO_ORGAN_WOOD } };
 	uint32_t count[256] = { 0 };
 	struct eco_model m;
-
 	import_with(&m, rules, 5, 0);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 1);       /* the soil: the clay is wood first */
 	for (uint32_t i = 0; i < m.triangle_count; i++) {
 		const char *material = m.materials[m.material[i]].name;
-
 		count[m.organ[i]]++;
 		assert_int_equal(m.organ[i] == ECO_ORGAN_FLOWER, strcmp(material, "bark") == 0);
 		assert_true(strcmp(material, "clay") != 0 || m.organ[i] == ECO_ORGAN_WOOD);
@@ -129,7 +124,6 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"vase*", .is = ECO_PART_LEFT_OUT },
 		{ .kind = ECO_PART_COMPONENT, .component = 7, .is = ECO_ORGAN_WOOD }, { .kind = ECO_PART_SIZE, .size = { 2, 3 }, .is = ECO_ORGAN_WOOD } };
 	struct eco_model m;
-
 	import_with(&m, rules, 3, 0);
 	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects "
 		"and groups are \"Stem\", \"Pot\", \"Crown\"");
@@ -144,7 +138,6 @@ static void rules_that_leave_nothing_are_an_error(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	const char *path = write_plant();
 	struct eco_model m;
-
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1, .rules = rules, .rule_count = 1 }, &error),
 		ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "leave out all of it"));

@@ -19,7 +19,6 @@ static void tube(double x0, double y0, double z0, double x1, double y1, double z
 {
 	for (int i = 0; i < 2 * sides; i++) {
 		double angle = 6.283185307179586 * (i % sides) / sides;
-
 		used += (size_t)snprintf(text + used, sizeof text - used, "v %.7f %.7f %.7f\n", (i < sides ? x0 : x1) + radius * cos(angle),
 			(i < sides ? y0 : y1) + radius * sin(angle), i < sides ? z0 : z1);
 	}
@@ -59,7 +58,6 @@ static void expect_foot(struct eco_model *m, double x, double y, double z)
 static void a_tree_off_its_origin_stands_on_its_stem(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	tube(100, -40, 7, 101, -40, 15, 0.2, 8);             /* leaning */
 	crown(103, -38, 15, 3);                              /* and lopsided */
@@ -70,7 +68,6 @@ static void a_tree_off_its_origin_stands_on_its_stem(void **state)
 static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	tube(0, 0, 5, 0, 0, 15, 0.4, 8);
 	for (int i = 0; i < 24; i++)
@@ -87,7 +84,6 @@ static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 static void a_pot_carries_its_plant(void **state)
 {
 	struct eco_model m;
-
 	for (int walls = 0; walls < 2; walls++) {
 		begin();
 		tube(0, 0, 3, 0, 0, 9, 0.15, 6);
@@ -109,7 +105,6 @@ static void a_pot_carries_its_plant(void **state)
 static void a_trunk_in_pieces_below_a_hull_stands_on_its_lowest(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	for (int i = 0; i < 10; i++)
 		tube(2, 1, i * 0.3, 2, 1, i * 0.3 + 0.28, 0.1, 8);
@@ -122,7 +117,6 @@ static void a_trunk_in_pieces_below_a_hull_stands_on_its_lowest(void **state)
 static void what_is_below_the_files_zero_is_in_the_ground(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	tube(0, 0, -0.6, 0, 0, 9, 0.3, 8);
 	crown(0, 0, 9, 3);
@@ -145,7 +139,6 @@ static void what_is_below_the_files_zero_is_in_the_ground(void **state)
 static void several_stems_share_a_foot(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	tube(0, 0, 0, -1, 0, 4, 0.1, 40);
 	tube(1, 0, 0.1, 2, 0, 4, 0.1, 6);
@@ -159,7 +152,6 @@ static void several_stems_share_a_foot(void **state)
 static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	tube(5, 5, 0, 5, 5, 2, 1, 12);
 	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);     /* a tip at its rim */
@@ -171,7 +163,6 @@ static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 static void grass_of_cards_stands_in_its_middle(void **state)
 {
 	struct eco_model m;
-
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
 	stand(&m, 0);
@@ -184,7 +175,6 @@ static void wood_by_rule_is_what_stands(void **state)
 	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin", .is = ECO_ORGAN_WOOD };
 	const char *path;
 	struct eco_model m;
-
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "o thick\n");
 	tube(0, 0, 0.2, 0, 0, 9, 1, 8);

@@ -10,17 +10,15 @@
 static void check_report(const struct inventory *in, const char *says)
 {
 	char all[1000], *rest = all;
-
 	snprintf(all, sizeof all, "%s", says);
-	for (const char *one; (one = strsep(&rest, "|")) != NULL;)
-		if (strstr(in->report, one) == NULL)
+	for (const char *one; (one = strsep(&rest, "|"));)
+		if (!strstr(in->report, one))
 			fail_msg("%s\n  wanted ... %s", in->report, one);
 }
 
 static void expect(const char *scene, const char *text, const char *entry, const char *plants, const char *says)
 {
 	const struct inventory *in;
-
 	input_text("positions", "rows.csv", text);
 	in = inventory_of("positions", scene, "rows.csv", entry);
 	if (in->error[0] != 0)
@@ -32,21 +30,19 @@ static void expect(const char *scene, const char *text, const char *entry, const
 static void expect_error(const char *scene, const char *text, const char *entry, const char *says)
 {
 	const struct inventory *in;
-
 	input_text("positions", "rows.csv", text);
 	in = inventory_of("positions", scene, "rows.csv", entry);
-	if (strstr(in->error, says) == NULL)
+	if (!strstr(in->error, says))
 		fail_msg("%s\n  wanted ... %s", in->error, says);
 }
 
 static void expect_json(const char *scene, const char *text, const char *entry, const char *plants, const char *says)
 {
 	const struct inventory *in;
-
 	input_text("positions", "rows.geojson", text);
 	in = inventory_of("positions", scene, "rows.geojson", entry);
-	if (plants == NULL) {
-		if (strstr(in->error, says) == NULL)
+	if (!plants) {
+		if (!strstr(in->error, says))
 			fail_msg("%s\n  wanted ... %s", in->error, says);
 		return;
 	}
@@ -86,7 +82,6 @@ static void rows_that_cannot_be_used_are_counted_by_reason(void **state)
 static void species_fit_exactly_before_by_wildcard_before_by_fallback(void **state)
 {
 	static const char csv[] = "s,x,y\nQuercus robur,1,0\nquercus  ROBUR ,2,0\nQuercus rubra,3,0\nQuercus robur 'Fastigiata',4,0\nTilia,5,0\n,6,0\n";
-
 	expect("", csv, "\"species\":\"s\",\"map\":{\"Quercus robur\":\"oak\",\"Quercus*\":\"ash\",\"Quercus robur*\":\"elm\",\"*\":null}," XY,
 		"oak 1 0 / oak 2 0 / ash 3 0 / elm 4 0", "6 rows, 4 plants|2  left out by the map: * (first in line 6: \"Tilia\")");
 	expect("", csv, "\"species\":\"s\",\"map\":{\"*\":\"oak\",\"\":null,\"*robur*\":null}," XY, "oak 3 0 / oak 5 0",
@@ -101,7 +96,6 @@ static void the_commonest_unknown_species_are_named(void **state)
 {
 	char csv[8000] = "s,x,y\n";
 	size_t used = strlen(csv);
-
 	for (int kind = 0; kind < 8; kind++)
 		for (int i = 0; i <= kind; i++)
 			used += (size_t)snprintf(csv + used, sizeof csv - used, "kind %d,%d,%d\n", kind, kind, i);
@@ -112,7 +106,6 @@ static void the_commonest_unknown_species_are_named(void **state)
 static void only_and_skip_leave_rows_out(void **state)
 {
 	static const char csv[] = "x,y,status,dbh\n1,1,Alive,5\n2,2,Stump,0\n3,3,dead ,12\n4,4,alive,0.0\n5,5,,7\n";
-
 	expect("", csv, "\"plant\":\"oak\",\"only\":{\"status\":\"Alive\"}," XY, "oak 1 1 / oak 4 4",
 		"3  left out: \"status\" is none of \"only\" (first in line 3: \"Stump\")");
 	expect("", csv, "\"plant\":\"oak\",\"skip\":{\"status\":[\"D*\",\"\"],\"dbh\":0}," XY, "oak 1 1",
@@ -159,7 +152,6 @@ static void coordinates_become_metres_from_the_origin(void **state)
 static void a_crs_is_never_guessed(void **state)
 {
 	static const char csv[] = "x,y\n1,2\n", plain[] = "\"plant\":\"oak\"," XY;
-
 	expect_error(UTM32, csv, plain, "\"crs\": \"EPSG:25832\"");
 	expect_error("", csv, "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY, "the scene has no CRS to convert to: add \"crs\"");
 	expect_error("\"crs\":\"EPSG:4326\",\"origin\":[0,0],", csv, "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY,
@@ -206,7 +198,6 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 {
 	static const char csv[] = "x,y,z\n690001,5335002,512.5\n", entry[] = "\"plant\":\"oak\",\"z\":\"z\",\"crs\":\"EPSG:25832\"," XY;
 	static const char with[] = "\"plant\":\"oak\",\"z\":\"z\",\"crs\":\"EPSG:25832\",\"vertical\":\"EPSG:7837\"," XY;
-
 	expect(UTM32, csv, entry, "oak 1 2 z512.5", "neither says a vertical datum; if they differ, add \"vertical\"");
 	expect(UTM32 "\"vertical\":\"EPSG:7837\",", csv, with, "oak 1 2 z512.5", "1 plant");
 	expect_error(UTM32, csv, with, "the scene's have none; add \"vertical\": \"EPSG:...\" to the scene");
@@ -245,7 +236,6 @@ static void doubtful_places_are_said(void **state)
 static void heights_come_from_the_first_source_that_has_one(void **state)
 {
 	static const char csv[] = "x,y,h,d\n1,1,12.5,300\n2,2,21 to 30,300\n3,3,N/A,100\n4,4,-1,\n5,5,> 101,\n6,6,40',\n7,7,9 m,\n8,8,0,NA\n";
-
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\",\"unit\":\"ft\"},{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,"
 		"\"rate\":0.004},7]," XY,
 		"oak 1 1 h3.81 / oak 2 2 h7.772 / oak 3 3 h12.41 / oak 4 4 h7 / oak 5 5 h30.785 / oak 6 6 h12.192 / oak 7 7 h9 / oak 8 8 h7",
@@ -261,7 +251,6 @@ static void heights_come_from_the_first_source_that_has_one(void **state)
 static void allometry_may_differ_by_plant(void **state)
 {
 	static const char csv[] = "s,x,y,d,g\noak,1,1,100,31.4159265\nash,2,2,100,31.4159265\nelm,3,3,100,\n";
-
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,\"rate\":0.004,"
 		"\"per_plant\":{\"ash\":{\"max\":21.3,\"rate\":0.01,\"shape\":2}}}," XY, "oak 1 1 h12.41 / ash 2 2 h9.292 / elm 3 3 h12.41", "3 plants");
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_girth\":\"g\",\"unit\":\"cm\",\"per_plant\":{\"oak\":{\"max\":35,\"rate\":0.004}}}," XY,
@@ -273,7 +262,6 @@ static void allometry_may_differ_by_plant(void **state)
 static void crowns_and_scales_are_handed_on(void **state)
 {
 	static const char csv[] = "x,y,k,s,h\n1,1,8 m,2,10\n2,2,4-6,0,\n3,3,,x,\n";
-
 	expect("", csv, "\"plant\":\"oak\",\"crown_m\":{\"column\":\"k\",\"is\":\"diameter\"},\"scale\":\"s\",\"height_m\":{\"column\":\"h\"}," XY,
 		"oak 1 1 h10 c4 s2 / oak 2 2 c2.5 / oak 3 3", "1  kept, scaled to their crown: no usable height (first in line 3)|1  kept at their plant's "
 		"own height");
@@ -295,17 +283,15 @@ static void levels_keep_the_tall_few_and_the_relative_error(void **state)
 	uint32_t count = 0, rows = 0;
 	size_t used = strlen(csv);
 	const struct inventory *in;
-
 	for (int i = 0; i < 300; i++)        /* many of 2 to 4 m, one in fifty of 20 to 32 m */
 		used += (size_t)snprintf(csv + used, sizeof csv - used, "%d,1,%.2f\n", i, i % 50 == 0 ? 20 + i * 0.04 : 2 + (i * 7 % 200) * 0.01);
 	input_text("positions", "rows.csv", csv);
 	in = inventory_of("positions", "", "rows.csv", "\"plant\":\"oak\",\"levels\":6,\"height_m\":{\"column\":\"h\"}," XY);
 	assert_string_equal(in->error, "");
-	for (at = strstr(in->plants, " h"); at != NULL; at = strstr(at + 1, " h")) {
+	for (at = strstr(in->plants, " h"); at; at = strstr(at + 1, " h")) {
 		int i = (int)rows++;
 		double exact = i % 50 == 0 ? 20 + i * 0.04 : 2 + (i * 7 % 200) * 0.01, got = strtod(at + 2, NULL);
 		uint32_t k = 0;
-
 		assert_true(fabs(got / exact - 1) < 0.5);    /* one class spans 16^(1/6) = 1.59 */
 		while (k < count && seen[k] != got)
 			k++;
@@ -323,7 +309,6 @@ static struct eco_positions *open_plain(struct eco_positions_spec *spec, const c
 {
 	static const struct eco_frame plain;
 	struct eco_positions *reader;
-
 	*spec = (struct eco_positions_spec){ .path = (char *)input_text("positions", "turns.csv", csv), .x = (char *)"x", .y = (char *)"y",
 		.fallback = { (char *)"*", 0, 3 }, .seed = seed, .yaw_deg = (char *)yaw };
 	assert_int_equal(eco_positions_open(&reader, spec, &plain, NULL), ECO_OK);
@@ -337,7 +322,6 @@ static void yaw_and_variant_are_the_seeds_and_the_rows_alone(void **state)
 	struct eco_positions_spec spec;
 	struct eco_positions *reader;
 	struct eco_position record;
-
 	for (int pass = 0; pass < 3; pass++) {
 		reader = open_plain(&spec, csv, pass == 2 ? 8 : 7, NULL);
 		for (int i = 0; i < 3; i++) {
@@ -397,7 +381,6 @@ static void inventories_of_many_countries_go_through(void **state)
 static void a_dutch_feature_collection_goes_through(void **state)
 {
 	const struct inventory *in;
-
 	input_text("positions", "bomen.gml", "<?xml version=\"1.0\" encoding=\"UTF-8\"?><wfs:FeatureCollection "
 		"xmlns:wfs=\"http://www.opengis.net/wfs/2.0\" "
 		"xmlns:app=\"http://www.deegree.org/app\" xmlns:gml=\"http://www.opengis.net/gml/3.2\"><wfs:member><app:bomen "
@@ -424,7 +407,7 @@ static void a_real_inventory_goes_through_whole(void **state)
 	uint32_t count = 0;
 
 	snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", data != NULL ? data : "");
-	if (data == NULL || access(path, R_OK) != 0)
+	if (!data || access(path, R_OK) != 0)
 		skip();
 	spec.path = path;
 	assert_int_equal(eco_positions_open(&reader, &spec, &frame, NULL), ECO_OK);
@@ -450,7 +433,7 @@ static void degrees_and_feet_of_a_real_inventory_meet(void **state)
 	uint32_t count = 0;
 
 	snprintf(path, sizeof path, "%s/inventories/binghamton_ny_street_trees.csv", data != NULL ? data : "");
-	if (data == NULL || access(path, R_OK) != 0)
+	if (!data || access(path, R_OK) != 0)
 		skip();
 	spec.path = other.path = path;
 	assert_int_equal(eco_positions_open(&degrees, &spec, &frame, NULL), ECO_OK);

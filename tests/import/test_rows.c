@@ -13,7 +13,6 @@ static struct eco_rows *open_good(const struct eco_rows_source *source)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-
 	if (eco_rows_open_here(&rows, source, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	return rows;
@@ -25,11 +24,10 @@ static void expect(const char *name, const char *text, const char *wanted, const
 	struct eco_rows_source source = { .path = input_text("rows", name, text) };
 	struct eco_rows *rows = open_good(&source);
 	char got[4000];
-
-	if (rows->note_count != (note != NULL) || (note != NULL && strstr(rows->notes[0], note) == NULL))
+	if (rows->note_count != (note != NULL) || (note != NULL && !strstr(rows->notes[0], note)))
 		fail_msg("%s: %u notes, the first: %s", name, rows->note_count, rows->note_count > 0 ? rows->notes[0] : "none");
 	assert_int_equal(rows->crs != NULL, crs != NULL);
-	if (crs != NULL)
+	if (crs)
 		assert_string_equal(rows->crs, crs);
 	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
 }
@@ -39,13 +37,12 @@ static void expect_error(const char *path, const char *layer, const char *says)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows_source source = { .path = path, .layer = layer };
 	struct eco_rows *rows;
-
 	if (eco_rows_open_here(&rows, &source, &error) == ECO_OK)
 		fail_msg("%s is read", path);
 	assert_null(rows);
-	if (strstr(error.text, says) == NULL)
+	if (!strstr(error.text, says))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
-	if (getenv("ECO_SHOW") != NULL)
+	if (getenv("ECO_SHOW"))
 		print_message("%s\n", error.text);
 }
 
@@ -116,7 +113,6 @@ static void files_that_are_no_csv_are_refused_with_a_line(void **state)
 		struct eco_rows *rows;
 		bool more = true;
 		enum eco_code code = eco_rows_open_csv(&rows, input_bytes("rows", "bad.csv", inputs[i].bytes, inputs[i].size), ',', &error);
-
 		while (code == ECO_OK && more)
 			code = rows->next(rows, &more, &error);
 		assert_int_not_equal(code, ECO_OK);
@@ -131,7 +127,6 @@ static void a_row_without_end_is_bounded(void **state)
 	char *bytes = malloc(size);
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-
 	memset(bytes, 'a', size);
 	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
 	memset(bytes, ',', size);
@@ -184,7 +179,6 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 {
 	struct eco_rows_source source = { .path = NULL };
 	struct eco_rows *rows;
-
 	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
 	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
@@ -219,7 +213,6 @@ struct made { const char *layer; int epsg; OGRwkbGeometryType type; const char *
 static void make_file(const char *driver, const char *path, const struct made *layers, size_t count)
 {
 	GDALDatasetH data;
-
 	GDALAllRegister();
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	GDALDeleteDataset(GDALGetDriverByName(driver), path);
@@ -232,8 +225,7 @@ static void make_file(const char *driver, const char *path, const struct made *l
 		OGRFeatureH feature;
 		OGRLayerH layer;
 		char *wkt = (char *)layers[i].wkt;
-
-		if (crs != NULL) {
+		if (crs) {
 			OSRImportFromEPSG(crs, layers[i].epsg);
 			OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
 		}
@@ -242,12 +234,12 @@ static void make_file(const char *driver, const char *path, const struct made *l
 		OGR_L_CreateField(layer, field, 1);
 		feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
 		OGR_F_SetFieldString(feature, 0, layers[i].species);
-		if (wkt != NULL && OGR_G_CreateFromWkt(&wkt, NULL, &geometry) == OGRERR_NONE)
+		if (wkt && OGR_G_CreateFromWkt(&wkt, NULL, &geometry) == OGRERR_NONE)
 			OGR_F_SetGeometryDirectly(feature, geometry);
 		assert_int_equal(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
 		OGR_F_Destroy(feature);
 		OGR_Fld_Destroy(field);
-		if (crs != NULL)
+		if (crs)
 			OSRRelease(crs);
 	}
 	GDALClose(data);
@@ -260,14 +252,13 @@ static void expect_made(const char *driver, const char *name, const struct made 
 	struct eco_rows_source source = { .path = input_path("rows", name), .layer = layer };
 	struct eco_rows *rows;
 	char got[2000];
-
 	make_file(driver, source.path, layers, count);
 	rows = open_good(&source);
 	assert_int_equal(rows->note_count, note != NULL);
-	if (note != NULL && strstr(rows->notes[0], note) == NULL)
+	if (note && !strstr(rows->notes[0], note))
 		fail_msg("%s", rows->notes[0]);
 	assert_int_equal(rows->crs != NULL, crs != NULL);
-	if (crs != NULL)
+	if (crs)
 		assert_string_equal(rows->crs, crs);
 	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
 }
@@ -279,7 +270,6 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	static const struct made nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" };
 	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
 	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" };
-
 	expect_made("GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
 	expect_made("GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
 	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL, "EPSG:25832");
@@ -303,7 +293,6 @@ static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
 	struct eco_rows_source source;
 	struct eco_rows *rows;
 	char got[2000];
-
 	source = (struct eco_rows_source){ .path = input_path("rows", "parts.shp") };
 	make_file("ESRI Shapefile", source.path, &tree, 1);
 	unlink("build/tmp/rows/parts.prj");
@@ -330,7 +319,6 @@ static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
 		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 	const char *path;
-
 	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "of its 2 layers \"trees\" is taken", "EPSG:25832");
 	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
 	path = input_path("rows", "many.gpkg");
@@ -367,7 +355,6 @@ static void a_child_hands_over_the_same_rows(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	char here[1000], there[1000];
-
 	rows_text_of(open_good(&source), here, sizeof here);
 	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
 	assert_true(rows->has_geometry && rows->has_z);

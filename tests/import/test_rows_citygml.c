@@ -14,7 +14,6 @@
 static const char *model(const char *srs, const char *inside)
 {
 	static char text[20000];
-
 	snprintf(text, sizeof text, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<core:CityModel xmlns:core=\"http://www.opengis.net/citygml/2.0\" "
 		"xmlns:veg=\"http://www.opengis.net/citygml/vegetation/2.0\" xmlns:gml=\"http://www.opengis.net/gml\">\n%s%s%s\n%s</core:CityModel>\n",
 		srs != NULL ? "<gml:boundedBy><gml:Envelope srsName=\"" : "", srs != NULL ? srs : "",
@@ -26,7 +25,6 @@ static struct eco_rows *open_good(const char *text)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-
 	if (eco_rows_open_citygml(&rows, input_text("rows_citygml", "city.gml", text), &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	return rows;
@@ -35,7 +33,6 @@ static struct eco_rows *open_good(const char *text)
 static void expect(const char *text, const char *wanted)
 {
 	char got[2000];
-
 	assert_string_equal(rows_text_of(open_good(text), got, sizeof got), wanted);
 }
 
@@ -100,18 +97,16 @@ static void a_crs_is_known_in_any_spelling_and_order(void **state)
 		{ NULL, "1 2 3", NULL, "(1 2 3)", NULL },
 	};
 	char inside[2000], wanted[200], got[2000];
-
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_rows *rows;
-
 		snprintf(inside, sizeof inside, TREE("<veg:lod1Geometry>" POINT_3D "%s</gml:pos></gml:Point></veg:lod1Geometry>"), cases[i].pos);
 		snprintf(wanted, sizeof wanted, "id / %s t", cases[i].at);
 		rows = open_good(model(cases[i].srs, inside));
 		assert_int_equal(rows->crs != NULL, cases[i].crs != NULL);
-		if (cases[i].crs != NULL)
+		if (cases[i].crs)
 			assert_string_equal(rows->crs, cases[i].crs);
 		assert_int_equal(rows->note_count, cases[i].note != NULL);
-		if (cases[i].note != NULL)
+		if (cases[i].note)
 			assert_non_null(strstr(rows->notes[0], cases[i].note));
 		assert_true(rows->has_geometry && rows->has_z && !rows->local);
 		assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
@@ -144,10 +139,9 @@ static void files_that_are_attacks_or_accidents_are_refused(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_rows *rows;
-
 		assert_int_not_equal(eco_rows_open_citygml(&rows, input_text("rows_citygml", "bad.gml", cases[i].text), &error), ECO_OK);
 		assert_null(rows);
-		if (strstr(error.text, cases[i].says) == NULL)
+		if (!strstr(error.text, cases[i].says))
 			fail_msg("%s\n  wanted ... %s", error.text, cases[i].says);
 	}
 }
@@ -157,7 +151,6 @@ static void depth_is_bounded(void **state)
 	char *text = calloc(1, 10000);
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-
 	for (int i = 0; i < 1000; i++)
 		strcat(text, "<a>");
 	assert_int_equal(eco_rows_open_citygml(&rows, input_text("rows_citygml", "deep.gml", text), &error), ECO_TOO_LARGE);
@@ -169,12 +162,10 @@ static void a_file_cut_off_anywhere_is_never_read_as_whole(void **state)
 	const char *whole = model("EPSG:25832", TREE("<veg:height uom=\"m\">12</veg:height>" IMPLICIT("1 2 3")) TREE(IMPLICIT("4 5 6")));
 	size_t size = strlen(whole) - 1;     /* without the last line break */
 	char *text = malloc(size);
-
 	memcpy(text, whole, size);
 	for (size_t cut = 1; cut < size; cut += 7) {
 		struct eco_rows *rows;
 		struct eco_error error = { .code = ECO_OK };
-
 		assert_int_not_equal(eco_rows_open_citygml(&rows, input_bytes("rows_citygml", "cut.gml", text, cut), &error), ECO_OK);
 	}
 	free(text);

@@ -12,7 +12,6 @@ static void expect_rows(const char *rest, const char *columns, const char *const
 	uint8_t *bytes;
 	size_t size = gw_glb_bytes(rest, ' ', &bytes), line = 0;
 	bool more = true;
-
 	if (eco_rows_open_gltf(&rows, input_bytes("rows_gltf", "rows.glb", bytes, size), &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	free(bytes);
@@ -40,7 +39,6 @@ static void a_row_for_each_instance(void **state)
 	static const float places[3][3] = { { 1, 2, 3 }, { 4, 0, -6 }, { 0, 0, 0 } }, sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 8, 1 } };
 	static const float turns[3][4] = { { 0, 0, 0, 1 }, { 0, 0.70710678f, 0, 0.70710678f }, { 0, -0.38268343f, 0, 0.92387953f } };
 	static const uint16_t species[3] = { 7, 9, 7 };
-
 	gw_begin();
 	gw_floats(places[0], 3, "VEC3", 3);
 	gw_floats(turns[0], 3, "VEC4", 4);
@@ -71,7 +69,6 @@ static void heights_are_those_of_meshes_however_packed(void **state)
 {
 	static const float f[2][3] = { { 0, 0, 0 }, { 4, 10, 4 } };
 	static const int16_t q[2][4] = { { -32767, -32767, -32767 }, { 32767, 32767, 32767 } };
-
 	gw_begin();
 	gw_accessor(gw_view(f, sizeof f, ""), GLTF_FLOAT, 2, "VEC3", ",\"min\":[0,0,0],\"max\":[4,10,4]");
 	gw_accessor(gw_view(q, sizeof q, ",\"byteStride\":8"), GLTF_SHORT, 2, "VEC3", ",\"normalized\":true,\"min\":[-32767,-32767,-32767],\"max\":"
@@ -86,7 +83,6 @@ static void a_scene_without_plants_is_no_inventory(void **state)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-
 	assert_int_equal(eco_rows_open_gltf(&rows, input_text("rows_gltf", "none.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}"), &error),
 		ECO_BAD_INPUT);
 	assert_null(rows);

@@ -29,7 +29,6 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 	struct eco_scatter *s;
 	struct eco_scatter_place place;
 	struct scattered out = { .count = 0 };
-
 	if (eco_scatter_open(&s, spec, &frame, NULL, NULL, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	while (eco_scatter_next(s, &place)) {
@@ -53,7 +52,6 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 static char *areas(const char *name, const char *features)
 {
 	char text[4096];
-
 	snprintf(text, sizeof text, HEAD "%s]}", features);
 	return (char *)input_text("scatter", name, text);
 }
@@ -67,7 +65,6 @@ static struct eco_scatter_spec spec_of(char *path)
 static size_t count_of(const struct scattered *s, uint32_t plant)
 {
 	size_t count = 0;
-
 	for (size_t i = 0; i < s->count; i++)
 		count += s->places[i].plant == plant;
 	return count;
@@ -76,7 +73,6 @@ static size_t count_of(const struct scattered *s, uint32_t plant)
 static double nearest(const struct scattered *s)
 {
 	double least = INFINITY;
-
 	for (size_t i = 0; i < s->count; i++)
 		for (size_t j = 0; j < i; j++)
 			least = fmin(least, hypot(s->places[i].at[0] - s->places[j].at[0], s->places[i].at[1] - s->places[j].at[1]));
@@ -93,7 +89,6 @@ static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state
 	assert_in_range(count_of(&s, 0), 449, 451);
 	for (size_t i = 0; i < s.count; i++) {
 		double x = s.places[i].at[0], y = s.places[i].at[1];
-
 		assert_true(x >= 0 && x <= 200 && y >= 0 && y <= 100 && !(x > 50 && x < 150 && y > 25 && y < 75));
 		assert_true(isnan(s.places[i].height_m) && s.places[i].yaw_deg >= 0 && s.places[i].yaw_deg < 360);
 	}
@@ -106,7 +101,6 @@ static void columns_say_how_many(void **state)
 {
 	struct eco_scatter_spec spec = spec_of(areas("both.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
-
 	spec.count_column = "n";
 	s = scatter(&spec);
 	assert_int_equal(s.count, 82);
@@ -126,7 +120,6 @@ static void what_is_left_out_is_counted_by_reason(void **state)
 	struct eco_filter only = { "kind", true, values, 3 };
 	struct eco_scatter_spec spec = spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
-
 	spec.filters = &only;
 	spec.filter_count = 1;
 	s = scatter(&spec);
@@ -146,7 +139,6 @@ static void the_order_of_the_file_does_not_matter(void **state)
 {
 	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)), second = spec_of(areas("ba.geojson", CORNER "," FIELD));
 	struct scattered a, b;
-
 	first.distance_m = second.distance_m = 3;
 	a = scatter(&first);
 	b = scatter(&second);
@@ -164,7 +156,6 @@ static void distances_hold_and_what_has_no_room_is_said(void **state)
 {
 	struct eco_scatter_spec spec = spec_of(areas("near.geojson", FIELD "," CORNER));
 	struct scattered s;
-
 	spec.distance_m = 4;
 	s = scatter(&spec);
 	assert_true(nearest(&s) >= 4);
@@ -182,7 +173,6 @@ static void what_is_to_be_clear_is_clear(void **state)
 {
 	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
 	struct scattered s;
-
 	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\","
 		"\"coordinates\":[[0,10],[200,10]]}},"
 		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
@@ -212,7 +202,6 @@ static void a_mask_scales_densities(void **state)
 	struct eco_scatter_spec spec;
 	struct scattered s;
 	size_t west = 0, east = 0;
-
 	for (int row = 0; row < 40; row++)
 		for (int column = 0; column < 60; column++)
 			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1",
@@ -249,15 +238,13 @@ static void errors_say_what_to_do(void **state)
 		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "add \"full\": 4000" },
 	};
 	struct eco_scatter *s;
-
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		struct eco_scatter_spec spec = spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
 		struct eco_error error = { .code = ECO_OK };
-
 		assert_int_not_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_OK);
 		assert_null(s);
 		assert_int_equal(eco_scatter_check(&spec, &frame, NULL), error.code);
-		if (strstr(error.text, wrong[i].says) == NULL)
+		if (!strstr(error.text, wrong[i].says))
 			fail_msg("%s: %s", wrong[i].name, error.text);
 	}
 }
@@ -301,7 +288,6 @@ static void columns_that_are_not_there_are_named(void **state)
 	struct eco_scatter_spec spec = spec_of(areas("columns.geojson", FIELD));
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *s;
-
 	spec.count_column = "trees";
 	assert_int_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "no column \"trees\"; there are: kind, n, d"));

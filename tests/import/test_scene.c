@@ -9,8 +9,7 @@ static void parse_good(struct eco_source *source, const char *json)
 {
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", &error);
-
-	if (code != ECO_OK)
+	if (code)
 		fail_msg("%s", error.text);
 }
 
@@ -18,7 +17,6 @@ static void everything_that_may_be_said_is_read(void **state)
 {
 	struct eco_source s;
 	const struct eco_positions_spec *p;
-
 	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], \"tile\": {\"instances\": 7},\n"
 		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
 		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
@@ -65,7 +63,6 @@ static void everything_that_may_be_said_is_read(void **state)
 static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
 {
 	struct eco_source s;
-
 	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", \"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
 		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
 	assert_string_equal(s.vertical, "EPSG:5703");
@@ -85,7 +82,6 @@ static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
 static void defaults_fill_what_is_not_said(void **state)
 {
 	struct eco_source s;
-
 	parse_good(&s, "{}");
 	assert_string_equal(s.name, "scene");
 	assert_null(s.crs);
@@ -176,11 +172,10 @@ static void what_may_not_be_said_has_a_line_and_a_column(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_source s;
 		char start[64];
-
 		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", &error), ECO_OK);
 		assert_null(s.path);
 		snprintf(start, sizeof start, "s.json%s", bad[i].place);
-		if (strncmp(error.text, start, strlen(start)) != 0 || strstr(error.text, bad[i].says) == NULL)
+		if (strncmp(error.text, start, strlen(start)) != 0 || !strstr(error.text, bad[i].says))
 			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", bad[i].json, error.text, start, bad[i].says);
 		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", NULL), ECO_OK);
 	}
@@ -193,7 +188,6 @@ static void every_truncation_is_an_error(void **state)
 
 	for (size_t size = 0; size < sizeof json - 1; size++) {
 		struct eco_source s;
-
 		assert_int_not_equal(eco_source_parse(&s, json, size, "s.json", NULL), ECO_OK);
 	}
 }
@@ -205,7 +199,6 @@ static void nested_files_are_read_once_and_come_after_their_parents(void **state
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_sources sources;
 	const char *root;
-
 	input_text("scene", "leaf.json", "{}");
 	input_text("scene", "mid.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}]}");
 	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, {\"eco\": \"leaf.json\", \"at\": [9, 0]},"
@@ -226,9 +219,8 @@ static void load_fails(const char *path, const char *says, const char *also)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_sources sources;
-
 	assert_int_not_equal(eco_sources_load(&sources, path, &error), ECO_OK);
-	if (strstr(error.text, says) == NULL || strstr(error.text, also) == NULL)
+	if (!strstr(error.text, says) || !strstr(error.text, also))
 		fail_msg("%s\n  wanted %s ... %s", error.text, says, also);
 	assert_null(sources.items);
 }
@@ -236,7 +228,6 @@ static void load_fails(const char *path, const char *says, const char *also)
 static void a_cycle_shows_its_chain(void **state)
 {
 	const char *root;
-
 	input_text("scene", "b.json", "{\"children\": [{\"eco\": \"c.json\", \"at\": [0, 0]}]}");
 	input_text("scene", "c.json", "{\"name\": \"c\",\n \"children\": [{\"at\": [0, 0], \"eco\": \"b.json\"}]}");
 	root = input_text("scene", "a.json", "{\"children\": [{\"eco\": \"b.json\", \"at\": [0, 0]}]}");

@@ -180,7 +180,6 @@ static void every_inconsistency_is_found(void **state)
 	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		struct scene_builder l;
-
 		scene_copy(&l, &pack->scene);
 		error = (struct eco_error){ 0 };
 		assert_int_equal(eco_scene_check(&l.scene, &error), ECO_OK);

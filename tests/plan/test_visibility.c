@@ -11,12 +11,10 @@ static void look_at_trees(struct lod_screen *screen, const struct eco_view *view
 {
 	static struct lod_eye eye;
 	struct eco_error error = { .code = ECO_OK };
-
 	lod_eye_make(&eye, view);
 	lod_screen_init(screen, &eye, view, true);
 	for (uint32_t i = 0; i < count; i++) {
 		const double center[3] = { feet[i][0], feet[i][1], feet[i][2] + tree.up };
-
 		assert_non_null(lod_screen_add(screen, center, &tree));
 	}
 	assert_int_equal(lod_screen_shares(screen, true, &error), ECO_OK);
@@ -27,7 +25,6 @@ static void what_lies_behind_a_ridge_is_hidden(void **state)
 	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };        /* behind a ridge: below it and above */
 	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
 	struct lod_screen screen;
-
 	for (int i = 2; i < 15; i++)
 		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
 	look_at_trees(&screen, &view, (const double (*)[3])feet, 15);
@@ -42,7 +39,6 @@ static void a_slope_seen_from_above_hides_nothing(void **state)
 	static const double tilts[] = { 0.01, 20, 300 };         /* the eye's distance from what it looks at, along the ground */
 	double feet[41][3];
 	struct lod_screen screen;
-
 	for (int i = 0; i < 41; i++) {
 		const double y = 20.0 * (i - 20);
 		memcpy(feet[i], (const double[3]){ 0, y, 0.8 * y }, sizeof feet[i]);
@@ -73,13 +69,11 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
 	const double center[3] = { 0, 0, 5 };
 	struct lod_eye eye;
-
 	lod_eye_make(&eye, &view);
 	for (size_t k = 0; k < sizeof areas / sizeof *areas; k++) {
 		struct lod_proxy_shape proxy_shape = tree;
 		struct lod_screen screen;
 		struct eco_prediction p;
-
 		proxy_shape.area = areas[k];
 		lod_screen_init(&screen, &eye, &view, false);
 		assert_non_null(lod_screen_add(&screen, center, &proxy_shape));
@@ -97,11 +91,9 @@ static void what_passes_the_eye_goes_little_by_little(void **state)
 	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
 	struct lod_screen screen;
 	float before[3] = { 0 };
-
 	for (int step = 0; step <= 400; step++) {
 		const double y = 5 - 0.025 * step, feet[3][3] = { { 0, y, 0 }, { 2, y, 0 }, { 4, y, 0 } };
 		float within[3];
-
 		look_at_trees(&screen, &view, feet, 3);
 		for (int i = 0; i < 3; i++) {
 			within[i] = screen.visibilities[i].within;

@@ -57,7 +57,6 @@ static int32_t coordinate(const struct kind *k, uint64_t *state)
 static void fill_corner(const struct kind *k, uint64_t *state, int32_t *position, unsigned corner)
 {
 	static const int8_t hexagon[6][2] = { { 2, 0 }, { 1, 2 }, { -1, 2 }, { -2, 0 }, { -1, -2 }, { 1, -2 } };
-
 	for (unsigned axis = 0; axis < 3; axis++)
 		if (k->pattern == LEAVES && corner > 0)
 			position[3 * corner + axis] = position[axis] + 9 * hexagon[corner][axis % 2] + between(state, -1, 1);
@@ -81,7 +80,6 @@ struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t
 	const struct eco_list list = kind_list(k);
 	struct eco_elements e = { .element_count = count, .extra_count = eco_list_extra_count(&list) };
 	uint64_t state = seed;
-
 	e.corners = malloc(count);
 	e.position = malloc((size_t)count * ECO_CORNERS_MAX * 12);
 	e.uv = k->attributes & ECO_ATTR_UV ? malloc((size_t)count * ECO_CORNERS_MAX * 8) : NULL;
@@ -89,13 +87,12 @@ struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t
 	for (uint32_t i = 0; i < count; i++) {
 		uint8_t corners = (uint8_t)between(&state, k->low_corners, k->high_corners);
 		int32_t *position = e.position + 3 * (size_t)e.corner_count;
-
 		e.corners[i] = corners;
 		do
 			for (unsigned c = 0; c < corners; c++)
 				fill_corner(k, &state, position, c);
 		while (k->coder == ECO_CODER_MESH && coincide(position));
-		for (unsigned c = 0; e.uv != NULL && c < 2u * corners; c++)
+		for (unsigned c = 0; e.uv && c < 2u * corners; c++)
 			e.uv[2 * (size_t)e.corner_count + c] = k->pattern == LEAVES ? (int32_t)(c / 2 + c % 2) % 3 * ECO_UV_ONE
 				: between(&state, -100, ECO_UV_ONE);
 		for (unsigned c = 0; c < e.extra_count; c++)
@@ -109,7 +106,6 @@ struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t
 struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32_t end, size_t size)
 {
 	struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .element_count = end - first };
-
 	for (uint32_t i = first; i < end; i++)
 		chunk.primitive_count += e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
 	return chunk;
@@ -122,7 +118,6 @@ enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, 
 	struct eco_elements of = { .element_count = count, .corner_count = 3 * count, .primitive_count = count };
 	const struct eco_chunk_input partner = { &fans, &of, input->first, input->end, input->ordinal };
 	enum eco_code code;
-
 	if (input->list->coder != ECO_CODER_FORM)
 		return eco_chunk_encode(input, bytes, size, order, error);
 	of.corners = malloc(count);
@@ -136,7 +131,6 @@ enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, 
 static uint32_t corner_at(const struct eco_elements *e, uint32_t element)
 {
 	uint32_t at = 0;
-
 	for (uint32_t i = 0; i < element; i++)
 		at += e->corners[i];
 	return at;
@@ -151,20 +145,18 @@ static void flatten(const struct eco_elements *e, uint32_t element, uint32_t cor
 {
 	uint8_t n = e->corners[element];
 	unsigned first = 0;
-
 	memset(flat, 0, FLAT * sizeof *flat);
 	flat[0] = n;
 	if (turn) {                      /* edgebreaker may begin a triangle at another corner */
 		for (unsigned c = 1; c < n; c++) {
 			const int32_t *a = e->position + 3 * ((size_t)corner + c), *b = e->position + 3 * ((size_t)corner + first);
-
 			if (a[0] != b[0] ? a[0] < b[0] : a[1] != b[1] ? a[1] < b[1] : a[2] < b[2])
 				first = c;
 		}
 	}
 	for (unsigned c = 0; c < n; c++) {
 		memcpy(flat + 1 + 3 * c, e->position + 3 * ((size_t)corner + (c + first) % n), 12);
-		if (e->uv != NULL)
+		if (e->uv)
 			memcpy(flat + 1 + 3 * ECO_CORNERS_MAX + 2 * c, e->uv + 2 * ((size_t)corner + (c + first) % n), 8);
 	}
 	if (e->extra_count > 0)
@@ -180,7 +172,6 @@ static int32_t *flatten_all(const struct eco_elements *e, uint32_t first, uint32
 {
 	int32_t *flat = malloc((size_t)(end - first) * FLAT * sizeof *flat);
 	uint32_t corner = corner_at(e, first);
-
 	for (uint32_t i = first; i < end; corner += e->corners[i++])
 		flatten(e, i, corner, turn, flat + (size_t)(i - first) * FLAT);
 	return flat;
@@ -192,14 +183,13 @@ void assert_same_elements(const struct kind *k, const struct eco_elements *in, u
 	int32_t *a = flatten_all(in, first, end, k->coder == ECO_CODER_MESH);
 	int32_t *b = flatten_all(out, 0, out->element_count, k->coder == ECO_CODER_MESH);
 	size_t record = FLAT * sizeof *a;
-
 	assert_int_equal(out->element_count, end - first);
-	if (order == NULL) {
+	if (!order) {
 		qsort(a, end - first, record, compare_flat);
 		qsort(b, end - first, record, compare_flat);
 	}
 	for (uint32_t i = 0; i < end - first; i++)
-		assert_memory_equal(b + (size_t)i * FLAT, a + (size_t)(order == NULL ? i : order[i]) * FLAT, record);
+		assert_memory_equal(b + (size_t)i * FLAT, a + (size_t)(!order ? i : order[i]) * FLAT, record);
 	free(a);
 	free(b);
 }

@@ -19,7 +19,6 @@ static void gw_append(char *to, size_t size, const char *format, ...)
 {
 	size_t used = strlen(to);
 	va_list arguments;
-
 	va_start(arguments, format);
 	if (vsnprintf(to + used, size - used, format, arguments) >= (int)(size - used))
 		abort();
@@ -30,7 +29,6 @@ static void gw_append(char *to, size_t size, const char *format, ...)
 static size_t gw_put(const void *bytes, size_t size)
 {
 	size_t at = gw.size = (gw.size + 3) & ~(size_t)3;
-
 	if (at + size > sizeof gw.bytes)
 		abort();
 	memcpy(gw.bytes + at, bytes, size);
@@ -41,7 +39,6 @@ static size_t gw_put(const void *bytes, size_t size)
 int gw_view(const void *bytes, size_t size, const char *more)
 {
 	size_t at = gw_put(bytes, size);
-
 	gw_append(gw.views, sizeof gw.views, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", gw.view_count > 0 ? "," : "", at, size, more);
 	return gw.view_count++;
 }
@@ -49,7 +46,6 @@ int gw_view(const void *bytes, size_t size, const char *more)
 int gw_packed(const void *bytes, size_t size, size_t count, size_t stride, const char *mode, const char *filter, const char *extension)
 {
 	size_t at = gw_put(bytes, size);
-
 	gw_append(gw.views, sizeof gw.views, "%s{\"buffer\":1,\"byteLength\":%zu,\"extensions\":{\"%s\":{\"buffer\":0,\"byteOffset\":%zu,"
 		"\"byteLength\":%zu,"
 		"\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\",\"filter\":\"%s\"}}}", gw.view_count > 0 ? "," : "", count * stride, extension, at, size,
@@ -87,8 +83,7 @@ size_t gw_glb_bytes(const char *rest, char pad, uint8_t **bytes)
 	size_t length = strlen(json), padded = (length + 4) & ~(size_t)3, binary = (gw.size + 3) & ~(size_t)3, size = 28 + padded + binary;
 	uint32_t words[7] = { 0x46546c67, 2, (uint32_t)size, (uint32_t)padded, 0x4e4f534a, (uint32_t)binary, 0x004e4942 };
 	uint8_t *to = *bytes = malloc(size);
-
-	if (to == NULL)
+	if (!to)
 		abort();
 	memcpy(to, words, 20);
 	memset(to + 20, pad, padded);

@@ -16,7 +16,6 @@ static inline const char *input_path(const char *test, const char *name)
 	static char paths[4][512];
 	static unsigned turn;
 	char *path = paths[turn++ % 4];
-
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	snprintf(path, sizeof paths[0], "build/tmp/%s", test);
@@ -29,8 +28,7 @@ static inline const char *input_bytes(const char *test, const char *name, const 
 {
 	const char *path = input_path(test, name);
 	FILE *file = fopen(path, "wb");
-
-	if (file == NULL || fwrite(bytes, 1, size, file) != size || fclose(file) != 0) {
+	if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0) {
 		perror(path);
 		abort();
 	}

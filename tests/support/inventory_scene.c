@@ -4,14 +4,12 @@ static void inventory_say(void *ctx, const char *text)
 {
 	struct inventory *in = ctx;
 	size_t used = strlen(in->report);
-
 	snprintf(in->report + used, sizeof in->report - used, "%s\n", text);
 }
 
 static void inventory_put(struct inventory *in, const struct eco_source *source, const struct eco_position *p)
 {
 	size_t used = strlen(in->plants), size = sizeof in->plants;
-
 #define INVENTORY_PUT(...) (used += used < size ? (size_t)snprintf(in->plants + used, size - used, __VA_ARGS__) : 0)
 	INVENTORY_PUT("%s%s %.9g %.9g", used > 0 ? " / " : "", source->plants[p->plant].name, p->at[0], p->at[1]);
 	if (p->absolute)
@@ -32,12 +30,11 @@ static enum eco_code inventory_read_rows(struct inventory *in, const struct eco_
 	struct eco_positions *reader;
 	struct eco_position record;
 	enum eco_code code = eco_positions_open(&reader, &source->positions[0], &frame, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	while ((code = eco_positions_next(reader, &record, error)) == ECO_OK && record.plant != ECO_NONE)
 		inventory_put(in, source, &record);
-	if (code == ECO_OK)
+	if (!code)
 		eco_positions_report(reader, inventory_say, in);
 	eco_positions_close(reader);
 	return code;
@@ -49,7 +46,6 @@ const struct inventory *inventory_of(const char *test, const char *scene, const 
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_source source;
 	char json[6000], path[600];
-
 	in = (struct inventory){ .plants = "" };
 	snprintf(path, sizeof path, "%s", input_path(test, "scene.json"));
 	snprintf(json, sizeof json, "{%s\"plants\":{\"oak\":{\"model\":\"m.obj\"},\"ash\":{\"model\":\"m.obj\"},\"elm\":{\"variants\":[\"a.obj\","

@@ -5,7 +5,6 @@ char import_said[8000];
 static void import_note(void *ctx, const char *text)
 {
 	size_t used = strlen(import_said);
-
 	(void)ctx;
 	snprintf(import_said + used, sizeof import_said - used, "%s\n", text);
 }
@@ -15,8 +14,7 @@ void import_file(struct eco_model *model, const char *path, const struct eco_mod
 	struct eco_model_options all = options != NULL ? *options : (struct eco_model_options){ .height_m = 0 };
 	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
-
-	if (path != NULL) {
+	if (path) {
 		all.paths = &path;
 		all.path_count = 1;
 	}
@@ -39,15 +37,14 @@ void import_refuses(const char *path, enum eco_code wanted, const char *says)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model model;
 	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, &error);
-
 	assert_null(model.position);
-	if (code != wanted || strstr(error.text, says) == NULL)
+	if (code != wanted || !strstr(error.text, says))
 		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
 }
 
 void import_says(const char *text)
 {
-	if (strstr(import_said, text) == NULL)
+	if (!strstr(import_said, text))
 		fail_msg("said: %s\n  wanted %s", import_said, text);
 }
 

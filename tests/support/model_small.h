@@ -19,9 +19,8 @@ static inline bool has_vertex(const struct eco_model *m, float x, float y, float
 {
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
 		const float *p = &m->position[i * 3];
-
 		if (fabsf(p[0] - x) + fabsf(p[1] - y) + fabsf(p[2] - z) < 1e-5f
-			&& (uv == NULL || (m->uv != NULL && fabsf(m->uv[i * 2] - uv[0]) + fabsf(m->uv[i * 2 + 1] - uv[1]) < 1e-5f)))
+			&& (!uv || (m->uv != NULL && fabsf(m->uv[i * 2] - uv[0]) + fabsf(m->uv[i * 2 + 1] - uv[1]) < 1e-5f)))
 			return true;
 	}
 	return false;
@@ -38,7 +37,6 @@ static inline bool has_vertex(const struct eco_model *m, float x, float y, float
 static inline const char *gltf(const char *name, const char *nodes, const char *rest)
 {
 	static char text[6000];
-
 	snprintf(text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"buffers\":[" BUFFER "]," VIEWS ","
 		MESH ",\"nodes\":[%s]%s}", nodes, rest);
 	return input_text(TEST_FOLDER, name, text);

@@ -11,7 +11,6 @@
 static inline uint64_t resign_u64(const uint8_t *p)
 {
 	struct eco_reader r = { .bytes = p, .size = 8 };
-
 	return eco_read_u64(&r);
 }
 
@@ -25,7 +24,6 @@ static inline void pack_resign(uint8_t *bytes, size_t size)
 {
 	uint8_t hashed[24 + ECO_SECTION_KIND_END * ECO_PACK_SECTION_BYTES];
 	size_t count, table;
-
 	if (size < ECO_PACK_HEADER_BYTES)
 		return;
 	memcpy(bytes, ECO_PACK_MAGIC, 8);
@@ -37,7 +35,6 @@ static inline void pack_resign(uint8_t *bytes, size_t size)
 	for (size_t i = 0; i < count; i++) {
 		uint8_t *record = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
 		uint64_t offset = resign_u64(record + 8), length = resign_u64(record + 16);
-
 		if (offset <= size && length <= size - offset)
 			resign_put(record + 24, record[0] == ECO_SECTION_CHUNK_DATA ? 0 : XXH3_64bits(bytes + offset, length));
 	}

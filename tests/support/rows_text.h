@@ -15,14 +15,12 @@ static inline const char *rows_text_of(struct eco_rows *rows, char *text, size_t
 	struct eco_error error = { .code = ECO_OK };
 	bool more = true;
 	size_t used = 0;
-
 #define ROWS_PUT(...) (used += used < size ? (size_t)snprintf(text + used, size - used, __VA_ARGS__) : 0)
 	*text = 0;
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		ROWS_PUT("%s%s", i > 0 ? "," : "", rows->columns[i]);
 	while (rows->next(rows, &more, &error) == ECO_OK && more) {
 		const struct eco_rows_place *place = &rows->place;
-
 		ROWS_PUT(" /");
 		if (place->kind == ECO_PLACE_POINT && !isnan(place->at[2]))
 			ROWS_PUT(" (%.9g %.9g %.9g)", place->at[0], place->at[1], place->at[2]);

@@ -29,7 +29,6 @@ struct job {
 static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-
 	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing, why[0] != 0 ? why : "GDAL gives no reason");
 }
 
@@ -48,8 +47,7 @@ static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const
 static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *unit_m)
 {
 	const char *name = OSRIsCompound(crs) ? OSRGetAttrValue(crs, "COMPD_CS|VERT_CS", 0) : NULL;
-
-	if (name == NULL)
+	if (!name)
 		return;
 	snprintf(vertical, 64, "%s", name);
 	*unit_m = OSRGetTargetLinearUnits(crs, "COMPD_CS|VERT_CS", NULL);
@@ -61,11 +59,10 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 	const char *text = job->options->scene_crs;
 	double unit;
 	enum eco_code code;
-
-	if (text == NULL)
+	if (!text)
 		return ECO_OK;
 	code = make_crs(&job->scene_crs, text, "the scene", error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	split_vertical(job->scene_crs, job->scene_vertical, &unit);
 	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
@@ -81,27 +78,26 @@ static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct
 	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file != NULL ? OSRClone(file) : NULL;
 	const char *stated = o->source->crs;
 	enum eco_code code = ECO_OK;
-
-	if (own != NULL)
+	if (own)
 		split_vertical(own, r->vertical, &r->crs_unit_m);
-	if (o->scene_crs == NULL) {
-		if (own != NULL && (OSRIsProjected(own) || OSRIsGeographic(own)))
+	if (!o->scene_crs) {
+		if (own && (OSRIsProjected(own) || OSRIsGeographic(own)))
 			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and \"origin\" to "
 				"the scene", r->path, OSRGetName(own));
-	} else if (stated != NULL) {
+	} else if (stated) {
 		code = make_crs(&r->crs, stated, r->path, error);
 		if (code == ECO_OK && r->vertical[0] == 0)
 			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
-		if (code == ECO_OK && own != NULL && !OSRIsSame(own, r->crs))
+		if (code == ECO_OK && own && !OSRIsSame(own, r->crs))
 			ground_note(&job->asked->notes, "%.200s says it is in %.80s; the scene says %.80s, which is used", r->path, OSRGetName(own), stated);
-	} else if (own == NULL) {
+	} else if (!own) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": "
 			"\"%.80s\"} (if it is the scene's)", r->path, o->scene_crs);
 	} else {
 		r->crs = OSRClone(own);
 		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
 	}
-	if (own != NULL)
+	if (own)
 		OSRDestroySpatialReference(own);
 	return code;
 }
@@ -114,8 +110,7 @@ static bool same_datum(const char *a, const char *b)
 	OGRSpatialReferenceH x = OSRNewSpatialReference(NULL), y = OSRNewSpatialReference(NULL);
 	const char *name_x = OSRSetFromUserInput(x, a) == OGRERR_NONE ? OSRGetName(x) : a;
 	const char *name_y = OSRSetFromUserInput(y, b) == OGRERR_NONE ? OSRGetName(y) : b;
-	bool same = strcasecmp(a, b) == 0 || (name_x != NULL && name_y != NULL && strcasecmp(name_x, name_y) == 0);
-
+	bool same = strcasecmp(a, b) == 0 || (name_x != NULL && name_y && strcasecmp(name_x, name_y) == 0);
 	OSRDestroySpatialReference(x);
 	OSRDestroySpatialReference(y);
 	return same;
@@ -127,20 +122,19 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 	const struct eco_ground_source *source = job->options->source;
 	const char *own = source->vertical != NULL ? source->vertical : r->vertical;
 	const char *scene = job->options->scene_vertical;
-
-	if (scene == NULL && job->scene_vertical[0] != 0)
+	if (!scene && job->scene_vertical[0] != 0)
 		scene = job->scene_vertical;
 
-	if (source->vertical != NULL && scene == NULL)
+	if (source->vertical && !scene)
 		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "
 			"scene, or the datum of its heights", source->vertical);
-	if (scene != NULL && own[0] == 0)
+	if (scene && own[0] == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": \"%.60s\" to "
 			"the ground, if that is the datum of its heights", r->path, scene);
-	if (scene != NULL && !same_datum(scene, own))
+	if (scene && !same_datum(scene, own))
 		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at hand; convert "
 			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
-	if (scene == NULL && r == job->rasters)
+	if (!scene && r == job->rasters)
 		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the scene does not say either; they "
 			"are taken as they are (to "
 			"be sure, add \"vertical\" to the scene and to its ground)", r->path, own[0] != 0 ? "is said to be " : "is not said", own,
@@ -153,10 +147,8 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source, struct eco_error *error)
 {
 	double *t = r->transform;
-
 	if (source->has_place) {
 		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0, -source->pixel[1] };
-
 		memcpy(t, stated, sizeof stated);
 	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the ground \"north_west\": [x, y], the outer corner "
@@ -182,15 +174,15 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 	bool good = false;
 	void *transformer = NULL;
 
-	if (frame == NULL)
+	if (!frame)
 		return gdal_fail(r->path, "no room for its place", error);
 	GDALSetGeoTransform(frame, r->transform);
-	if (r->crs != NULL) {
+	if (r->crs) {
 		OSRExportToWkt(r->crs, &from);
 		OSRExportToWkt(job->scene_crs, &to);
 	}
 	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
-	if (transformer != NULL) {
+	if (transformer) {
 		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns, &rows) == CE_None && columns > 0 && rows > 0;
 		GDALDestroyGenImgProjTransformer(transformer);
 	}
@@ -211,8 +203,7 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 static enum eco_code find_place(struct ground_raster *r, const struct job *job, struct eco_error *error)
 {
 	const double *t = r->transform;
-
-	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (r->crs == NULL || OSRIsSame(r->crs, job->scene_crs));
+	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (!r->crs || OSRIsSame(r->crs, job->scene_crs));
 	if (!r->direct)
 		return suggest(r, job, error);
 	r->low[0] = t[0];
@@ -227,9 +218,8 @@ static enum eco_code find_place(struct ground_raster *r, const struct job *job, 
 static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	enum eco_code code;
-
 	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
-	if (r->file == NULL)
+	if (!r->file)
 		return gdal_fail(r->path, "not a raster that GDAL can read", error);
 	if (GDALGetRasterCount(r->file) < 1)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", r->path);
@@ -240,7 +230,7 @@ static enum eco_code open_raster(struct ground_raster *r, struct job *job, struc
 	code = raster_crs(r, job, error);
 	if (code == ECO_OK && !job->options->keep_missing)
 		code = check_vertical(r, job, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_transform(r, job->options->source, error);
 	return code == ECO_OK ? find_place(r, job, error) : code;
 }
@@ -253,7 +243,6 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 {
 	const struct ground_raster *first = &job->rasters[0];
 	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY }, step[2] = { INFINITY, INFINITY };
-
 	for (uint32_t i = 0; i < job->count; i++)
 		for (int k = 0; k < 2; k++) {
 			low[k] = fmin(low[k], job->rasters[i].low[k]);
@@ -262,7 +251,6 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 		}
 	for (int k = 0; k < 2; k++) {
 		double count = floor((high[k] - low[k]) / step[k] + 0.5);
-
 		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k]) || high[k] - low[k] > GROUND_METRES_MAX)
 			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m makes no sense", first->path, high[k] - low[k],
 				step[k]);
@@ -282,7 +270,6 @@ static uint32_t read_side(const struct ground_raster *r, const struct frame *f, 
 {
 	uint32_t size = (uint32_t)(axis == 0 ? r->columns : r->rows);
 	double wanted = floor(size * r->step[axis] / f->step[axis] + 0.5);
-
 	return wanted >= size ? size : wanted < 2 ? 2 : (uint32_t)wanted;
 }
 
@@ -291,10 +278,8 @@ static bool on_grid(const struct ground_samples *s, const struct frame *f, int64
 {
 	const double *t = s->transform;
 	double pixel[2] = { t[1], t[5] }, corner[2] = { t[0], t[3] };
-
 	for (int k = 0; k < 2; k++) {
 		double at = (corner[k] + pixel[k] / 2 - f->low[k]) / f->step[k] - 0.5;
-
 		if (fabs(fabs(pixel[k]) / f->step[k] - 1) > ALIGNED / (k == 0 ? s->columns : s->rows) || fabs(at - floor(at + 0.5)) > ALIGNED)
 			return false;
 		first[k] = (int64_t)floor(at + 0.5);
@@ -307,7 +292,6 @@ static bool on_grid(const struct ground_samples *s, const struct frame *f, int64
 static void put(struct eco_ground *g, int64_t column, int64_t row, float metres, double origin_z)
 {
 	float *to;
-
 	if (column < 0 || row < 0 || column >= g->columns || row >= g->rows || isnan(metres))
 		return;
 	to = &g->height_m[(size_t)row * g->columns + (size_t)column];
@@ -322,8 +306,7 @@ static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH cr
 	char pointer[64], text[96];
 	char *options[] = { text, NULL };
 	int length = CPLPrintPointer(pointer, s->metres, sizeof pointer - 1);
-
-	if (data == NULL)
+	if (!data)
 		return NULL;
 	pointer[length] = 0;
 	snprintf(text, sizeof text, "DATAPOINTER=%s", pointer);
@@ -333,7 +316,7 @@ static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH cr
 	}
 	GDALSetGeoTransform(data, (double *)s->transform);
 	GDALSetRasterNoDataValue(GDALGetRasterBand(data, 1), NAN);
-	if (crs != NULL)
+	if (crs)
 		GDALSetSpatialRef(data, crs);
 	return data;
 }
@@ -364,13 +347,13 @@ static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const
 		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g", f->low[k] + (double)end[k] * f->step[k]);
 		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
 	}
-	if (r->crs != NULL && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
+	if (r->crs && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
 		arguments[19] = "-t_srs";
 		arguments[20] = wkt;
 		arguments[21] = NULL;
 	}
 	options = GDALWarpAppOptionsNew(arguments, NULL);
-	if (options != NULL)
+	if (options)
 		to = GDALWarp("", NULL, 1, &from, options, &usage);
 	GDALWarpAppOptionsFree(options);
 	CPLFree(wkt);
@@ -384,25 +367,23 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 	GDALDatasetH from, to = NULL;
 	float *line;
 	bool good;
-
 	reach(r, f, first, end);
 	if (first[0] >= end[0] || first[1] >= end[1])
 		return ECO_OK;
 	line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
 	from = wrap(s, r->crs);
-	if (from != NULL && line != NULL)
+	if (from && line)
 		to = warp(from, r, job, f, first, end);
 	good = to != NULL;
 	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
 		int width = (int)(end[0] - first[0]);
-
 		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1, GDT_Float32, 0, 0) == CE_None;
 		for (int x = 0; good && x < width; x++)
 			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
 	}
-	if (to != NULL)
+	if (to)
 		GDALClose(to);
-	if (from != NULL)
+	if (from)
 		GDALClose(from);
 	free(line);
 	return good ? ECO_OK : gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
@@ -415,12 +396,11 @@ static enum eco_code add_raster(struct eco_ground *g, struct job *job, const str
 	int64_t first[2];
 	int sign[2];
 	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0), read_side(r, f, 1), &job->asked->notes, error);
-
 	if (code == ECO_OK && r->direct && on_grid(&s, f, first, sign)) {
 		for (uint32_t y = 0; y < s.rows; y++)
 			for (uint32_t x = 0; x < s.columns; x++)
 				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y, s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
-	} else if (code == ECO_OK) {
+	} else if (!code) {
 		code = put_resampled(g, &s, r, job, f, error);
 	}
 	free(s.metres);
@@ -432,8 +412,7 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	struct frame frame;
 	size_t count;
 	enum eco_code code = place_frame(&frame, job, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	g->columns = frame.samples[0];
 	g->rows = frame.samples[1];
@@ -443,7 +422,7 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	g->y_m = frame.low[1] + frame.step[1] / 2 - job->options->origin[1];
 	count = (size_t)g->columns * g->rows;
 	g->height_m = malloc(count * sizeof *g->height_m);
-	if (g->height_m == NULL)
+	if (!g->height_m)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns, g->rows);
 	for (size_t i = 0; i < count; i++)
 		g->height_m[i] = NAN;
@@ -457,12 +436,12 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 static void close_rasters(struct job *job)
 {
 	for (uint32_t i = 0; i < job->count; i++) {
-		if (job->rasters[i].file != NULL)
+		if (job->rasters[i].file)
 			GDALClose(job->rasters[i].file);
-		if (job->rasters[i].crs != NULL)
+		if (job->rasters[i].crs)
 			OSRDestroySpatialReference(job->rasters[i].crs);
 	}
-	if (job->scene_crs != NULL)
+	if (job->scene_crs)
 		OSRDestroySpatialReference(job->scene_crs);
 	free(job->rasters);
 }
@@ -472,15 +451,14 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 	const struct eco_ground_source *source = job->options->source;
 	struct eco_error cause = { .code = ECO_OK };
 	enum eco_code code = check_scene_crs(job, error);
-
 	job->rasters = calloc(source->height_count, sizeof *job->rasters);
-	if (job->rasters == NULL)
+	if (!job->rasters)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->height_count);
 	for (uint32_t i = 0; i < source->height_count && code == ECO_OK; i++) {
 		job->rasters[job->count++].path = source->heights[i];
 		code = open_raster(&job->rasters[i], job, error);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = merge(ground, job, error);
 	if (code == ECO_OK && !job->options->keep_missing && eco_ground_fill(ground, &cause) != ECO_OK)
 		code = eco_fail(error, cause.code, "%.300s: %s", source->heights[0], cause.text);
@@ -493,7 +471,6 @@ enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct e
 	struct eco_ground ground = { .height_m = NULL };
 	enum eco_code code;
 	size_t count;
-
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();

@@ -24,7 +24,6 @@
 void ground_note(struct ground_notes *notes, const char *format, ...)
 {
 	va_list args;
-
 	if (notes->count >= GROUND_NOTES_MAX)
 		return;
 	va_start(args, format);
@@ -53,7 +52,6 @@ static bool is_hole(const struct meaning *m, double raw)
 static double metres_of(const struct meaning *m, double raw)
 {
 	double metres = (raw * m->scale + m->offset) * m->unit_m;
-
 	return fabs(metres) <= HEIGHT_MAX_M && !is_hole(m, raw) ? metres : NAN;
 }
 
@@ -77,10 +75,9 @@ static double unit_of(const struct ground_raster *r, GDALRasterBandH band, const
 {
 	const char *name = GDALGetRasterUnitType(band);
 	double unit = name != NULL ? unit_named(name) : 0;
-
 	if (source->unit_m > 0)
 		return source->unit_m;
-	if (name != NULL && name[0] != 0 && unit == 0)
+	if (name && name[0] != 0 && unit == 0)
 		ground_note(notes, "%.200s: its heights are in \"%.40s\", which is not known here; taken as metres, else add \"unit\" to the ground",
 			r->path, name);
 	if (unit == 0)
@@ -95,7 +92,6 @@ static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRas
 {
 	int has_no_data = 0, has_scale = 0, has_offset = 0;
 	double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
-
 	*m = (struct meaning){ .scale = GDALGetRasterScale(band, &has_scale), .offset = GDALGetRasterOffset(band, &has_offset),
 		.unit_m = unit_of(r, band, source, notes) };
 	if (!has_scale || !isfinite(m->scale) || m->scale == 0)
@@ -124,12 +120,11 @@ struct rows {                        /* a row of values, and whether each counts
 static bool rows_open(struct rows *rows, const struct ground_raster *r, GDALRasterBandH band, bool masked)
 {
 	int flags = GDALGetMaskFlags(band);
-
 	*rows = (struct rows){ .raster = r, .band = band, .raw = malloc((size_t)r->columns * sizeof *rows->raw),
 		.there = malloc((size_t)r->columns) };
 	if (masked && flags & (GMF_PER_DATASET | GMF_ALPHA))
 		rows->mask = GDALGetMaskBand(band);
-	return rows->raw != NULL && rows->there != NULL;
+	return rows->raw && rows->there;
 }
 
 static void rows_close(struct rows *rows)
@@ -141,10 +136,9 @@ static void rows_close(struct rows *rows)
 static bool rows_read(struct rows *rows, int y)
 {
 	int columns = rows->raster->columns;
-
 	memset(rows->there, 255, (size_t)columns);
 	return GDALRasterIO(rows->band, GF_Read, 0, y, columns, 1, rows->raw, columns, 1, GDT_Float64, 0, 0) == CE_None
-		&& (rows->mask == NULL
+		&& (!rows->mask
 			|| GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns, 1, GDT_Byte, 0, 0) == CE_None);
 }
 
@@ -176,7 +170,6 @@ static int suspect_of(double raw)
 static void keep_extreme(double *kept, int *count, double v, double sign)
 {
 	int at = 0;
-
 	while (at < *count && kept[at] * sign < v * sign)
 		at++;
 	if (at == SPAN || (at < *count && kept[at] == v))
@@ -190,7 +183,6 @@ static void keep_extreme(double *kept, int *count, double v, double sign)
 static int bucket_of(double step)
 {
 	int exponent = 0;
-
 	frexp(step, &exponent);
 	return exponent < -BUCKETS / 2 ? 0 : exponent >= BUCKETS / 2 ? BUCKETS - 1 : exponent + BUCKETS / 2;
 }
@@ -200,7 +192,6 @@ static void count_step(struct census *c, double a, double b)
 {
 	int x = suspect_of(a), y = suspect_of(b);
 	double step = fabs(a - b);
-
 	if (x < 0 && y < 0) {
 		c->steps_sum += step;
 		c->steps++;
@@ -219,7 +210,6 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 	int columns = rows->raster->columns;
 	double *above = malloc((size_t)columns * sizeof *above);
 	bool good = above != NULL;
-
 	for (int x = 0; good && x < columns; x++)
 		above[x] = NAN;
 	for (int y = 0; good && y < rows->raster->rows; y++) {
@@ -227,7 +217,6 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 		for (int x = 0; good && x < columns; x++) {
 			double v = rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x]) ? rows->raw[x] : NAN;
 			int s = suspect_of(v);
-
 			if (!isnan(v)) {
 				c->samples++;
 				keep_extreme(c->lowest, &c->lowest_count, v, 1);
@@ -252,7 +241,6 @@ static bool stands_out(const struct census *c, size_t s)
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
 	uint64_t gentle = 0;
 	int limit = bucket_of(STEEP / 4 * usual);
-
 	if (c->suspect[s].samples == 0 || c->suspect[s].borders == 0 || c->steps == 0 || usual <= 0)
 		return false;
 	for (int i = 0; i < limit; i++)
@@ -266,7 +254,6 @@ static bool lies_beyond(const struct meaning *m, const struct census *c, const d
 {
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
 	int at = 0;
-
 	while (at < count && is_hole(m, kept[at]))
 		at++;
 	if (at + 1 >= count || is_hole(m, kept[at + 1]))
@@ -278,7 +265,6 @@ static bool lies_beyond(const struct meaning *m, const struct census *c, const d
 static double end_of(const struct meaning *m, const double *kept, int count)
 {
 	int at = 0;
-
 	while (at + 1 < count && is_hole(m, kept[at]))
 		at++;
 	return kept[at];
@@ -287,7 +273,6 @@ static double end_of(const struct meaning *m, const double *kept, int count)
 static void add_hole(struct meaning *m, double value, const char *path, uint64_t samples, struct ground_notes *notes)
 {
 	char many[40] = "samples";
-
 	if (m->hole_count >= HOLES_MAX)
 		return;
 	m->holes[m->hole_count++] = value;
@@ -303,7 +288,6 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 	struct census *c = calloc(1, sizeof *c);
 	double value;
 	bool good = c != NULL && take_census(c, rows, m);
-
 	for (size_t s = 0; good && s < SUSPECTS; s++)
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
@@ -330,11 +314,9 @@ static void add_row(const struct sums *s, const struct rows *rows, const struct 
 	for (uint32_t c = 0; c < columns; c++) {
 		double from = c * ratio, to = (c + 1) * ratio;
 		int end = (int)ceil(to - 1e-9);
-
 		for (int x = (int)floor(from + 1e-9); x < end && x < rows->raster->columns; x++) {
 			double metres = rows->there[x] ? metres_of(m, rows->raw[x]) : NAN;
 			double part = fmin(x + 1.0, to) - fmax(x, from);
-
 			if (isnan(metres))
 				continue;
 			s->sum[c] += part * share * metres;
@@ -347,11 +329,9 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 {
 	double ratio_x = (double)rows->raster->columns / out->columns, ratio_y = (double)rows->raster->rows / out->rows;
 	int held = -1;
-
 	for (uint32_t r = 0; r < out->rows; r++) {
 		double from = r * ratio_y, to = (r + 1) * ratio_y;
 		int end = (int)ceil(to - 1e-9);
-
 		memset(s->sum, 0, out->columns * sizeof *s->sum);
 		memset(s->weight, 0, out->columns * sizeof *s->weight);
 		for (int y = (int)floor(from + 1e-9); y < end && y < rows->raster->rows; y++) {
@@ -369,7 +349,6 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 static void say_range(const struct ground_samples *samples, const char *path, struct ground_notes *notes)
 {
 	double low = INFINITY, high = -INFINITY;
-
 	for (size_t i = 0; i < (size_t)samples->columns * samples->rows; i++) {
 		low = samples->metres[i] < low ? (double)samples->metres[i] : low;
 		high = samples->metres[i] > high ? (double)samples->metres[i] : high;
@@ -386,7 +365,6 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 {
 	int count = GDALGetRasterCount(r->file), wanted = source->band > 0 ? (int)source->band : 1;
 	const char *name;
-
 	if (wanted > count)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path, count, count == 1 ? "" : "s", wanted);
 	*band = GDALGetRasterBand(r->file, wanted);
@@ -394,7 +372,7 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: band %d holds complex numbers, not heights", r->path, wanted);
 	if (source->band > 0)
 		return ECO_OK;
-	if (GDALGetRasterColorInterpretation(*band) == GCI_RedBand || GDALGetRasterColorTable(*band) != NULL)
+	if (GDALGetRasterColorInterpretation(*band) == GCI_RedBand || GDALGetRasterColorTable(*band))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its bands is heights, say which: \"band\": 1",
 			r->path);
 	name = GDALGetDescription(*band);
@@ -412,7 +390,6 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 	GDALRasterBandH band = NULL;
 	struct sums sums = { malloc(columns * sizeof(double)), malloc(columns * sizeof(double)) };
 	enum eco_code code = pick_band(&band, raster, source, notes, error);
-
 	*samples = (struct ground_samples){ .columns = columns, .rows = rows_wanted };
 	memcpy(samples->transform, raster->transform, sizeof samples->transform);
 	for (int i = 0; i < 2; i++) {
@@ -420,9 +397,9 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 		samples->transform[3 * i + 2] *= (double)raster->rows / rows_wanted;
 	}
 	samples->metres = malloc((size_t)columns * rows_wanted * sizeof *samples->metres);
-	if (code == ECO_OK && (!rows_open(&rows, raster, band, !source->no_holes) || sums.sum == NULL || sums.weight == NULL || samples->metres == NULL))
+	if (code == ECO_OK && (!rows_open(&rows, raster, band, !source->no_holes) || !sums.sum || !sums.weight || !samples->metres))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u x %u heights", raster->path, columns, rows_wanted);
-	if (code == ECO_OK) {
+	if (!code) {
 		meaning_of(&meaning, raster, band, source, notes);
 		if ((!source->has_nodata && !source->no_holes && !find_holes(&meaning, &rows, notes)) || !average(samples, &rows, &meaning, &sums))
 			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights cannot be read: %.250s", raster->path,

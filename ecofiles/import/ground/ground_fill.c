@@ -21,7 +21,6 @@ static bool take_bit(uint64_t *bits, size_t i)
 {
 	uint64_t bit = UINT64_C(1) << (i & 63);
 	bool was = bits[i >> 6] & bit;
-
 	bits[i >> 6] |= bit;
 	return !was;
 }
@@ -43,7 +42,6 @@ static float neighbour_mean(const struct eco_ground *g, size_t i)
 {
 	double sum = 0;
 	int count = 0;
-
 	EACH_NEIGHBOUR(g, i, k)
 		if (!isnan(g->height_m[k])) {
 			sum += (double)g->height_m[k];
@@ -56,13 +54,11 @@ static void grow(struct fill *f)
 {
 	struct eco_ground *g = f->ground;
 	size_t count = (size_t)g->columns * g->rows, begin = 0;
-
 	for (size_t i = 0; i < count; i++)
 		if (!isnan(g->height_m[i]))
 			queue_missing_neighbours(f, i);
 	while (begin < f->end) {
 		size_t last = f->end;
-
 		for (size_t k = begin; k < last; k++)
 			f->values[k - begin] = neighbour_mean(g, f->queue[k]);
 		for (size_t k = begin; k < last; k++)
@@ -76,11 +72,9 @@ static void level(struct fill *f)
 {
 	struct eco_ground *g = f->ground;
 	size_t sweeps = SWEPT_MAX / f->end < SWEEPS_MAX ? SWEPT_MAX / f->end : SWEEPS_MAX;
-
 	for (size_t sweep = 0; sweep < sweeps; sweep++)
 		for (size_t k = 0; k < f->end; k++) {
 			size_t i = f->queue[sweep % 2 ? k : f->end - 1 - k];
-
 			g->height_m[i] = neighbour_mean(g, i);
 		}
 }
@@ -90,7 +84,6 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 	size_t count = (size_t)ground->columns * ground->rows, missing = 0;
 	struct fill f = { .ground = ground };
 	bool ready;
-
 	for (size_t i = 0; i < count; i++)
 		missing += isnan(ground->height_m[i]);
 	ground->filled = missing;
@@ -101,7 +94,7 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 	f.queued = calloc(count / 64 + 1, sizeof *f.queued);
 	f.queue = malloc(missing * sizeof *f.queue);
 	f.values = malloc(missing * sizeof *f.values);
-	ready = f.queued != NULL && f.queue != NULL && f.values != NULL;
+	ready = f.queued != NULL && f.queue && f.values;
 	if (ready) {
 		grow(&f);
 		level(&f);

@@ -15,15 +15,13 @@
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
-
-	return gdal == NULL ? ECO_NOT_FOUND : gdal->ground_read(ctx, out, error);
+	return !gdal ? ECO_NOT_FOUND : gdal->ground_read(ctx, out, error);
 }
 
 static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_job *job)
 {
 	struct eco_ground head;
 	size_t count;
-
 	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || head.columns < 2 || head.rows < 2
 		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
 		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
@@ -32,7 +30,7 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
 	count = (size_t)head.columns * head.rows;
 	head.height_m = malloc(count * sizeof *head.height_m);
-	if (head.height_m == NULL)
+	if (!head.height_m)
 		return false;
 	*ground = head;
 	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
@@ -46,8 +44,7 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 static void tell(const struct eco_ground_options *options, const struct eco_ground *ground, const struct eco_ground_job *job)
 {
 	char text[400];
-
-	if (options->warn == NULL)
+	if (!options->warn)
 		return;
 	for (uint32_t i = 0; i < job->notes.count; i++)
 		options->warn(options->ctx, job->notes.text[i]);
@@ -74,22 +71,21 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	FILE *result;
 	bool whole;
 	enum eco_code code;
-
 	*ground = (struct eco_ground){ .height_m = NULL };
 	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
 		job.side_max = ECO_GROUND_SIDE_MAX;
 	code = check_files(options->source, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_guard_start(&guard, work, &job, options->source->heights[0], NULL, &result, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	whole = get_ground(result, ground, &job);
 	code = eco_guard_finish(guard, &verdict);
-	if (code != ECO_OK)
+	if (code)
 		eco_fail(error, code, "%s", verdict.text);
 	else if (!whole)
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", options->source->heights[0]);
-	if (code == ECO_OK)
+	if (!code)
 		tell(options, ground, &job);
 	else
 		eco_ground_free(ground);

@@ -11,7 +11,7 @@
 
 static int metadata_whole(const struct aiScene *scene, const char *key, int otherwise)
 {
-	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++)
+	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
 		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_INT32)
 			return *(const int32_t *)scene->mMetaData->mValues[i].mData;
 	return otherwise;
@@ -19,9 +19,8 @@ static int metadata_whole(const struct aiScene *scene, const char *key, int othe
 
 static double metadata_number(const struct aiScene *scene, const char *key, double otherwise)
 {
-	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++) {
+	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++) {
 		const struct aiMetadataEntry *entry = &scene->mMetaData->mValues[i];
-
 		if (strcmp(scene->mMetaData->mKeys[i].data, key) != 0)
 			continue;
 		if (entry->mType == AI_DOUBLE)
@@ -34,7 +33,7 @@ static double metadata_number(const struct aiScene *scene, const char *key, doub
 
 static const char *metadata_text(const struct aiScene *scene, const char *key)
 {
-	for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++)
+	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
 		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_AISTRING)
 			return ((const struct aiString *)scene->mMetaData->mValues[i].mData)->data;
 	return "";
@@ -57,7 +56,6 @@ static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame
 	static const char *const names[3][2] = { { "CoordAxis", "CoordAxisSign" }, { "FrontAxis", "FrontAxisSign" }, { "UpAxis", "UpAxisSign" } };
 	double unit = metadata_number(scene, "UnitScaleFactor", 0), to[3][3] = { { 0 } }, determinant;
 	int axis[3], sign[3];
-
 	frame->unit_m = isfinite(unit) && unit >= 1e-6 && unit <= 1e9 ? unit / 100 : 0;
 	for (int k = 0; k < 3; k++) {
 		axis[k] = metadata_whole(scene, names[k][0], k == 0 ? 0 : k == 1 ? 2 : 1);
@@ -81,9 +79,8 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 	char *head = eco_path_ends_with(path, ".dae") ? eco_file_read_head(path, &size) : NULL;
 	const char *unit = head != NULL ? strstr(head, "<unit") : NULL, *up = head != NULL ? strstr(head, "<up_axis>") : NULL;
 	const char *end = unit != NULL ? strchr(unit, '>') : NULL, *meter = unit != NULL ? strstr(unit, "meter=") : NULL;
-
 	frame->unit_m = 1;
-	if (meter != NULL && end != NULL && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
+	if (meter && end && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
 		frame->unit_m = strtod(meter + 7, NULL);
 	frame->up = up != NULL && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z : ECO_UP_Y;
 	free(head);
@@ -94,14 +91,13 @@ void assimp_frame(const struct aiScene *scene, const char *path, struct eco_mode
 {
 	const char *format = metadata_text(scene, "SourceAsset_Format"), *dot = strrchr(path, '.');
 	bool z = eco_path_ends_with(path, ".ply") || eco_path_ends_with(path, ".stl") || eco_path_ends_with(path, ".3ds");
-
 	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot != NULL ? dot + 1 : "unknown");
-	if (strstr(frame->format, " Importer") != NULL)
+	if (strstr(frame->format, " Importer"))
 		*strstr(frame->format, " Importer") = 0;
 	frame->convention = z ? ECO_UP_Z : ECO_UP_Y;
 	if (eco_path_ends_with(path, ".fbx")) {
 		fbx_frame(scene, frame, axes);
-	} else if (strstr(format, "Collada") != NULL) {
+	} else if (strstr(format, "Collada")) {
 		collada_frame(path, frame, axes);
 	} else if (eco_path_ends_with(path, ".3ds")) {
 		set_axes(axes, up_from_y, 1);     /* assimp turned it: back to the file's axes */

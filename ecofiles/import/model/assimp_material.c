@@ -24,16 +24,14 @@ struct reader {
 static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture *texture, struct eco_error *error)
 {
 	uint64_t pixels = (uint64_t)texture->mWidth * texture->mHeight;
-
-	if (pixels == 0 || pixels > ECO_PIXELS_MAX || texture->pcData == NULL)
+	if (pixels == 0 || pixels > ECO_PIXELS_MAX || !texture->pcData)
 		return eco_fail(error, ECO_TOO_LARGE, "%llu pixels", (unsigned long long)pixels);
 	image->rgba = malloc(pixels * 4);
-	if (image->rgba == NULL)
+	if (!image->rgba)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	for (uint64_t i = 0; i < pixels; i++) {
 		const struct aiTexel *t = &texture->pcData[i];
 		uint8_t rgba[4] = { t->r, t->g, t->b, t->a };
-
 		memcpy(&image->rgba[i * 4], rgba, 4);
 	}
 	image->width = texture->mWidth;
@@ -46,7 +44,6 @@ static const struct aiTexture *embedded_texture(const struct aiScene *scene, con
 {
 	char *end;
 	unsigned long index;
-
 	if (*name == '*') {
 		index = strtoul(name + 1, &end, 10);
 		return end != name + 1 && *end == 0 && index < scene->mNumTextures ? scene->mTextures[index] : NULL;
@@ -60,8 +57,7 @@ static const struct aiTexture *embedded_texture(const struct aiScene *scene, con
 static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code, struct eco_error *error)
 {
 	const struct aiTexture *texture = embedded_texture(ctx, name);
-
-	if (texture == NULL)
+	if (!texture)
 		return false;
 	*code = texture->mHeight != 0 ? decode_raw(image, texture, error)
 		: eco_image_read_memory(image, texture->pcData, texture->mWidth, name, error);
@@ -84,10 +80,9 @@ static char *texture_name(const struct aiMaterial *from, enum aiTextureType type
 {
 	struct aiString path;
 	unsigned uv = 0;
-
 	if (aiGetMaterialTexture(from, type, 0, &path, NULL, &uv, NULL, NULL, NULL, NULL) != AI_SUCCESS || path.length == 0)
 		return NULL;
-	if (channel != NULL)
+	if (channel)
 		*channel = uv;
 	return strdup(path.data);
 }
@@ -110,7 +105,6 @@ static uint8_t byte_of(const struct reader *r, float value)
 static void name_of(const struct aiMaterial *from, char name[64])
 {
 	struct aiString text;
-
 	if (aiGetMaterialString(from, AI_MATKEY_NAME, &text) != AI_SUCCESS)
 		text.data[0] = 0;
 	snprintf(name, 64, "%.63s", text.data);
@@ -120,7 +114,6 @@ static void name_of(const struct aiMaterial *from, char name[64])
 static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 {
 	struct aiColor4D color;
-
 	color_of(r->scene->mMaterials[index], &color);
 	*invisible = color.a * 255 + ALPHA_SLACK < 127.5;
 }
@@ -130,10 +123,9 @@ static bool read_image(struct reader *r, const struct aiMaterial *from, struct e
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel), *mask;
-
-	if (texture == NULL)
+	if (!texture)
 		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
-	if (texture == NULL)
+	if (!texture)
 		return true;
 	mask = texture_name(from, aiTextureType_OPACITY, NULL);
 	wanted.texture = texture;
@@ -152,7 +144,6 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
 	bool lost;
-
 	name_of(from, to->name);
 	color_of(from, &color);
 	lost = !invisible && !read_image(r, from, to, color.a, channel);
@@ -173,7 +164,7 @@ enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *sc
 		.images = { .model = model, .path = file->path, .notes = notes, .embedded = embedded, .ctx = (void *)scene } };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
-	if (model->materials == NULL || !eco_images_start(&r.images)) {
+	if (!model->materials || !eco_images_start(&r.images)) {
 		eco_images_end(&r.images);
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", file->path);
 	}

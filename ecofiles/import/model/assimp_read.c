@@ -31,8 +31,7 @@ static size_t stream_read(struct aiFile *file, char *to, size_t size, size_t cou
 {
 	struct stream *s = (struct stream *)file->UserData;
 	size_t whole;
-
-	if (s->disk != NULL)
+	if (s->disk)
 		return fread(to, size, count, s->disk);
 	whole = size == 0 ? 0 : (s->size - s->at) / size;
 	if (whole > count)
@@ -54,16 +53,14 @@ static size_t stream_write(struct aiFile *file, const char *from, size_t size, s
 static size_t stream_tell(struct aiFile *file)
 {
 	struct stream *s = (struct stream *)file->UserData;
-
-	return s->disk != NULL ? (size_t)ftell(s->disk) : s->at;
+	return s->disk ? (size_t)ftell(s->disk) : s->at;
 }
 
 static size_t stream_size(struct aiFile *file)
 {
 	struct stream *s = (struct stream *)file->UserData;
 	long at, size;
-
-	if (s->disk == NULL)
+	if (!s->disk)
 		return s->size;
 	at = ftell(s->disk);
 	fseek(s->disk, 0, SEEK_END);
@@ -76,8 +73,7 @@ static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrig
 {
 	struct stream *s = (struct stream *)file->UserData;
 	size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? s->at : s->size;
-
-	if (s->disk != NULL)
+	if (s->disk)
 		return fseek(s->disk, (long)offset, origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END) == 0
 			? aiReturn_SUCCESS : aiReturn_FAILURE;
 	if (offset > s->size - base)
@@ -95,13 +91,12 @@ static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const c
 {
 	const struct eco_model_file *model = (const struct eco_model_file *)io->UserData;
 	struct stream *s = strpbrk(mode, "wa+") == NULL ? calloc(1, sizeof *s) : NULL;
-
-	if (s == NULL)
+	if (!s)
 		return NULL;
-	if (model->bytes != NULL && strcmp(path, model->path) == 0) {
+	if (model->bytes && strcmp(path, model->path) == 0) {
 		s->bytes = model->bytes;
 		s->size = model->size_bytes;
-	} else if ((s->disk = fopen(path, "rb")) == NULL) {
+	} else if (!(s->disk = fopen(path, "rb"))) {
 		free(s);
 		return NULL;
 	}
@@ -112,9 +107,8 @@ static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const c
 static void stream_close(struct aiFileIO *io, struct aiFile *file)
 {
 	struct stream *s = (struct stream *)file->UserData;
-
 	(void)io;
-	if (s->disk != NULL)
+	if (s->disk)
 		fclose(s->disk);
 	free(s);
 }
@@ -140,7 +134,6 @@ struct soup {
 static uint64_t mesh_triangles(const struct aiMesh *mesh)
 {
 	uint64_t count = 0;
-
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		count += mesh->mFaces[i].mNumIndices > 2 ? mesh->mFaces[i].mNumIndices - 2 : 0;
 	return count;
@@ -173,20 +166,18 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 	struct eco_model *m = s->model;
 	uint32_t channel = s->channel[mesh->mMaterialIndex];
 	const struct aiVector3D *uv;
-
-	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || mesh->mTextureCoords[channel] == NULL)
+	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
 		channel = 0;
 	uv = mesh->mTextureCoords[channel];
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
-
 		double place[3];
 
 		transform(s, world, &mesh->mVertices[i], place);
 		for (int k = 0; k < 3; k++)
 			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] = (float)(place[k] - s->frame->base[k]);
 		to[0] = to[1] = 0;
-		if (uv != NULL)
+		if (uv)
 			texture_coordinate(&uv[i], to);
 	}
 }
@@ -201,7 +192,6 @@ static uint8_t color_byte(float value)
 static void mean_color(const struct aiColor4D *colors, const unsigned *v, uint8_t rgb[3])
 {
 	float sum[3] = { 0, 0, 0 };
-
 	for (int c = 0; c < 3; c++) {
 		sum[0] += colors[v[c]].r / 3;
 		sum[1] += colors[v[c]].g / 3;
@@ -214,7 +204,6 @@ static void mean_color(const struct aiColor4D *colors, const unsigned *v, uint8_
 static bool one_color(const struct aiMesh *mesh)
 {
 	const struct aiColor4D *c = mesh->mColors[0];
-
 	for (unsigned i = 1; i < mesh->mNumVertices; i++)
 		if (fabsf(c[i].r - c[0].r) > 0.02f || fabsf(c[i].g - c[0].g) > 0.02f || fabsf(c[i].b - c[0].b) > 0.02f)
 			return false;
@@ -230,8 +219,7 @@ static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 	bool one = colors == NULL || one_color(mesh);
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
-
-	if (colors == NULL || mesh->mNumVertices == 0)
+	if (!colors || mesh->mNumVertices == 0)
 		return mesh->mMaterialIndex;
 	if (!one && s->model->materials[mesh->mMaterialIndex].image == ECO_NONE)
 		return ECO_NONE;
@@ -251,7 +239,6 @@ static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
 {
 	uint8_t rgb[3];
-
 	if (whole != ECO_NONE)
 		return whole;
 	for (int c = 0; c < 3; c++)
@@ -265,7 +252,6 @@ static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const u
 static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
 {
 	struct eco_model *m = s->model;
-
 	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not point into the next one */
 		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
 	m->part[m->triangle_count] = m->part_count - 1;
@@ -279,11 +265,9 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	unsigned n = face->mNumIndices;
 	uint32_t *triangles = s->split + n;
 	bool sound = true;
-
 	for (unsigned i = 0; i < n; i++) {
 		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices ? &mesh->mVertices[face->mIndices[i]] : NULL;
-
-		sound = sound && p != NULL && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
+		sound = sound && p && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
 		s->corners[i * 3] = sound ? p->x : 0;
 		s->corners[i * 3 + 1] = sound ? p->y : 0;
 		s->corners[i * 3 + 2] = sound ? p->z : 0;
@@ -293,7 +277,6 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	for (unsigned i = 0; i + 2 < n; i++) {
 		const uint32_t fan[3] = { 0, i + 1, i + 2 }, *t = sound ? &triangles[i * 3] : fan;
 		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
-
 		add_triangle(s, mesh, v, whole);
 	}
 }
@@ -302,10 +285,9 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 static size_t plain_name(const char *name)
 {
 	const char *helper = strstr(name, "_$AssimpFbx$");
-
 	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
 		return 0;
-	return helper != NULL ? (size_t)(helper - name) : strlen(name);
+	return helper ? (size_t)(helper - name) : strlen(name);
 }
 
 /* NODE, MESH or NODE/MESH: some programs show one, some the other. */
@@ -315,7 +297,6 @@ static void add_part(struct soup *s, const struct aiNode *node, const struct aiM
 	size_t of_node = plain_name(node->mName.data), of_mesh = plain_name(mesh->mName.data);
 	bool both = of_node > 0 && of_mesh > 0 && (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
 	struct eco_part part = { .name = "" };
-
 	if (both)
 		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data, (int)of_mesh, mesh->mName.data);
 	else if (of_node > 0)
@@ -332,7 +313,6 @@ static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index, 
 	struct eco_model *m = s->model;
 	uint64_t triangles = mesh_triangles(mesh);
 	uint32_t whole;
-
 	m->triangles_in += (uint32_t)triangles;
 	if (s->invisible[mesh->mMaterialIndex]) {
 		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)triangles;
@@ -358,13 +338,11 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 {
 	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = malloc(sizeof *stack);
 	size_t count = 1, capacity = 1, seen = 0;
-	bool good = stack != NULL && scene->mRootNode != NULL;
-
+	bool good = stack != NULL && scene->mRootNode;
 	if (good)
 		stack[0] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
 	while (good && count > 0) {
 		struct entry top = stack[--count];
-
 		for (unsigned i = 0; i < top.node->mNumMeshes; i++)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
 				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
@@ -373,7 +351,6 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 			good = false;
 		} else if (count + top.node->mNumChildren > capacity) {
 			struct entry *grown = realloc(stack, (capacity = 2 * (count + top.node->mNumChildren)) * sizeof *stack);
-
 			good = grown != NULL;
 			stack = good ? grown : stack;
 		}
@@ -397,14 +374,12 @@ static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, con
 {
 	struct totals *t = ctx;
 	const struct aiMesh *mesh = t->soup->scene->mMeshes[index];
-
 	(void)node;
 	t->vertices += mesh->mNumVertices;
 	t->triangles += mesh_triangles(mesh);
 	t->meshes++;
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		double place[3];
-
 		transform(t->soup, world, &mesh->mVertices[i], place);
 		if (!isfinite(place[0]) || !isfinite(place[1]) || !isfinite(place[2]))
 			continue;
@@ -438,7 +413,6 @@ static enum eco_code check_totals(const struct totals *t, const char *path, uint
 static bool take_memory(struct soup *s, const struct totals *t)
 {
 	struct eco_model *m = s->model;
-
 	m->position = malloc((t->vertices + 1) * 3 * sizeof *m->position);
 	m->uv = malloc((t->vertices + 1) * 2 * sizeof *m->uv);
 	m->index = malloc((t->triangles + 1) * 3 * sizeof *m->index);
@@ -447,8 +421,8 @@ static bool take_memory(struct soup *s, const struct totals *t)
 	m->parts = malloc((t->meshes + 1) * sizeof *m->parts);
 	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
 	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	return m->position != NULL && m->uv != NULL && m->index != NULL && m->material != NULL && m->part != NULL && m->parts != NULL
-		&& s->corners != NULL && s->split != NULL && eco_tints_start(&s->tints, m);
+	return m->position && m->uv && m->index && m->material && m->part && m->parts
+		&& s->corners && s->split && eco_tints_start(&s->tints, m);
 }
 
 static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
@@ -457,15 +431,13 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 	const char *path = s->file->path;
 	double extent = 0;
 	enum eco_code code;
-
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path, NODES_MAX);
 	code = check_totals(&t, path, triangles_max, s->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (t.low[0] <= t.high[0]) {
 		double more[3];
-
 		eco_model_choose_base(t.low, t.high, more);
 		for (int k = 0; k < 3; k++) {
 			frame->base[k] = more[k];
@@ -488,8 +460,7 @@ static bool meshes_hold_together(const struct aiScene *scene)
 {
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
 		const struct aiMesh *mesh = scene->mMeshes[i];
-
-		if (mesh->mMaterialIndex >= scene->mNumMaterials || (mesh->mVertices == NULL && mesh->mNumVertices + mesh->mNumFaces > 0))
+		if (mesh->mMaterialIndex >= scene->mNumMaterials || (!mesh->mVertices && mesh->mNumVertices + mesh->mNumFaces > 0))
 			return false;
 		for (unsigned k = 0; k < mesh->mNumFaces; k++)
 			if (mesh->mFaces[k].mNumIndices > ECO_POLYGON_CORNERS_MAX)
@@ -504,11 +475,10 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
 		struct eco_material *m = &model->materials[i];
 		bool colored = false;
-
 		if ((m->name[0] != 0 && strcmp(m->name, "DefaultMaterial") != 0) || m->image != ECO_NONE)
 			continue;
 		for (unsigned k = 0; k < scene->mNumMeshes; k++)
-			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0] != NULL;
+			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0];
 		memset(m->rgb, colored ? 255 : 153, 3);
 		m->colourless = !colored;
 	}
@@ -519,19 +489,18 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
 	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
 	enum eco_code code;
-
 	s->channel = channel;
 	s->invisible = invisible;
-	if (channel == NULL || invisible == NULL)
+	if (!channel || !invisible)
 		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->file->path);
 	else
 		code = assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
-	if (code == ECO_OK) {
+	if (!code) {
 		color_nameless(s->model, s->scene);
 		assimp_frame(s->scene, s->file->path, frame, s->axes);
 		code = reserve(s, frame, triangles_max, notes);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		walk(s->scene, add_mesh_of, s);
 	if (s->hidden > 0)
 		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
@@ -551,8 +520,7 @@ static const struct aiScene *import_scene(const struct eco_model_file *file, str
 {
 	struct aiPropertyStore *settings = aiCreatePropertyStore();
 	const struct aiScene *scene;
-
-	if (settings == NULL)
+	if (!settings)
 		return aiImportFileEx(file->path, 0, io);
 	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
 	scene = aiImportFileExWithProperties(file->path, 0, io, settings);
@@ -567,10 +535,9 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 	const struct aiScene *scene = import_scene(file, &io);
 	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
-
-	if (scene == NULL && strstr(aiGetErrorString(), "No suitable reader") != NULL)
+	if (!scene && strstr(aiGetErrorString(), "No suitable reader"))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, GLB, glTF, FBX, PLY or Collada", file->path);
-	if (scene == NULL)
+	if (!scene)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s%s", file->path, aiGetErrorString(),
 			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of versions before 2.8 are read: export GLB" : "");
 	if (!meshes_hold_together(scene))

@@ -39,8 +39,7 @@ const json_t *eco_gltf_item(const struct eco_gltf *doc, const char *array, uint6
 uint64_t eco_gltf_whole(const json_t *object, const char *key, uint64_t otherwise)
 {
 	const json_t *value = json_object_get(object, key);
-
-	if (value == NULL)
+	if (!value)
 		return otherwise;
 	if (json_is_integer(value))
 		return json_integer_value(value) >= 0 ? (uint64_t)json_integer_value(value) : UINT64_MAX;
@@ -53,22 +52,19 @@ uint64_t eco_gltf_whole(const json_t *object, const char *key, uint64_t otherwis
 uint32_t eco_gltf_index(const json_t *object, const char *key)
 {
 	uint64_t index = eco_gltf_whole(object, key, ECO_NONE);
-
 	return index < ECO_NONE ? (uint32_t)index : ECO_NONE;
 }
 
 double eco_gltf_number(const json_t *object, const char *key, double otherwise)
 {
 	const json_t *value = json_object_get(object, key);
-
 	return json_is_number(value) ? json_number_value(value) : otherwise;
 }
 
 bool eco_gltf_numbers(const json_t *object, const char *key, double *values, size_t count)
 {
 	const json_t *array = json_object_get(object, key);
-
-	if (array != NULL && !json_is_array(array))
+	if (array && !json_is_array(array))
 		return false;
 	for (size_t i = 0; i < count && i < json_array_size(array); i++) {
 		if (!json_is_number(json_array_get(array, i)))
@@ -86,8 +82,7 @@ const json_t *eco_gltf_extension(const json_t *object, const char *name)
 const char *eco_gltf_text(const json_t *object, const char *key)
 {
 	const char *text = json_string_value(json_object_get(object, key));
-
-	return text != NULL ? text : "";
+	return text ? text : "";
 }
 
 /* ---- Data URIs ---- */
@@ -107,12 +102,10 @@ static int base64_value(char c)
 static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 {
 	uint32_t bits = 0, count = 0;
-
 	*size = 0;
 	for (; *text != 0 && *text != '='; text++) {
 		int value = base64_value(*text);
-
-		if (value < 0 && strchr(" \t\r\n", *text) != NULL)
+		if (value < 0 && strchr(" \t\r\n", *text))
 			continue;
 		if (value < 0)
 			return false;
@@ -134,7 +127,6 @@ static int hex_value(char c)
 static size_t decode_percent(const char *text, uint8_t *to)
 {
 	size_t size = 0;
-
 	for (; *text != 0; text++) {
 		if (*text == '%' && hex_value(text[1]) >= 0 && hex_value(text[2]) >= 0) {
 			to[size++] = (uint8_t)(hex_value(text[1]) << 4 | hex_value(text[2]));
@@ -149,16 +141,15 @@ static size_t decode_percent(const char *text, uint8_t *to)
 enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	const char *comma = strchr(uri, ',');
-
 	*is_data = strncasecmp(uri, "data:", 5) == 0;
 	if (!*is_data)
 		return ECO_OK;
 	*bytes = NULL;
 	*size = 0;
-	if (comma == NULL)
+	if (!comma)
 		return eco_fail(error, ECO_DAMAGED, "a data URI without a comma");
 	*bytes = malloc(strlen(comma) + 1);
-	if (*bytes == NULL)
+	if (!*bytes)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for a data URI");
 	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
 		*size = decode_percent(comma + 1, *bytes);
@@ -177,7 +168,6 @@ static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, con
 {
 	char path[4096];
 	enum eco_code code;
-
 	if (!eco_model_find_beside(doc->path, uri, path, sizeof path))
 		return eco_fail(error, ECO_NOT_FOUND, "%.250s: buffer %u: no file %.150s beside it", doc->path, index, uri);
 	code = eco_file_read(path, ECO_GLTF_FILE_MAX, &to->owned, &to->size, error);
@@ -191,9 +181,8 @@ static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, str
 	const char *uri = json_string_value(json_object_get(buffer, "uri"));
 	struct eco_error inner = { .code = ECO_OK };
 	bool is_data = false;
-
-	if (uri == NULL) {
-		if (index != 0 || doc->chunk.bytes == NULL)
+	if (!uri) {
+		if (index != 0 || !doc->chunk.bytes)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has no data", doc->path, index);
 		*to = doc->chunk;
 		return ECO_OK;
@@ -209,11 +198,10 @@ enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t 
 {
 	struct gltf_bytes *b;
 	enum eco_code code;
-
 	if (buffer >= doc->buffer_count)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names a buffer that is not there", doc->path);
 	b = &doc->buffers[buffer];
-	if (b->bytes == NULL && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
+	if (!b->bytes && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
 		return code;
 	if (offset > b->size || size > b->size - offset)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has only %zu bytes, its use needs %llu from %llu on; was it cut off?",
@@ -226,17 +214,15 @@ enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t *
 {
 	const json_t *json = eco_gltf_item(doc, "bufferViews", view), *packed;
 	enum eco_code code;
-
-	if (json == NULL)
+	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names bufferView %u, which is not there", doc->path, view);
 	packed = gltf_meshopt_extension(json);
-	if (packed == NULL) {
+	if (!packed) {
 		uint64_t length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
-
 		*size = (size_t)length;
 		return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
 	}
-	if (doc->views[view].bytes == NULL && (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error)) != ECO_OK)
+	if (!doc->views[view].bytes && (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error)) != ECO_OK)
 		return code;
 	*bytes = doc->views[view].bytes;
 	*size = doc->views[view].size;
@@ -260,7 +246,6 @@ static enum eco_code refuse_version_1(const struct eco_gltf *doc, struct eco_err
 static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, size_t size, size_t *length, struct eco_error *error)
 {
 	size_t at, left;
-
 	if (size >= 8 && u32_at(bytes + 4) == 1)
 		return refuse_version_1(doc, error);
 	if (size < 20 || u32_at(bytes + 4) != 2 || u32_at(bytes + 16) != CHUNK_JSON)
@@ -283,8 +268,7 @@ static enum eco_code check_version(const struct eco_gltf *doc, struct eco_error 
 {
 	const json_t *asset = json_object_get(doc->root, "asset");
 	const char *version = eco_gltf_text(asset, "version");
-
-	if (!json_is_object(doc->root) || (asset == NULL && json_object_get(doc->root, "meshes") == NULL))
+	if (!json_is_object(doc->root) || (!asset && !json_object_get(doc->root, "meshes")))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not glTF: it has no \"asset\"", doc->path);
 	if (*version == '1' || *version == '0' || json_is_object(json_object_get(doc->root, "meshes")))
 		return refuse_version_1(doc, error);
@@ -299,10 +283,9 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 	size_t length = size;
 	json_error_t problem;
 	enum eco_code code;
-
 	if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
 		code = open_binary(doc, bytes, size, &length, error);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		text = bytes + 20;
 	}
@@ -316,7 +299,7 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible", doc->path, length,
 			ECO_GLTF_JSON_MAX);
 	doc->root = json_loadb((const char *)text, length, 0, &problem);
-	if (doc->root == NULL)
+	if (!doc->root)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", doc->path, problem.line, problem.text);
 	return check_version(doc, error);
 }
@@ -328,7 +311,7 @@ static enum eco_code take_arrays(struct eco_gltf *doc, struct eco_error *error)
 	doc->node_count = json_array_size(json_object_get(doc->root, "nodes"));
 	doc->buffers = calloc(doc->buffer_count + 1, sizeof *doc->buffers);
 	doc->views = calloc(doc->view_count + 1, sizeof *doc->views);
-	if (doc->buffers == NULL || doc->views == NULL)
+	if (!doc->buffers || !doc->views)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", doc->path);
 	return ECO_OK;
 }
@@ -338,16 +321,15 @@ enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, cons
 {
 	struct eco_gltf *d = calloc(1, sizeof *d);
 	enum eco_code code;
-
 	*doc = NULL;
-	if (d == NULL || (d->path = strdup(name)) == NULL) {
+	if (!d || !(d->path = strdup(name))) {
 		free(d);
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", name);
 	}
 	code = parse(d, bytes, size, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = take_arrays(d, error);
-	if (code != ECO_OK)
+	if (code)
 		eco_gltf_close(d);
 	else
 		*doc = d;
@@ -359,11 +341,10 @@ enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_file_read(path, ECO_GLTF_FILE_MAX, &bytes, &size, error);
-
 	*doc = NULL;
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_gltf_open_memory(doc, path, bytes, size, error);
-	if (code == ECO_OK)
+	if (!code)
 		(*doc)->owned = bytes;
 	else
 		free(bytes);
@@ -372,11 +353,11 @@ enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_
 
 void eco_gltf_close(struct eco_gltf *doc)
 {
-	if (doc == NULL)
+	if (!doc)
 		return;
-	for (size_t i = 0; i < doc->buffer_count && doc->buffers != NULL; i++)
+	for (size_t i = 0; i < doc->buffer_count && doc->buffers; i++)
 		free(doc->buffers[i].owned);
-	for (size_t i = 0; i < doc->view_count && doc->views != NULL; i++)
+	for (size_t i = 0; i < doc->view_count && doc->views; i++)
 		free(doc->views[i].owned);
 	free(doc->buffers);
 	free(doc->views);

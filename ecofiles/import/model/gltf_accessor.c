@@ -43,7 +43,6 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 	const char *name = eco_gltf_text(json, "type");
 	uint64_t type = eco_gltf_whole(json, "componentType", 0);
 	size_t i = 0, bytes = component_bytes(type);
-
 	while (i < sizeof shapes / sizeof *shapes && strcmp(shapes[i].name, name) != 0)
 		i++;
 	if (i == sizeof shapes / sizeof *shapes || bytes == 0)
@@ -73,8 +72,7 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 	const uint8_t *start;
 	size_t size;
 	enum eco_code code = eco_gltf_view(doc, view, &start, &size, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	need = count == 0 ? 0 : (count - 1) * stride + bytes;
 	if (offset > size || need > size - offset)
@@ -89,7 +87,6 @@ static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const jso
 {
 	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
 	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
-
 	if (stride > 1u << 20)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path, index, (unsigned long long)stride);
 	if (stride != 0)
@@ -111,13 +108,12 @@ static bool own_elements(struct eco_gltf_accessor *a)
 {
 	size_t stride = dense_stride(a);
 	uint8_t *copy = calloc((size_t)a->count + 1, stride);
-
-	for (uint64_t i = 0; copy != NULL && a->bytes != NULL && i < a->count; i++)
+	for (uint64_t i = 0; copy && a->bytes && i < a->count; i++)
 		memcpy(copy + i * stride, a->bytes + i * a->stride, element_bytes(a));
 	a->owned = copy;
 	a->bytes = copy;
 	a->stride = stride;
-	return copy != NULL;
+	return copy;
 }
 
 static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse, struct eco_gltf_accessor *a,
@@ -128,19 +124,17 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 	const uint8_t *where, *what;
 	size_t stride = dense_stride(a);
 	enum eco_code code;
-
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it", doc->path, index);
 	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (!own_elements(a))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, index);
 	for (uint64_t i = 0; i < count; i++) {
 		uint32_t element = whole_at(where + i * component_bytes(type), type);
-
 		if (element >= a->count)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names element %u of %llu", doc->path, index, element,
 				(unsigned long long)a->count);
@@ -154,19 +148,18 @@ enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, ui
 {
 	const json_t *json = eco_gltf_item(doc, "accessors", accessor), *sparse = json_object_get(json, "sparse");
 	enum eco_code code;
-
 	*a = (struct eco_gltf_accessor){ .bytes = NULL };
-	if (json == NULL)
+	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there", doc->path, accessor);
 	code = read_shape(doc, accessor, json, a, error);
 	if (code == ECO_OK && components != 0 && a->components != components)
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u", doc->path, accessor,
 			a->components, components);
-	if (code == ECO_OK && json_object_get(json, "bufferView") != NULL)
+	if (code == ECO_OK && json_object_get(json, "bufferView"))
 		code = place_dense(doc, accessor, json, a, error);
-	if (code == ECO_OK && sparse != NULL)
+	if (code == ECO_OK && sparse)
 		code = substitute(doc, accessor, sparse, a, error);
-	if (code != ECO_OK)
+	if (code)
 		eco_gltf_accessor_close(a);
 	return code;
 }
@@ -190,7 +183,6 @@ static double component(const uint8_t *p, uint32_t type, bool normalized)
 	uint64_t wide;
 	float single;
 	double exact;
-
 	switch (type) {
 	case 5120: return fraction((int8_t)bits, 127, normalized);
 	case 5121: return fraction(bits, 255, normalized);
@@ -212,7 +204,6 @@ void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *val
 {
 	const uint8_t *p = a->bytes != NULL ? a->bytes + i * a->stride : NULL;
 	size_t bytes = component_bytes(a->type);
-
 	for (uint32_t c = 0; c < a->components; c++)
 		values[c] = p == NULL ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes, a->type, a->normalized);
 }
@@ -220,8 +211,7 @@ void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *val
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
 {
 	double value;
-
-	if (a->bytes == NULL)
+	if (!a->bytes)
 		return 0;
 	if (a->type == 5121 || a->type == 5123 || a->type == 5125)
 		return whole_at(a->bytes + i * a->stride, a->type);
@@ -234,13 +224,12 @@ enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint
 {
 	struct eco_gltf_accessor a;
 	enum eco_code code = eco_gltf_accessor_open(doc, accessor, components, &a, error);
-
 	*values = NULL;
 	*count = 0;
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	*values = malloc(((size_t)a.count * a.components + 1) * sizeof **values);
-	if (*values == NULL)
+	if (!*values)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, accessor);
 	else
 		*count = a.count;

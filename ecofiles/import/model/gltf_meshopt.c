@@ -25,14 +25,12 @@ struct packed {
 const json_t *gltf_meshopt_extension(const json_t *view)
 {
 	const json_t *khr = eco_gltf_extension(view, "KHR_meshopt_compression");
-
-	return khr != NULL ? khr : eco_gltf_extension(view, "EXT_meshopt_compression");
+	return khr ? khr : eco_gltf_extension(view, "EXT_meshopt_compression");
 }
 
 static uint32_t number_of(const char *name, const char *const *names, uint32_t count)
 {
 	uint32_t i = 0;
-
 	while (i < count && strcmp(names[i], name) != 0)
 		i++;
 	return i;
@@ -56,7 +54,6 @@ static bool strides_fit(const struct packed *p)
 static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json_t *json, struct packed *p, struct eco_error *error)
 {
 	const char *filter = eco_gltf_text(json, "filter");
-
 	p->mode = number_of(eco_gltf_text(json, "mode"), mode_names, MODES);
 	p->filter = *filter == 0 ? NONE : number_of(filter, filter_names, FILTERS);
 	p->count = eco_gltf_whole(json, "count", UINT64_MAX);
@@ -76,7 +73,6 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 static bool decode(const struct packed *p, uint8_t *to)
 {
 	size_t count = (size_t)p->count, stride = (size_t)p->stride, length = (size_t)p->length;
-
 	if (p->mode == TRIANGLES)
 		return meshopt_decodeIndexBuffer(to, count, stride, p->bytes, length) == 0;
 	if (p->mode == INDICES)
@@ -89,7 +85,6 @@ static bool decode(const struct packed *p, uint8_t *to)
 static void undo_filter(const struct packed *p, uint8_t *bytes)
 {
 	size_t count = (size_t)p->count, stride = (size_t)p->stride;
-
 	switch (p->filter) {
 	case OCTAHEDRAL: meshopt_decodeFilterOct(bytes, count, stride); break;
 	case QUATERNION: meshopt_decodeFilterQuat(bytes, count, stride); break;
@@ -111,13 +106,12 @@ enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const js
 	struct packed p;
 	uint8_t *bytes;
 	enum eco_code code = read_packed(doc, index, extension, &p, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	bytes = can_be(&p) ? malloc((size_t)(p.count * p.stride) + 1) : NULL;
-	if (bytes == NULL && can_be(&p))
+	if (!bytes && can_be(&p))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for bufferView %u", doc->path, index);
-	if (bytes == NULL || !decode(&p, bytes)) {
+	if (!bytes || !decode(&p, bytes)) {
 		free(bytes);
 		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot be undone", doc->path, index);
 	}

@@ -23,7 +23,6 @@ static bool decode_group(struct input *in, uint32_t bits, uint8_t to[GROUP])
 {
 	uint32_t packed = GROUP * bits / 8, escape = (1u << bits) - 1;
 	const uint8_t *from = in->at;
-
 	if ((size_t)(in->end - in->at) < packed)
 		return false;
 	in->at += packed;
@@ -32,7 +31,6 @@ static bool decode_group(struct input *in, uint32_t bits, uint8_t to[GROUP])
 	for (uint32_t i = 0; i < GROUP && bits < 8; i++) {
 		uint32_t place = i * bits % 8, shift = bits == 1 ? place : 8 - bits - place;
 		uint32_t value = bits == 0 ? 0 : (uint32_t)from[i * bits / 8] >> shift & escape;
-
 		if (bits > 0 && value == escape) {
 			if (in->at == in->end)
 				return false;
@@ -49,7 +47,6 @@ static bool decode_groups(struct input *in, uint32_t wide, size_t count, uint8_t
 	static const uint8_t widths[5] = { 0, 1, 2, 4, 8 };
 	size_t groups = (count + GROUP - 1) / GROUP, head = (groups + 3) / 4;
 	const uint8_t *header = in->at;
-
 	if ((size_t)(in->end - in->at) < head)
 		return false;
 	in->at += head;
@@ -78,11 +75,9 @@ static bool decode_plane(struct input *in, uint32_t control, size_t count, uint8
 static void add_differences(const uint8_t *planes, size_t count, uint32_t width, uint8_t *to, size_t stride, uint8_t *last)
 {
 	uint32_t mask = width == 1 ? 0xff : 0xffff;
-
 	for (uint32_t k = 0; k < 4; k += width)
 		for (size_t i = 0; i < count; i++) {
 			uint32_t before = last[k], value = planes[k * BLOCK_VERTICES + i];
-
 			if (width == 2) {
 				before |= (uint32_t)last[k + 1] << 8;
 				value |= (uint32_t)planes[(k + 1) * BLOCK_VERTICES + i] << 8;
@@ -98,7 +93,6 @@ static void apply_xors(const uint8_t *planes, size_t count, uint32_t rotation, u
 {
 	for (size_t i = 0; i < count; i++) {
 		uint32_t value = 0;
-
 		for (uint32_t b = 0; b < 4; b++)
 			value |= (uint32_t)planes[b * BLOCK_VERTICES + i] << (8 * b);
 		value = rotation == 0 ? value : value << rotation | value >> (32 - rotation);
@@ -111,13 +105,11 @@ static bool decode_block(struct input *in, uint8_t *to, size_t count, size_t str
 {
 	uint8_t planes[4 * BLOCK_VERTICES];
 	const uint8_t *control = in->at;
-
 	if ((size_t)(in->end - in->at) < stride / 4)
 		return false;
 	in->at += stride / 4;
 	for (size_t k = 0; k < stride; k += 4) {
 		uint32_t kind = channels[k / 4] & 3u, turn = channels[k / 4] >> 4;
-
 		for (uint32_t b = 0; b < 4; b++)
 			if (!decode_plane(in, control[k / 4] >> (2 * b) & 3u, count, planes + b * BLOCK_VERTICES))
 				return false;
@@ -136,7 +128,6 @@ bool gltf_meshopt_decode_v1(uint8_t *to, size_t count, size_t stride, const uint
 	size_t tail = stride + stride / 4, padded = tail < 24 ? 24 : tail, block = BLOCK_BYTES / stride & ~(size_t)(GROUP - 1);
 	struct input in = { bytes + 1, bytes + size };
 	uint8_t last[256];
-
 	if (block > BLOCK_VERTICES)
 		block = BLOCK_VERTICES;
 	if (size < 1 + padded || bytes[0] != GLTF_MESHOPT_V1)
@@ -161,7 +152,6 @@ static void undo_color(uint32_t y, int32_t co, int32_t cg, uint32_t a, uint32_t 
 {
 	uint32_t scale = a;
 	double unit;
-
 	for (int shift = 1; shift <= 8; shift *= 2)
 		scale |= scale >> shift;
 	unit = scale == 0 ? 0 : (double)most / scale;
@@ -176,7 +166,6 @@ void gltf_meshopt_filter_color(uint8_t *bytes, size_t count, size_t stride)
 	for (size_t i = 0; i < count; i++) {
 		uint8_t *p = bytes + i * stride;
 		uint32_t rgba[4];
-
 		if (stride == 4) {
 			undo_color(p[0], (int8_t)p[1], (int8_t)p[2], p[3], 255, rgba);
 		} else {

@@ -13,7 +13,6 @@
 void eco_gltf_multiply(double out[16], const double a[16], const double b[16])
 {
 	double product[16];
-
 	for (int c = 0; c < 4; c++)
 		for (int r = 0; r < 4; r++)
 			product[c * 4 + r] = a[r] * b[c * 4] + a[4 + r] * b[c * 4 + 1] + a[8 + r] * b[c * 4 + 2] + a[12 + r] * b[c * 4 + 3];
@@ -23,7 +22,6 @@ void eco_gltf_multiply(double out[16], const double a[16], const double b[16])
 void eco_gltf_apply(const double m[16], const double p[3], double out[3])
 {
 	double x = p[0], y = p[1], z = p[2];
-
 	for (int r = 0; r < 3; r++)
 		out[r] = m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r];
 }
@@ -50,8 +48,7 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 	const json_t *json = eco_gltf_item(doc, "nodes", node);
 	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
 	bool good;
-
-	if (json == NULL)
+	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path, node);
 	good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
 		&& eco_gltf_numbers(json, "scale", s, 3);
@@ -64,16 +61,14 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 static bool find_parents(struct eco_gltf *doc)
 {
 	doc->parent = malloc((doc->node_count + 1) * sizeof *doc->parent);
-	if (doc->parent == NULL)
+	if (!doc->parent)
 		return false;
 	for (size_t i = 0; i < doc->node_count; i++)
 		doc->parent[i] = ECO_NONE;
 	for (size_t i = 0; i < doc->node_count; i++) {
 		const json_t *children = json_object_get(eco_gltf_item(doc, "nodes", i), "children");
-
 		for (size_t k = 0; k < json_array_size(children); k++) {
 			json_int_t child = json_integer_value(json_array_get(children, k));
-
 			if (child >= 0 && (uint64_t)child < doc->node_count && doc->parent[child] == ECO_NONE && i < ECO_NONE)
 				doc->parent[child] = (uint32_t)i;
 		}
@@ -85,17 +80,15 @@ enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double m
 {
 	enum eco_code code = eco_gltf_node_local(doc, node, matrix, error);
 	size_t steps = 0;
-
-	if (code == ECO_OK && doc->parent == NULL && !find_parents(doc))
+	if (code == ECO_OK && !doc->parent && !find_parents(doc))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", doc->path);
 	while (code == ECO_OK && doc->parent[node] != ECO_NONE) {
 		double local[16];
-
 		node = doc->parent[node];
 		if (++steps > doc->node_count)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: node %u is below itself", doc->path, node);
 		code = eco_gltf_node_local(doc, node, local, error);
-		if (code == ECO_OK)
+		if (!code)
 			eco_gltf_multiply(matrix, local, matrix);
 	}
 	return code;
@@ -119,8 +112,7 @@ static enum eco_code push(struct walk *w, uint32_t node, const double world[16],
 	if (w->count == w->capacity) {
 		size_t capacity = 2 * w->capacity + 64;
 		struct entry *grown = realloc(w->stack, capacity * sizeof *grown);
-
-		if (grown == NULL)
+		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes", w->doc->path);
 		w->stack = grown;
 		w->capacity = capacity;
@@ -134,10 +126,8 @@ static enum eco_code push(struct walk *w, uint32_t node, const double world[16],
 static enum eco_code push_all(struct walk *w, const json_t *nodes, const double world[16], struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	for (size_t i = json_array_size(nodes); i-- > 0 && code == ECO_OK;) {
 		json_int_t node = json_is_integer(json_array_get(nodes, i)) ? json_integer_value(json_array_get(nodes, i)) : -1;
-
 		if (node < 0 || (uint64_t)node >= w->doc->node_count || node >= ECO_NONE)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: names node %lld, which is not there", w->doc->path, (long long)node);
 		code = push(w, (uint32_t)node, world, error);
@@ -152,7 +142,7 @@ static const json_t *find_scene(const struct eco_gltf *doc)
 
 bool eco_gltf_has_scene(const struct eco_gltf *doc)
 {
-	return find_scene(doc) != NULL;
+	return find_scene(doc);
 }
 
 static enum eco_code push_roots(struct walk *w, struct eco_error *error)
@@ -160,10 +150,9 @@ static enum eco_code push_roots(struct walk *w, struct eco_error *error)
 	static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
 	const json_t *scene = find_scene(w->doc);
 	enum eco_code code = ECO_OK;
-
-	if (scene != NULL)
+	if (scene)
 		return push_all(w, json_object_get(scene, "nodes"), identity, error);
-	if (w->doc->parent == NULL && !find_parents(w->doc))
+	if (!w->doc->parent && !find_parents(w->doc))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", w->doc->path);
 	for (size_t i = w->doc->node_count; i-- > 0 && code == ECO_OK;)
 		if (w->doc->parent[i] == ECO_NONE)
@@ -175,20 +164,18 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 {
 	struct walk w = { .doc = doc };
 	enum eco_code code = push_roots(&w, error);
-
 	while (code == ECO_OK && w.count > 0) {
 		struct entry top = w.stack[--w.count];
 		const json_t *node = eco_gltf_item(doc, "nodes", top.node);
 		double local[16];
-
 		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"), "visible")))
 			continue;
 		code = eco_gltf_node_local(doc, top.node, local, error);
-		if (code != ECO_OK)
+		if (code)
 			break;
 		eco_gltf_multiply(top.world, top.world, local);
 		code = visit(ctx, top.node, top.world);
-		if (code == ECO_OK)
+		if (!code)
 			code = push_all(&w, json_object_get(node, "children"), top.world, error);
 	}
 	free(w.stack);
@@ -201,11 +188,10 @@ static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t 
 	struct eco_gltf_instances *all, struct eco_gltf_accessor *a, struct eco_error *error)
 {
 	enum eco_code code;
-
-	if (json_object_get(attributes, name) == NULL)
+	if (!json_object_get(attributes, name))
 		return ECO_OK;
 	code = eco_gltf_accessor_open(doc, eco_gltf_index(attributes, name), components, a, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (all->count != UINT64_MAX && all->count != a->count)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: node %u: its instances have %llu and %llu places, turns or sizes", doc->path, node,
@@ -220,19 +206,18 @@ enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool 
 	const json_t *extension = eco_gltf_extension(eco_gltf_item(doc, "nodes", node), "EXT_mesh_gpu_instancing");
 	const json_t *attributes = json_object_get(extension, "attributes");
 	enum eco_code code;
-
 	*there = extension != NULL;
-	if (extension == NULL)
+	if (!extension)
 		return ECO_OK;
 	*all = (struct eco_gltf_instances){ .count = UINT64_MAX };
 	code = open_one(doc, node, attributes, "TRANSLATION", 3, all, &all->translation, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = open_one(doc, node, attributes, "ROTATION", 4, all, &all->rotation, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = open_one(doc, node, attributes, "SCALE", 3, all, &all->scale, error);
 	if (code == ECO_OK && all->count == UINT64_MAX)
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: node %u: instances without places, turns or sizes", doc->path, node);
-	if (code != ECO_OK)
+	if (code)
 		eco_gltf_instances_close(all);
 	return code;
 }
@@ -248,7 +233,6 @@ void eco_gltf_instances_close(struct eco_gltf_instances *all)
 void eco_gltf_instance_matrix(const struct eco_gltf_instances *all, uint64_t i, const double world[16], double out[16])
 {
 	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 }, local[16];
-
 	if (all->translation.count > 0)
 		eco_gltf_element(&all->translation, i, t);
 	if (all->rotation.count > 0)

@@ -20,14 +20,12 @@
 bool eco_path_ends_with(const char *path, const char *extension)
 {
 	size_t length = strlen(path), ending = strlen(extension);
-
 	return length > ending && strcasecmp(path + length - ending, extension) == 0;
 }
 
 const char *eco_path_last(const char *path)
 {
 	const char *last = path;
-
 	for (const char *at = path; *at != 0; at++)
 		if ((*at == '/' || *at == '\\') && at[1] != 0)
 			last = at + 1;
@@ -38,10 +36,8 @@ const char *eco_path_last(const char *path)
 static void plain_path(char *text)
 {
 	char *to = text;
-
 	for (char *from = text; *from != 0; from++) {
 		unsigned code;
-
 		if (*from == '%' && from[1] != 0 && from[2] != 0 && sscanf(from + 1, "%2x", &code) == 1 && code >= 0x20) {
 			*to++ = (char)code;
 			from += 2;
@@ -58,11 +54,10 @@ static bool find_any_case(const char *folder, const char *name, char *path, size
 	DIR *open = opendir(*folder != 0 ? folder : ".");
 	const struct dirent *entry;
 	char found[sizeof entry->d_name] = "";
-
-	while (open != NULL && (entry = readdir(open)) != NULL)
+	while (open && (entry = readdir(open)))
 		if (strcasecmp(entry->d_name, name) == 0 && (found[0] == 0 || strcmp(entry->d_name, found) < 0))
 			snprintf(found, sizeof found, "%s", entry->d_name);
-	if (open != NULL)
+	if (open)
 		closedir(open);
 	return found[0] != 0 && snprintf(path, size, "%s%s", folder, found) < (int)size && access(path, R_OK) == 0;
 }
@@ -70,7 +65,6 @@ static bool find_any_case(const char *folder, const char *name, char *path, size
 static bool is_there(char *path, size_t size, const char *folder, const char *name)
 {
 	struct stat status;
-
 	return snprintf(path, size, "%s%s", folder, name) < (int)size && stat(path, &status) == 0 && S_ISREG(status.st_mode)
 		&& access(path, R_OK) == 0;
 }
@@ -79,7 +73,6 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 {
 	const char *slash = strrchr(model, '/'), *last;
 	char plain[1024], folder[4096];
-
 	if (snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - model) + 1 : 0, model) >= (int)sizeof folder
 		|| snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
 		return false;
@@ -87,7 +80,7 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 		return true;
 	plain_path(plain);
 	last = eco_path_last(plain);
-	if (*plain != '/' && strchr(plain, ':') == NULL && is_there(path, size, folder, plain))
+	if (*plain != '/' && !strchr(plain, ':') && is_there(path, size, folder, plain))
 		return true;
 	return is_there(path, size, folder, last) || find_any_case(folder, last, path, size);
 }
@@ -97,9 +90,8 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 static enum eco_code open_regular(const char *path, FILE **file, uint64_t *size, struct eco_error *error)
 {
 	struct stat status;
-
 	*file = fopen(path, "rb");
-	if (*file == NULL)
+	if (!*file)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path, strerror(errno));
 	if (fstat(fileno(*file), &status) == 0 && S_ISREG(status.st_mode)) {
 		*size = (uint64_t)status.st_size;
@@ -114,15 +106,14 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 	uint64_t length = 0;
 	FILE *file;
 	enum eco_code code = open_regular(path, &file, &length, error);
-
 	*bytes = NULL;
 	*size = 0;
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (length > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path, (unsigned long long)length,
 			(unsigned long long)most);
-	else if ((*bytes = malloc((size_t)length + 1)) == NULL)
+	else if (!(*bytes = malloc((size_t)length + 1)))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its %llu bytes", path, (unsigned long long)length);
 	else
 		(*bytes)[*size = fread(*bytes, 1, (size_t)length, file)] = 0;
@@ -139,11 +130,10 @@ char *eco_file_read_head(const char *path, size_t *size)
 {
 	char *head = malloc(HEAD_BYTES + 1);
 	FILE *file = fopen(path, "rb");
-
-	*size = head != NULL && file != NULL ? fread(head, 1, HEAD_BYTES, file) : 0;
-	if (head != NULL)
+	*size = head != NULL && file ? fread(head, 1, HEAD_BYTES, file) : 0;
+	if (head)
 		head[*size] = 0;
-	if (file != NULL)
+	if (file)
 		fclose(file);
 	return head;
 }
@@ -152,8 +142,7 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 {
 	size_t size;
 	char *head = eco_file_read_head(path, &size);
-	bool has = head != NULL && memmem(head, size < bytes ? size : bytes, word, strlen(word)) != NULL;
-
+	bool has = head != NULL && memmem(head, size < bytes ? size : bytes, word, strlen(word));
 	free(head);
 	return has;
 }
@@ -194,7 +183,6 @@ static const struct other others[] = {
 static enum eco_code refuse_packed(const char *path, const struct packed *p, struct eco_error *error)
 {
 	const char *name = eco_path_last(path);
-
 	if (eco_path_ends_with(path, p->suffix))
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s %.100s", path, p->what, p->command, name);
 	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s <%.100s >unpacked-%.100s", path, p->what, p->otherwise,
@@ -226,7 +214,6 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	char *head;
 	size_t size;
 	enum eco_code code;
-
 	if (stat(path, &status) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path, strerror(errno));
 	if (S_ISDIR(status.st_mode))
@@ -252,7 +239,6 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 void eco_model_choose_base(const double low[3], const double high[3], double base[3])
 {
 	double extent = 0, far = 0;
-
 	for (int k = 0; k < 3; k++) {
 		extent = high[k] - low[k] > extent ? high[k] - low[k] : extent;
 		far = high[k] > far ? high[k] : far;
@@ -260,7 +246,6 @@ void eco_model_choose_base(const double low[3], const double high[3], double bas
 	}
 	for (int k = 0; k < 3; k++) {
 		double middle = (low[k] + high[k]) / 2;
-
 		base[k] = far > NEAR * extent && middle > -1e15 && middle < 1e15 ? (double)(int64_t)middle : 0;
 	}
 }

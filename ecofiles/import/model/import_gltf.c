@@ -59,11 +59,10 @@ static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 {
 	uint32_t wanted = *room < 16 ? 16 : *room * 2;
 	void *grown;
-
 	if (count < *room)
 		return true;
 	grown = wanted > *room ? realloc(*items, wanted * size) : NULL;
-	if (grown == NULL)
+	if (!grown)
 		return false;
 	*items = grown;
 	*room = wanted;
@@ -93,14 +92,12 @@ static bool is_handled(const char *name)
 static enum eco_code check_required(const struct soup *s)
 {
 	const json_t *required = json_object_get(eco_gltf_json(s->doc), "extensionsRequired");
-
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
-
-		if (name != NULL && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
+		if (name && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
 			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %s, which is not supported; export with "
 				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc), name);
-		if (name == NULL || !is_handled(name))
+		if (!name || !is_handled(name))
 			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %.100s, which is not supported; export without it",
 				eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");
 	}
@@ -122,12 +119,11 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 		.weights = shape->weights, .mesh = shape->mesh, .number = number, .triangles_max = s->triangles_max, .counts = &s->counts };
 	struct piece *piece;
 	enum eco_code code;
-
 	if (!grow((void **)&s->pieces, s->piece_count, &s->piece_room, sizeof *s->pieces))
 		return out_of_memory(s);
 	piece = &s->pieces[s->piece_count];
 	code = gltf_surface_read(&piece->surface, &source, s->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	s->piece_count++;
 	shape->count++;
@@ -143,10 +139,9 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *weights = json_object_get(node, "weights"), *primitives;
 	struct shape *shape;
 	enum eco_code code = ECO_OK;
-
-	if (json == NULL)
+	if (!json)
 		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there", eco_gltf_path(s->doc), mesh);
-	if (weights == NULL)
+	if (!weights)
 		weights = json_object_get(json, "weights");
 	for (*found = s->first_shape[mesh]; *found != ECO_NONE; *found = s->shapes[*found].next)
 		if (s->shapes[*found].weights == weights || json_equal(s->shapes[*found].weights, weights))
@@ -167,7 +162,6 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, const double world[16])
 {
 	struct place *place;
-
 	s->triangles += s->shapes[shape].triangles;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
@@ -184,12 +178,10 @@ static enum eco_code add_instances(struct soup *s, uint32_t shape, uint32_t node
 {
 	struct eco_gltf_instances all;
 	enum eco_code code = eco_gltf_instances_open(s->doc, node, there, &all, s->error);
-
 	if (code != ECO_OK || !*there)
 		return code;
 	for (uint64_t i = 0; i < all.count && s->shapes[shape].triangles > 0 && code == ECO_OK; i++) {
 		double matrix[16];
-
 		eco_gltf_instance_matrix(&all, i, world, matrix);
 		code = add_place(s, shape, node, matrix);
 	}
@@ -205,11 +197,10 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 	uint32_t shape = ECO_NONE;
 	bool instanced = false;
 	enum eco_code code;
-
-	if (json_object_get(json, "mesh") == NULL)
+	if (!json_object_get(json, "mesh"))
 		return ECO_OK;
 	code = find_shape(s, eco_gltf_index(json, "mesh"), json, &shape);
-	if (code == ECO_OK)
+	if (!code)
 		code = add_instances(s, shape, node, world, &instanced);
 	if (code == ECO_OK && !instanced && s->shapes[shape].triangles > 0)
 		code = add_place(s, shape, node, world);
@@ -221,14 +212,13 @@ static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_
 {
 	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
 	uint32_t index = eco_gltf_index(json, "skin");
-
 	*skin = NULL;
-	if (json_object_get(json, "skin") == NULL)
+	if (!json_object_get(json, "skin"))
 		return ECO_OK;
 	if (index >= s->skin_count)
 		return eco_fail(s->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there", eco_gltf_path(s->doc), node);
 	*skin = &s->skins[index];
-	return s->skins[index].matrix != NULL ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
+	return s->skins[index].matrix ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
 }
 
 /* A vertex's place in the scene, Z up. */
@@ -238,8 +228,7 @@ static void place_vertex(const struct gltf_surface *surface, uint32_t v, const s
 	const float *p = &surface->position[(size_t)v * 3];
 	const double local[3] = { (double)p[0], (double)p[1], (double)p[2] };
 	double world[3];
-
-	if (skin == NULL || !gltf_skin_place(skin, surface, v, world))
+	if (!skin || !gltf_skin_place(skin, surface, v, world))
 		eco_gltf_apply(place->world, local, world);
 	out[0] = world[0];
 	out[1] = -world[2];
@@ -251,7 +240,6 @@ struct bounds { double low[3], high[3], far; };
 static double largest_scale(const double m[16])
 {
 	double most = 0;
-
 	for (int c = 0; c < 3; c++)
 		most = fmax(most, m[c * 4] * m[c * 4] + m[c * 4 + 1] * m[c * 4 + 1] + m[c * 4 + 2] * m[c * 4 + 2]);
 	return sqrt(most);
@@ -260,11 +248,10 @@ static double largest_scale(const double m[16])
 static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place,
 	const struct gltf_skin *skin)
 {
-	if (skin == NULL)
+	if (!skin)
 		b->far = fmax(b->far, surface->far * largest_scale(place->world));
 	for (uint32_t v = 0; v < surface->vertex_count; v++) {
 		double at[3];
-
 		place_vertex(surface, v, place, skin, at);
 		if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]))
 			continue;
@@ -282,12 +269,10 @@ typedef enum eco_code act_on(struct soup *s, void *ctx, const struct piece *piec
 static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
 {
 	enum eco_code code = ECO_OK;
-
 	for (uint32_t i = 0; i < s->place_count && code == ECO_OK; i++) {
 		const struct place *place = &s->places[i];
 		const struct shape *shape = &s->shapes[place->shape];
 		const struct gltf_skin *skin;
-
 		code = find_skin(s, place->node, &skin);
 		for (uint32_t k = 0; k < shape->count && code == ECO_OK; k++)
 			code = act(s, ctx, &s->pieces[shape->first + k], place, skin);
@@ -308,7 +293,6 @@ static enum eco_code choose_base(struct soup *s)
 	struct bounds b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0 };
 	double extent = 0;
 	enum eco_code code = for_all(s, measure, &b);
-
 	if (code != ECO_OK || b.low[0] > b.high[0])
 		return code;
 	eco_model_choose_base(b.low, b.high, s->frame->base);
@@ -325,7 +309,6 @@ static enum eco_code choose_base(struct soup *s)
 static bool one_color(const struct gltf_surface *surface)
 {
 	const float *c = surface->color;
-
 	for (size_t i = 3; i < (size_t)surface->vertex_count * 3; i++)
 		if (fabsf(c[i] - c[i % 3]) > ONE_COLOR)
 			return false;
@@ -339,9 +322,8 @@ static void choose_whole(struct soup *s, struct piece *piece)
 	const struct gltf_surface *surface = &piece->surface;
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
-
 	piece->whole = surface->material;
-	if (surface->color == NULL || surface->vertex_count == 0)
+	if (!surface->color || surface->vertex_count == 0)
 		return;
 	if (!one_color(surface)) {
 		if (s->model->materials[surface->material].image == ECO_NONE) {
@@ -361,7 +343,6 @@ static uint32_t triangle_material(struct soup *s, const struct piece *piece, con
 {
 	const float *c = piece->surface.color;
 	uint8_t rgb[3];
-
 	if (piece->whole != ECO_NONE)
 		return piece->whole;
 	if (v[0] == ECO_NONE || v[1] == ECO_NONE || v[2] == ECO_NONE)
@@ -377,14 +358,13 @@ static uint32_t triangle_material(struct soup *s, const struct piece *piece, con
 static bool take_memory(struct soup *s)
 {
 	struct eco_model *m = s->model;
-
 	m->position = malloc((s->vertices + 1) * 3 * sizeof *m->position);
 	m->uv = calloc(s->vertices + 1, 2 * sizeof *m->uv);
 	m->index = malloc((s->triangles + 1) * 3 * sizeof *m->index);
 	m->material = malloc((s->triangles + 1) * sizeof *m->material);
 	m->part = malloc((s->triangles + 1) * sizeof *m->part);
 	m->parts = malloc((s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count + 1u : ECO_MODEL_PARTS_MAX) * sizeof *m->parts);
-	return m->position != NULL && m->uv != NULL && m->index != NULL && m->material != NULL && m->part != NULL && m->parts != NULL
+	return m->position && m->uv && m->index && m->material && m->part && m->parts
 		&& eco_tints_start(&s->tints, m);
 }
 
@@ -396,7 +376,6 @@ static void add_part(struct soup *s, const struct place *place)
 	const char *mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
 	bool both = *node != 0 && *mesh != 0 && strcmp(node, mesh) != 0;
 	struct eco_part part = { .name = "" };
-
 	snprintf(part.name, sizeof part.name, "%s%s%s", node, both ? "/" : "", both || *node == 0 ? mesh : "");
 	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
 		m->parts[m->part_count++] = part;
@@ -406,15 +385,13 @@ static void add_vertices(struct soup *s, const struct gltf_surface *surface, con
 	const struct gltf_skin *skin)
 {
 	struct eco_model *m = s->model;
-
 	for (uint32_t v = 0; v < surface->vertex_count; v++) {
 		size_t to = (size_t)m->vertex_count + v;
 		double at[3];
-
 		place_vertex(surface, v, place, skin, at);
 		for (size_t k = 0; k < 3; k++)
 			m->position[to * 3 + k] = (float)(at[k] - s->frame->base[k]);
-		if (surface->uv != NULL)
+		if (surface->uv)
 			memcpy(&m->uv[to * 2], &surface->uv[(size_t)v * 2], 2 * sizeof *m->uv);
 	}
 }
@@ -424,7 +401,6 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 {
 	const struct gltf_surface *surface = &piece->surface;
 	struct eco_model *m = s->model;
-
 	(void)ctx;
 	m->triangles_in += surface->triangle_count;
 	if (s->looks[surface->material].invisible) {
@@ -436,7 +412,6 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 	add_vertices(s, surface, place, skin);
 	for (uint32_t i = 0; i < surface->triangle_count; i++) {
 		const uint32_t *v = &surface->index[(size_t)i * 3];
-
 		for (size_t k = 0; k < 3; k++)
 			m->index[(size_t)m->triangle_count * 3 + k] = v[k] != ECO_NONE ? m->vertex_count + v[k] : ECO_NONE;
 		m->part[m->triangle_count] = m->part_count - 1;
@@ -451,7 +426,6 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 static void tell(struct soup *s)
 {
 	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
-
 	if (!eco_gltf_has_scene(s->doc))
 		eco_note(s->notes, "%s: all of its nodes are read", scenes > 0 ? "its default scene is not there" : "no scene in it");
 	else if (scenes > 1)
@@ -481,14 +455,13 @@ static enum eco_code prepare(struct soup *s)
 {
 	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
 	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
-
 	snprintf(s->frame->format, sizeof s->frame->format, "glTF");
 	s->frame->unit_m = 1;
 	s->frame->up = s->frame->convention = ECO_UP_Y;
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
 	s->first_shape = meshes < ECO_NONE ? malloc((meshes + 1) * sizeof *s->first_shape) : NULL;
 	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
-	if (s->looks == NULL || s->first_shape == NULL || s->skins == NULL)
+	if (!s->looks || !s->first_shape || !s->skins)
 		return out_of_memory(s);
 	memset(s->first_shape, 0xff, (meshes + 1) * sizeof *s->first_shape);
 	s->skin_count = (uint32_t)skins;
@@ -498,7 +471,6 @@ static enum eco_code prepare(struct soup *s)
 static enum eco_code check_totals(const struct soup *s)
 {
 	const char *path = eco_gltf_path(s->doc);
-
 	if (s->triangles == 0 && s->counts.points + s->counts.lines > 0)
 		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and %llu lines; a point cloud has no surfaces: make a "
 			"mesh of it first", path, (unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
@@ -510,16 +482,15 @@ static enum eco_code check_totals(const struct soup *s)
 static enum eco_code read_soup(struct soup *s)
 {
 	enum eco_code code = prepare(s);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_gltf_walk(s->doc, visit, s, s->error);
-	if (code == ECO_OK)
+	if (!code)
 		code = check_totals(s);
-	if (code == ECO_OK)
+	if (!code)
 		code = choose_base(s);
-	if (code == ECO_OK)
+	if (!code)
 		code = gltf_materials_read(s->model, s->doc, s->looks, s->look_count, s->notes, s->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (!take_memory(s))
 		return out_of_memory(s);
@@ -535,7 +506,6 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 {
 	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error, .triangles_max = triangles_max };
 	enum eco_code code = read_soup(&s);
-
 	eco_tints_end(&s.tints);
 	for (uint32_t i = 0; i < s.piece_count; i++)
 		gltf_surface_free(&s.pieces[i].surface);
@@ -555,8 +525,7 @@ enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_fram
 {
 	struct eco_gltf *doc;
 	enum eco_code code = eco_gltf_open(&doc, path, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_gltf_read_document(model, frame, doc, triangles_max, notes, error);
 	eco_gltf_close(doc);
 	return code;

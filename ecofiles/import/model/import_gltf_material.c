@@ -26,8 +26,7 @@ static const json_t *old_style(const json_t *material)
 static const json_t *texture_of(const json_t *material)
 {
 	const json_t *old = old_style(material);
-
-	return old != NULL ? json_object_get(old, "diffuseTexture")
+	return old ? json_object_get(old, "diffuseTexture")
 		: json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
 }
 
@@ -35,7 +34,6 @@ static void factor_of(const json_t *material, double rgba[4])
 {
 	const json_t *old = old_style(material);
 	double read[4] = { 1, 1, 1, 1 };
-
 	if (!(old != NULL ? eco_gltf_numbers(old, "diffuseFactor", read, 4)
 		: eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", read, 4)))
 		read[0] = read[1] = read[2] = read[3] = 1;
@@ -46,7 +44,6 @@ static enum eco_alpha alpha_of(const json_t *material, float *gain)
 {
 	const char *mode = eco_gltf_text(material, "alphaMode");
 	double cutoff = eco_gltf_number(material, "alphaCutoff", 0.5);
-
 	*gain = 1;
 	if (strcmp(mode, "BLEND") == 0)
 		return ECO_ALPHA_BY_IMAGE;
@@ -67,7 +64,6 @@ static void read_transform(const json_t *texture, struct gltf_look *look)
 {
 	const json_t *from = eco_gltf_extension(texture, "KHR_texture_transform");
 	double radians = eco_gltf_number(from, "rotation", 0);
-
 	look->uv.scale[0] = look->uv.scale[1] = 1;
 	eco_gltf_numbers(from, "offset", look->uv.offset, 2);
 	eco_gltf_numbers(from, "scale", look->uv.scale, 2);
@@ -90,7 +86,6 @@ static void read_look(const json_t *material, struct gltf_look *look)
 	double rgba[4];
 	float gain;
 	enum eco_alpha alpha = alpha_of(material, &gain);
-
 	factor_of(material, rgba);
 	look->invisible = !opacity_shows(alpha, gain, rgba[3]);
 	look->textured = texture_of(material) != NULL;
@@ -101,9 +96,8 @@ struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count)
 {
 	size_t materials = json_array_size(json_object_get(eco_gltf_json(doc), "materials"));
 	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? calloc(materials + 1, sizeof *looks) : NULL;
-
 	*count = (uint32_t)materials;
-	for (size_t i = 0; looks != NULL && i <= materials; i++)
+	for (size_t i = 0; looks && i <= materials; i++)
 		read_look(eco_gltf_item(doc, "materials", i), &looks[i]);
 	return looks;
 }
@@ -126,8 +120,7 @@ static bool image_name(const struct eco_gltf *doc, uint32_t index, char *name, s
 {
 	const json_t *image = eco_gltf_item(doc, "images", index);
 	const char *uri = eco_gltf_text(image, "uri");
-
-	if (image == NULL)
+	if (!image)
 		return false;
 	if (*uri != 0 && strncasecmp(uri, "data:", 5) != 0)
 		return snprintf(name, size, "%s", uri) < (int)size;
@@ -141,8 +134,7 @@ static enum eco_code decode_data_uri(const char *uri, const char *name, struct e
 	uint8_t *bytes = NULL;
 	size_t size = 0;
 	enum eco_code code = eco_gltf_data_uri(uri, &is_data, &bytes, &size, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_image_read_memory(image, bytes, size, name, error);
 	free(bytes);
 	return code;
@@ -156,12 +148,11 @@ static bool embedded(void *ctx, const char *name, struct eco_image *image, enum 
 	const char *uri;
 	unsigned index;
 	size_t size;
-
 	if (sscanf(name, "images[%u] ", &index) != 1)
 		return false;
 	json = eco_gltf_item(doc, "images", index);
 	uri = eco_gltf_text(json, "uri");
-	if (json == NULL || (*uri != 0 && strncasecmp(uri, "data:", 5) != 0))
+	if (!json || (*uri != 0 && strncasecmp(uri, "data:", 5) != 0))
 		return false;
 	if (*uri != 0) {
 		*code = decode_data_uri(uri, name, image, error);
@@ -178,7 +169,6 @@ static uint32_t source_of(const struct eco_gltf *doc, const json_t *texture)
 {
 	const json_t *json = eco_gltf_item(doc, "textures", eco_gltf_whole(texture, "index", UINT64_MAX));
 	uint32_t source = eco_gltf_index(json, "source");
-
 	return source != ECO_NONE ? source : eco_gltf_index(eco_gltf_extension(json, "EXT_texture_webp"), "source");
 }
 
@@ -187,7 +177,6 @@ static void read_image(struct eco_images *images, const struct eco_gltf *doc, co
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char name[2048];
-
 	if (!image_name(doc, source_of(doc, texture_of(material)), name, sizeof name)) {
 		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it keeps one colour", to->name);
 		return;
@@ -207,7 +196,6 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 	const json_t *material = eco_gltf_item(doc, "materials", index);
 	struct eco_material *to = &images->model->materials[index];
 	double rgba[4];
-
 	snprintf(to->name, sizeof to->name, "%.63s", eco_gltf_text(material, "name"));
 	factor_of(material, rgba);
 	for (int k = 0; k < 3; k++)
@@ -223,9 +211,8 @@ enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
 {
 	struct eco_images images = { .model = model, .path = eco_gltf_path(doc), .notes = notes, .embedded = embedded, .ctx = doc };
 	uint32_t all = count + looks[count].used;
-
 	model->materials = calloc((size_t)all + 1, sizeof *model->materials);
-	if (model->materials == NULL || !eco_images_start(&images)) {
+	if (!model->materials || !eco_images_start(&images)) {
 		eco_images_end(&images);
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", eco_gltf_path(doc));
 	}

@@ -9,7 +9,7 @@ static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, stru
 	struct eco_error *error)
 {
 	*inverse = (struct eco_gltf_accessor){ .bytes = NULL };
-	if (json_object_get(json, "inverseBindMatrices") == NULL)
+	if (!json_object_get(json, "inverseBindMatrices"))
 		return ECO_OK;
 	return eco_gltf_accessor_open(doc, eco_gltf_index(json, "inverseBindMatrices"), 16, inverse, error);
 }
@@ -20,20 +20,18 @@ enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint3
 	size_t count = json_array_size(joints);
 	struct eco_gltf_accessor inverse;
 	enum eco_code code;
-
-	if (json == NULL)
+	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names skin %u, which is not there", eco_gltf_path(doc), index);
 	code = read_inverse(doc, json, &inverse, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	skin->matrix = count < ECO_NONE ? malloc((count + 1) * 16 * sizeof *skin->matrix) : NULL;
-	if (skin->matrix == NULL)
+	if (!skin->matrix)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for skin %u", eco_gltf_path(doc), index);
 	skin->count = (uint32_t)count;
 	for (size_t i = 0; i < count && code == ECO_OK; i++) {
 		json_int_t node = json_is_integer(json_array_get(joints, i)) ? json_integer_value(json_array_get(joints, i)) : -1;
 		double *matrix = &skin->matrix[i * 16], bind[16];
-
 		code = eco_gltf_node_matrix(doc, node >= 0 && node < ECO_NONE ? (uint32_t)node : ECO_NONE, matrix, error);
 		if (code == ECO_OK && i < inverse.count) {
 			eco_gltf_element(&inverse, i, bind);
@@ -49,11 +47,9 @@ bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *s,
 	const double from[3] = { (double)s->position[(size_t)v * 3], (double)s->position[(size_t)v * 3 + 1],
 		(double)s->position[(size_t)v * 3 + 2] };
 	double sum = 0, to[3] = { 0, 0, 0 };
-
 	for (uint32_t i = 0; i < s->influences; i++) {
 		uint32_t joint = s->joint[(size_t)v * s->influences + i];
 		double weight = (double)s->weight[(size_t)v * s->influences + i], place[3];
-
 		if (!(weight > 0) || joint >= skin->count)
 			continue;
 		eco_gltf_apply(&skin->matrix[(size_t)joint * 16], from, place);

@@ -72,11 +72,10 @@ static enum eco_code open_attribute(struct reader *r, enum attribute which, cons
 	const json_t *attributes = json_object_get(r->from->primitive, "attributes");
 	struct attribute_values *v = &r->values[which];
 	enum eco_code code;
-
-	if (json_object_get(attributes, name) == NULL)
+	if (!json_object_get(attributes, name))
 		return ECO_OK;
 	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0, &v->accessor, r->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (!components_fit(which, v->accessor.components))
 		return fail(r, ECO_DAMAGED, "an attribute with a wrong number of components");
@@ -87,10 +86,8 @@ static enum eco_code open_attribute(struct reader *r, enum attribute which, cons
 static enum eco_code open_attributes(struct reader *r, const struct gltf_look *look)
 {
 	enum eco_code code = ECO_OK;
-
 	for (int i = 0; i < ATTRIBUTES && code == ECO_OK; i++) {
 		char name[32];
-
 		name_of((enum attribute)i, look, name);
 		if (is_wanted(r, (enum attribute)i, look))
 			code = open_attribute(r, (enum attribute)i, name);
@@ -104,8 +101,7 @@ static void vertex_values(const struct reader *r, enum attribute which, uint32_t
 {
 	static const double most[] = { 127, 255, 32767, 65535 };
 	const struct attribute_values *v = &r->values[which];
-
-	if (v->draco == NULL) {
+	if (!v->draco) {
 		eco_gltf_element(&v->accessor, vertex, values);
 		return;
 	}
@@ -122,8 +118,7 @@ static uint32_t faces_declared(const struct reader *r)
 {
 	const json_t *accessor = eco_gltf_item(r->from->doc, "accessors", eco_gltf_whole(r->from->primitive, "indices", UINT64_MAX));
 	uint64_t count = eco_gltf_whole(accessor, "count", UINT64_MAX);
-
-	return accessor != NULL && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3) : r->from->triangles_max;
+	return accessor && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3) : r->from->triangles_max;
 }
 
 /* Finds Draco's attributes among those needed. The others keep their accessors, if these have data. */
@@ -131,11 +126,9 @@ static uint32_t match_attributes(struct reader *r, const json_t *ids, const stru
 	struct eco_draco_attribute *wanted, enum attribute *which)
 {
 	uint32_t count = 0;
-
 	for (int i = 0; i < ATTRIBUTES; i++) {
 		char name[32];
 		uint32_t id;
-
 		name_of((enum attribute)i, look, name);
 		id = eco_gltf_index(ids, name);
 		if (id == ECO_NONE && i == TEXCOORD)
@@ -158,8 +151,7 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 	const uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_gltf_view(r->from->doc, eco_gltf_index(extension, "bufferView"), &bytes, &size, r->error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (count == 0 || which[0] != POSITION)
 		return fail(r, ECO_DAMAGED, "its Draco stream has no positions");
@@ -179,20 +171,19 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 
 static uint32_t index_at(const struct reader *r, uint64_t i)
 {
-	return r->draco_index != NULL ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i) : (uint32_t)i;
+	return r->draco_index ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i) : (uint32_t)i;
 }
 
 /* The greatest index of a type is no index: it begins the next strip. */
 static bool is_restart(const struct reader *r, uint32_t index)
 {
-	return r->indexed && r->draco_index == NULL
+	return r->indexed && !r->draco_index
 		&& index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
 }
 
 static void add_triangle(struct reader *r, uint32_t a, uint32_t b, uint32_t c)
 {
 	const uint32_t v[3] = { a, b, c };
-
 	for (int k = 0; k < 3; k++)
 		r->to->index[(size_t)r->to->triangle_count * 3 + (size_t)k] = v[k] < r->vertex_count ? v[k] : ECO_NONE;
 	r->to->triangle_count++;
@@ -202,10 +193,8 @@ static void add_strip(struct reader *r, bool fan)
 {
 	uint32_t first = 0, last = 0;
 	uint64_t length = 0;
-
 	for (uint64_t i = 0; i < r->index_count; i++, length++) {
 		uint32_t index = index_at(r, i);
-
 		if (is_restart(r, index)) {
 			length = UINT64_MAX;         /* 0 after this turn */
 			continue;
@@ -225,12 +214,11 @@ static void add_strip(struct reader *r, bool fan)
 static enum eco_code read_triangles(struct reader *r, uint64_t mode)
 {
 	uint64_t most = mode == TRIANGLES ? r->index_count / 3 : r->index_count > 2 ? r->index_count - 2 : 0;
-
 	if (most > r->from->triangles_max)
 		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles, at most %u are possible", eco_gltf_path(r->from->doc),
 			(unsigned long long)most, r->from->triangles_max);
 	r->to->index = malloc(((size_t)most + 1) * 3 * sizeof *r->to->index);
-	if (r->to->index == NULL)
+	if (!r->to->index)
 		return fail(r, ECO_NO_MEMORY, "out of memory");
 	if (mode != TRIANGLES) {
 		add_strip(r, mode == TRIANGLE_FAN);
@@ -245,9 +233,8 @@ static enum eco_code read_triangles(struct reader *r, uint64_t mode)
 static enum eco_code open_indices(struct reader *r)
 {
 	enum eco_code code;
-
 	r->index_count = r->vertex_count;
-	if (json_object_get(r->from->primitive, "indices") == NULL)
+	if (!json_object_get(r->from->primitive, "indices"))
 		return ECO_OK;
 	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(r->from->primitive, "indices"), 1, &r->indices, r->error);
 	r->index_count = r->indices.count;
@@ -263,9 +250,8 @@ static bool compact(struct reader *r, uint32_t **source)
 	struct gltf_surface *s = r->to;
 	uint32_t *number = calloc((size_t)r->vertex_count + 1, sizeof *number);
 	size_t corners = (size_t)s->triangle_count * 3;
-
 	*source = NULL;
-	if (number == NULL)
+	if (!number)
 		return false;
 	for (size_t i = 0; i < corners; i++)
 		if (s->index[i] != ECO_NONE)
@@ -274,21 +260,20 @@ static bool compact(struct reader *r, uint32_t **source)
 		if (number[v] != 0)
 			number[v] = ++s->vertex_count;
 	*source = malloc(((size_t)s->vertex_count + 1) * sizeof **source);
-	for (uint64_t v = 0; *source != NULL && v < r->vertex_count; v++)
+	for (uint64_t v = 0; *source && v < r->vertex_count; v++)
 		if (number[v] != 0)
 			(*source)[number[v] - 1] = (uint32_t)v;
 	for (size_t i = 0; i < corners; i++)
 		if (s->index[i] != ECO_NONE)
 			s->index[i] = number[s->index[i]] - 1;
 	free(number);
-	return *source != NULL;
+	return *source;
 }
 
 /* A vertex beyond an attribute's end stays 0: the exporter made one accessor too short. */
 static bool has_value(const struct reader *r, enum attribute which, uint32_t vertex)
 {
 	const struct attribute_values *v = &r->values[which];
-
 	return v->there && (v->draco != NULL || vertex < v->accessor.count);
 }
 
@@ -296,18 +281,17 @@ static void take_vertex(struct reader *r, const struct gltf_look *look, uint32_t
 {
 	struct gltf_surface *s = r->to;
 	double values[4] = { 0, 0, 0, 0 };
-
 	vertex_values(r, POSITION, from, values);
 	for (int k = 0; k < 3; k++) {
 		s->position[(size_t)to * 3 + (size_t)k] = (float)values[k];
-		if (r->values[POSITION].accessor.type == 5126 && r->values[POSITION].draco == NULL)
+		if (r->values[POSITION].accessor.type == 5126 && !r->values[POSITION].draco)
 			s->far = fmax(s->far, fabs(values[k]));
 	}
-	if (s->uv != NULL && has_value(r, TEXCOORD, from)) {
+	if (s->uv && has_value(r, TEXCOORD, from)) {
 		vertex_values(r, TEXCOORD, from, values);
 		gltf_look_apply(look, values, &s->uv[(size_t)to * 2]);
 	}
-	if (s->color != NULL) {
+	if (s->color) {
 		values[0] = values[1] = values[2] = values[3] = 1;
 		if (has_value(r, COLOR, from))
 			vertex_values(r, COLOR, from, values);
@@ -320,10 +304,8 @@ static void take_vertex(struct reader *r, const struct gltf_look *look, uint32_t
 static void take_joints(struct reader *r, uint32_t from, uint32_t to)
 {
 	struct gltf_surface *s = r->to;
-
 	for (uint32_t set = 0; set < s->influences / 4; set++) {
 		double joints[4] = { 0, 0, 0, 0 }, weights[4] = { 0, 0, 0, 0 };
-
 		if (has_value(r, (enum attribute)(JOINTS + set), from) && has_value(r, (enum attribute)(WEIGHTS + set), from)) {
 			vertex_values(r, (enum attribute)(JOINTS + set), from, joints);
 			vertex_values(r, (enum attribute)(WEIGHTS + set), from, weights);
@@ -339,7 +321,6 @@ static bool take_memory(struct reader *r)
 {
 	struct gltf_surface *s = r->to;
 	size_t n = (size_t)s->vertex_count + 1;
-
 	while (s->influences < GLTF_INFLUENCES_MAX && r->values[JOINTS + s->influences / 4].there
 		&& r->values[WEIGHTS + s->influences / 4].there)
 		s->influences += 4;
@@ -348,8 +329,8 @@ static bool take_memory(struct reader *r)
 	s->color = r->values[COLOR].there ? malloc(n * 3 * sizeof *s->color) : NULL;
 	s->joint = s->influences > 0 ? malloc(n * s->influences * sizeof *s->joint) : NULL;
 	s->weight = s->influences > 0 ? malloc(n * s->influences * sizeof *s->weight) : NULL;
-	return s->position != NULL && (s->uv != NULL || !r->values[TEXCOORD].there) && (s->color != NULL || !r->values[COLOR].there)
-		&& (s->influences == 0 || (s->joint != NULL && s->weight != NULL));
+	return s->position && (s->uv != NULL || !r->values[TEXCOORD].there) && (s->color != NULL || !r->values[COLOR].there)
+		&& (s->influences == 0 || (s->joint != NULL && s->weight));
 }
 
 /* ---- Morph targets: the default weights, which are mostly 0 ---- */
@@ -358,15 +339,13 @@ static enum eco_code add_target(struct reader *r, const json_t *target, double w
 {
 	struct eco_gltf_accessor a;
 	enum eco_code code;
-
-	if (json_object_get(target, "POSITION") == NULL)
+	if (!json_object_get(target, "POSITION"))
 		return ECO_OK;
 	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(target, "POSITION"), 3, &a, r->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	for (uint32_t v = 0; v < r->to->vertex_count; v++) {
 		double delta[3] = { 0, 0, 0 };
-
 		if (source[v] < a.count)
 			eco_gltf_element(&a, source[v], delta);
 		for (int k = 0; k < 3; k++)
@@ -380,13 +359,11 @@ static enum eco_code add_targets(struct reader *r, const uint32_t *source)
 {
 	const json_t *targets = json_object_get(r->from->primitive, "targets");
 	enum eco_code code = ECO_OK;
-
 	for (size_t i = 0; i < json_array_size(targets) && code == ECO_OK; i++) {
 		double weight = json_number_value(json_array_get(r->from->weights, i));
-
 		if (weight == 0)
 			continue;
-		if (r->draco_index != NULL)          /* Draco has reordered the vertices */
+		if (r->draco_index)          /* Draco has reordered the vertices */
 			r->from->counts->morphed++;
 		else
 			code = add_target(r, json_array_get(targets, i), weight, source);
@@ -400,7 +377,6 @@ static enum eco_code read_vertices(struct reader *r, const struct gltf_look *loo
 {
 	uint32_t *source = NULL;
 	enum eco_code code;
-
 	if (!compact(r, &source) || !take_memory(r)) {
 		free(source);
 		return fail(r, ECO_NO_MEMORY, "out of memory");
@@ -419,9 +395,8 @@ static enum eco_code count_others(struct reader *r, uint64_t mode)
 {
 	uint64_t n;
 	enum eco_code code = open_attribute(r, POSITION, "POSITION");
-
 	r->vertex_count = r->values[POSITION].accessor.count;
-	if (code == ECO_OK)
+	if (!code)
 		code = open_indices(r);
 	n = r->index_count;
 	if (mode == POINTS)
@@ -438,7 +413,6 @@ static enum eco_code read_primitive(struct reader *r)
 	uint64_t material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
 	const struct gltf_look *look;
 	enum eco_code code;
-
 	r->to->material = material < r->from->look_count ? (uint32_t)material : r->from->look_count;
 	look = &r->from->looks[r->to->material];
 	if (mode > TRIANGLE_FAN)
@@ -451,9 +425,9 @@ static enum eco_code read_primitive(struct reader *r)
 		return ECO_OK;
 	}
 	r->vertex_count = r->values[POSITION].accessor.count;
-	if (code == ECO_OK)
+	if (!code)
 		code = draco != NULL ? open_draco(r, draco, look) : open_indices(r);
-	if (code == ECO_OK)
+	if (!code)
 		code = read_triangles(r, draco != NULL ? TRIANGLES : mode);
 	return code == ECO_OK ? read_vertices(r, look) : code;
 }
@@ -462,7 +436,6 @@ enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_
 {
 	struct reader r = { .from = source, .to = surface, .error = error };
 	enum eco_code code;
-
 	*surface = (struct gltf_surface){ .position = NULL };
 	code = read_primitive(&r);
 	for (int i = 0; i < ATTRIBUTES; i++) {
@@ -471,7 +444,7 @@ enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_
 	}
 	eco_gltf_accessor_close(&r.indices);
 	free(r.draco_index);
-	if (code != ECO_OK)
+	if (code)
 		gltf_surface_free(surface);
 	return code;
 }

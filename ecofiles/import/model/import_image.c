@@ -25,8 +25,7 @@ static enum eco_code decode(struct eco_images *r, struct eco_image *image, const
 {
 	char path[4096];
 	enum eco_code code;
-
-	if (r->embedded != NULL && r->embedded(r->ctx, name, image, &code, error))
+	if (r->embedded && r->embedded(r->ctx, name, image, &code, error))
 		return code;
 	if (!eco_model_find_beside(r->path, name, path, sizeof path))
 		return eco_fail(error, ECO_NOT_FOUND, "no such file beside the model");
@@ -39,7 +38,6 @@ static enum eco_code decode(struct eco_images *r, struct eco_image *image, const
 static void merge_opacity(struct eco_image *image, const struct eco_image *opacity)
 {
 	bool own = false;
-
 	for (size_t i = 0; i < (size_t)opacity->width * opacity->height && !own; i++)
 		own = opacity->rgba[i * 4 + 3] != 255;
 	for (uint32_t y = 0; y < image->height; y++)
@@ -47,7 +45,6 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 			uint32_t ox = (uint32_t)((uint64_t)x * opacity->width / image->width);
 			uint32_t oy = (uint32_t)((uint64_t)y * opacity->height / image->height);
 			const uint8_t *o = &opacity->rgba[((size_t)oy * opacity->width + ox) * 4];
-
 			image->rgba[((size_t)y * image->width + x) * 4 + 3] = own ? o[3] : (uint8_t)((o[0] + o[1] + o[2]) / 3);
 		}
 }
@@ -58,10 +55,8 @@ static bool apply_alpha(struct eco_image *image, const struct eco_image_key *key
 	size_t count = (size_t)image->width * image->height;
 	uint8_t table[256];
 	bool cutout = false;
-
 	for (int i = 0; i < 256; i++) {
 		double alpha = i * (double)key->gain + ALPHA_SLACK;
-
 		table[i] = key->alpha == ECO_ALPHA_OPAQUE ? 255 : alpha < 255 ? (uint8_t)(alpha + 0.5) : 255;
 	}
 	for (size_t i = 0; i < count && !cutout; i++)
@@ -76,19 +71,18 @@ static bool apply_alpha(struct eco_image *image, const struct eco_image_key *key
 static bool same_key(const struct eco_image_key *a, const struct eco_image_wanted *b)
 {
 	return strcmp(a->texture, b->texture) == 0 && a->alpha == b->alpha && a->gain == b->gain
-		&& (a->opacity == NULL) == (b->opacity == NULL) && (a->opacity == NULL || strcmp(a->opacity, b->opacity) == 0);
+		&& (!a->opacity) == (!b->opacity) && (!a->opacity || strcmp(a->opacity, b->opacity) == 0);
 }
 
 static bool load_image(struct eco_images *r, struct eco_image_key *key, struct eco_image *image)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image opacity = { .rgba = NULL };
-
 	if (decode(r, image, key->texture, &error) != ECO_OK) {
 		eco_note(r->notes, "texture %.200s: %.300s; its material keeps one colour", key->texture, error.text);
 		return false;
 	}
-	if (key->opacity != NULL) {
+	if (key->opacity) {
 		if (decode(r, &opacity, key->opacity, &error) == ECO_OK)
 			merge_opacity(image, &opacity);
 		else
@@ -112,7 +106,7 @@ bool eco_images_start(struct eco_images *images)
 	images->model->image_count = 0;
 	images->keys = calloc(ECO_MODEL_IMAGES_MAX, sizeof *images->keys);
 	images->pixels = 0;
-	return images->model->images != NULL && images->keys != NULL;
+	return images->model->images && images->keys;
 }
 
 /* Failures are remembered too, as images without rgba. */
@@ -120,7 +114,6 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 {
 	struct eco_model *m = images->model;
 	uint32_t i = 0;
-
 	*cutout = false;
 	while (i < m->image_count && !same_key(&images->keys[i], wanted))
 		i++;
@@ -128,10 +121,9 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 		return ECO_NONE;
 	if (i == m->image_count) {
 		struct eco_image_key *key = &images->keys[i];
-
 		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity ? strdup(wanted->opacity) : NULL,
 			.alpha = wanted->alpha, .gain = wanted->gain };
-		if (key->texture == NULL || (wanted->opacity != NULL && key->opacity == NULL)) {
+		if (!key->texture || (wanted->opacity != NULL && !key->opacity)) {
 			free(key->texture);
 			free(key->opacity);
 			return ECO_NONE;
@@ -140,18 +132,17 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 		load_image(images, key, &m->images[i]);
 	}
 	*cutout = images->keys[i].cutout;
-	return m->images[i].rgba != NULL ? i : ECO_NONE;
+	return m->images[i].rgba ? i : ECO_NONE;
 }
 
 void eco_images_end(struct eco_images *images)
 {
 	struct eco_model *m = images->model;
 	uint32_t kept = 0;
-
-	for (uint32_t i = 0; i < m->image_count && images->keys != NULL; i++) {
+	for (uint32_t i = 0; i < m->image_count && images->keys; i++) {
 		free(images->keys[i].texture);
 		free(images->keys[i].opacity);
-		if (m->images[i].rgba == NULL)
+		if (!m->images[i].rgba)
 			continue;
 		for (uint32_t j = 0; j < m->material_count; j++)
 			if (m->materials[j].image == i)

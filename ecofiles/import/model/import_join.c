@@ -16,10 +16,8 @@ struct sums { uint64_t vertices, triangles, triangles_in, materials, images, par
 static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 {
 	struct sums s = { .uv = false };
-
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_model *m = &pieces[i].model;
-
 		s.vertices += m->vertex_count;
 		s.triangles += m->triangle_count;
 		s.triangles_in += m->triangles_in;
@@ -41,8 +39,8 @@ static bool take_memory(struct eco_model *m, const struct sums *s)
 	m->materials = malloc((s->materials + 1) * sizeof *m->materials);
 	m->images = calloc((size_t)s->images + 1, sizeof *m->images);
 	m->parts = calloc((size_t)s->parts + 1, sizeof *m->parts);
-	return m->position != NULL && (m->uv != NULL || !s->uv) && m->index != NULL && m->material != NULL && m->part != NULL
-		&& m->materials != NULL && m->images != NULL && m->parts != NULL;
+	return m->position && (m->uv != NULL || !s->uv) && m->index && m->material && m->part
+		&& m->materials && m->images && m->parts;
 }
 
 /* ---- Axes ---- */
@@ -52,7 +50,6 @@ static void turn_point(enum eco_up from, enum eco_up to, double p[3])
 {
 	const double was[3] = { p[0], p[1], p[2] };
 	double file[3] = { was[0], was[1], was[2] };
-
 	if (from == to)
 		return;
 	if (from == ECO_UP_Y)
@@ -76,12 +73,10 @@ static enum eco_up stands_as(const struct eco_model_frame *frame)
 static void turn_frame(struct eco_model *m, struct eco_model_frame *frame, enum eco_up up)
 {
 	enum eco_up from = stands_as(frame);
-
 	turn_point(from, up, frame->base);
 	for (uint32_t i = 0; i < m->vertex_count && from != up; i++) {
 		float *p = &m->position[(size_t)i * 3];
 		double place[3] = { p[0], p[1], p[2] };
-
 		turn_point(from, up, place);
 		for (int k = 0; k < 3; k++)
 			p[k] = (float)place[k];
@@ -95,7 +90,6 @@ static void name_part(struct eco_part *to, const char *path, const char *name, b
 {
 	const char *file = eco_path_last(path);
 	int room = (int)sizeof to->name - 1;
-
 	if (!several)
 		snprintf(to->name, sizeof to->name, "%.*s", room, name);
 	else if (*name == 0)
@@ -107,12 +101,11 @@ static void name_part(struct eco_part *to, const char *path, const char *name, b
 static void append_parts(struct eco_model *m, const struct eco_model_piece *piece, bool several)
 {
 	const struct eco_model *from = &piece->model;
-
 	for (uint32_t i = 0; i < from->triangle_count; i++)
 		m->part[m->triangle_count + i] = m->part_count + (from->part != NULL ? from->part[i] : 0);
-	for (uint32_t i = 0; i < from->part_count && from->part != NULL; i++)
+	for (uint32_t i = 0; i < from->part_count && from->part; i++)
 		name_part(&m->parts[m->part_count++], piece->path, from->parts[i].name, several);
-	if (from->part == NULL)
+	if (!from->part)
 		name_part(&m->parts[m->part_count++], piece->path, "", several);
 }
 
@@ -121,12 +114,11 @@ static void append(struct eco_model *m, const struct eco_model_frame *frame, str
 {
 	struct eco_model *from = &piece->model;
 	double scale = frame->unit_m > 0 && piece->frame.unit_m > 0 ? piece->frame.unit_m / frame->unit_m : 1;
-
 	for (uint32_t i = 0; i < from->vertex_count; i++)
 		for (uint32_t k = 0; k < 3; k++)
 			m->position[((size_t)m->vertex_count + i) * 3 + k] = (float)((from->position[(size_t)i * 3 + k] + piece->frame.base[k]) * scale
 				- frame->base[k]);
-	if (from->uv != NULL)
+	if (from->uv)
 		memcpy(&m->uv[(size_t)m->vertex_count * 2], from->uv, (size_t)from->vertex_count * 2 * sizeof *m->uv);
 	for (size_t i = 0; i < (size_t)from->triangle_count * 3; i++)
 		m->index[(size_t)m->triangle_count * 3 + i] = from->index[i] < from->vertex_count ? from->index[i] + m->vertex_count : ECO_NONE;
@@ -158,7 +150,6 @@ static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct e
 {
 	double certainty = 0;
 	enum eco_up up = eco_model_find_up(m, &certainty);
-
 	m->source.up_how = certainty >= ECO_UP_CERTAIN ? ECO_HOW_SHAPE : ECO_HOW_CONVENTION;
 	if (certainty < ECO_UP_CERTAIN) {
 		up = convention;
@@ -186,7 +177,6 @@ static enum eco_up known_up(const struct eco_model_piece *pieces, uint32_t count
 static void share_unit(struct eco_model_piece *pieces, uint32_t count, double given)
 {
 	double known = given;
-
 	for (uint32_t i = 0; i < count && known == 0; i++)
 		known = pieces[i].frame.unit_m;
 	for (uint32_t i = 0; i < count; i++)
@@ -208,7 +198,6 @@ enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *fr
 	struct sums sums = add_up(pieces, count);
 	enum eco_how how;
 	enum eco_up up = known_up(pieces, count, options, &how);
-
 	*model = (struct eco_model){ .position = NULL };
 	if (sums.triangles_in > UINT32_MAX || sums.vertices >= ECO_NONE || sums.images > ECO_MODEL_IMAGES_MAX
 		|| sums.materials > ECO_MODEL_MATERIALS_MAX || sums.parts > ECO_MODEL_PARTS_MAX)

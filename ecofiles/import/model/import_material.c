@@ -11,7 +11,6 @@ void eco_note(struct eco_notes *notes, const char *format, ...)
 	va_list arguments;
 	size_t left = sizeof notes->text - notes->used;
 	int wanted;
-
 	va_start(arguments, format);
 	wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
 	va_end(arguments);
@@ -27,14 +26,12 @@ void eco_note(struct eco_notes *notes, const char *format, ...)
 uint8_t eco_srgb_from_linear(double linear)
 {
 	double s = linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-
 	return s > 0 ? s < 1 ? (uint8_t)(s * 255 + 0.5) : 255 : 0;
 }
 
 double eco_linear_from_srgb(uint8_t srgb)
 {
 	double s = srgb / 255.0;
-
 	return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
@@ -44,7 +41,6 @@ double eco_linear_from_srgb(uint8_t srgb)
 static bool is_grey(const uint8_t rgb[3])
 {
 	uint8_t low = rgb[0] < rgb[1] ? rgb[0] : rgb[1], high = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
-
 	return (rgb[2] > high ? rgb[2] : high) - (rgb[2] < low ? rgb[2] : low) < (int)HUE_LEAST;
 }
 
@@ -56,15 +52,13 @@ void eco_material_lost_picture(struct eco_material *material)
 void eco_model_see_grey(struct eco_model *model)
 {
 	const uint8_t *first = NULL;
-
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		const struct eco_material *m = &model->materials[model->material[t]];
-
 		if (m->image != ECO_NONE || (first != NULL && memcmp(first, m->rgb, 3) != 0))
 			return;
 		first = m->rgb;
 	}
-	if (first != NULL && is_grey(first) && first[0] >= LIGHT_LEAST)
+	if (first && is_grey(first) && first[0] >= LIGHT_LEAST)
 		for (uint32_t i = 0; i < model->material_count; i++)
 			model->materials[i].colourless = true;
 }

@@ -53,8 +53,7 @@ static bool put_model(FILE *out, const struct head *head)
 static void *get(FILE *in, size_t size)
 {
 	void *bytes = malloc(size + 1);
-
-	if (bytes != NULL && size > 0 && fread(bytes, size, 1, in) != 1) {
+	if (bytes && size > 0 && fread(bytes, size, 1, in) != 1) {
 		free(bytes);
 		return NULL;
 	}
@@ -64,15 +63,14 @@ static void *get(FILE *in, size_t size)
 static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
 {
 	m->images = calloc((size_t)count + 1, sizeof *m->images);
-	if (m->images == NULL)
+	if (!m->images)
 		return false;
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_image image;
-
 		if (fread(&image, sizeof image, 1, in) != 1 || (uint64_t)image.width * image.height > ECO_PIXELS_MAX)
 			return false;
 		image.rgba = get(in, (size_t)image.width * image.height * 4);
-		if (image.rgba == NULL)
+		if (!image.rgba)
 			return false;
 		m->images[m->image_count++] = image;
 	}
@@ -89,7 +87,7 @@ static bool references_fit(struct eco_model *m)
 			return false;
 		m->materials[i].name[sizeof m->materials[i].name - 1] = 0;
 	}
-	for (uint32_t i = 0; i < m->part_count && m->parts != NULL; i++)
+	for (uint32_t i = 0; i < m->part_count && m->parts; i++)
 		m->parts[i].name[sizeof m->parts[i].name - 1] = 0;
 	return true;
 }
@@ -97,7 +95,6 @@ static bool references_fit(struct eco_model *m)
 static bool counts_fit(const struct eco_model *m, uint32_t triangles_max)
 {
 	uint64_t accounted = m->triangle_count;
-
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
 	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3
@@ -119,13 +116,12 @@ static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
 	m->part = get(in, (size_t)m->triangle_count * sizeof *m->part);
 	m->parts = m->part != NULL ? get(in, (size_t)count * sizeof *m->parts) : NULL;
 	m->part_count = m->parts != NULL ? count : 0;
-	return m->parts != NULL;
+	return m->parts;
 }
 
 static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 {
 	struct eco_model *m = &head->model, counts;
-
 	if (fread(head, sizeof *head, 1, in) != 1) {
 		*m = (struct eco_model){ .position = NULL };
 		return false;
@@ -137,11 +133,11 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 	if (!counts_fit(&counts, triangles_max) || !frame_fits(&head->frame))
 		return false;
 	head->notes.text[sizeof head->notes.text - 1] = 0;
-	return (m->position = get(in, (size_t)m->vertex_count * 3 * sizeof *m->position)) != NULL
-		&& (!head->uv || (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)) != NULL)
-		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index)) != NULL
-		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material)) != NULL
-		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials)) != NULL
+	return (m->position = get(in, (size_t)m->vertex_count * 3 * sizeof *m->position))
+		&& (!head->uv || (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)))
+		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index))
+		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material))
+		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials))
 		&& (!head->part || get_parts(in, m, counts.part_count)) && get_images(in, m, counts.image_count) && references_fit(m);
 }
 
@@ -161,11 +157,10 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };
 	enum eco_code code = assimp != NULL ? ECO_OK : ECO_NOT_FOUND;
-
 	file.linear_colors = written_by_blender(job->path);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
 		code = eco_ply_prepare(&file, base, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
 	for (int k = 0; k < 3; k++)
 		head->frame.base[k] += base[k];
@@ -178,8 +173,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	const struct job *job = ctx;
 	struct head *head = calloc(1, sizeof *head);
 	enum eco_code code;
-
-	if (head == NULL)
+	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->path);
 	head->frame.convention = ECO_UP_Y;
 	code = eco_model_file_check(job->path, error);
@@ -187,7 +181,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
 	else if (code == ECO_OK && (eco_gltf_is_path(job->path) || eco_file_head_has(job->path, 4, "glTF")))
 		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
-	else if (code == ECO_OK)
+	else if (!code)
 		code = read_with_assimp(head, job, error);
 	head->uv = head->model.uv != NULL;
 	head->part = head->model.part != NULL;
@@ -212,7 +206,6 @@ static void drop_unused_uv(struct eco_model *m)
 static void note_colourless(const struct eco_model *model, struct eco_notes *notes)
 {
 	uint64_t count = 0;
-
 	for (uint32_t t = 0; t < model->triangle_count; t++)
 		count += model->materials[model->material[t]].colourless;
 	if (count > 0)
@@ -223,8 +216,7 @@ static void note_colourless(const struct eco_model *model, struct eco_notes *not
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)
 {
 	char *rest = notes->text, *line;
-
-	while (options->warn != NULL && (line = strsep(&rest, "\n")) != NULL)
+	while (options->warn && (line = strsep(&rest, "\n")))
 		if (*line != 0)
 			options->warn(options->ctx, line);
 }
@@ -232,7 +224,6 @@ static void tell(const struct eco_model_options *options, struct eco_notes *note
 static struct eco_guard_limits limits_for(const char *path)
 {
 	struct stat status;
-
 	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0);
 }
 
@@ -249,12 +240,12 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 
 	if (code == ECO_OK && !get_model(result, head, triangles_max))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", piece->path);
-	if (result != NULL)
+	if (result)
 		fclose(result);
-	if (head != NULL) {
+	if (head) {
 		piece->model = head->model;
 		piece->frame = head->frame;
-		if (code == ECO_OK)
+		if (!code)
 			tell(options, &head->notes);
 	}
 	free(head);
@@ -265,7 +256,6 @@ static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct ec
 {
 	uint32_t left = options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX;
 	enum eco_code code = ECO_OK;
-
 	for (uint32_t i = 0; i < options->path_count && code == ECO_OK; i++) {
 		pieces[i].path = options->paths[i];
 		code = read_piece(&pieces[i], options, left, error);
@@ -280,33 +270,32 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	struct eco_notes *notes = calloc(1, sizeof *notes);
 	struct eco_model_frame frame;
 	enum eco_code code = ECO_OK;
-
 	*model = (struct eco_model){ .position = NULL };
-	if (pieces == NULL || notes == NULL)
+	if (!pieces || !notes)
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	else if (options->path_count == 0 || options->path_count > FILES_MAX)
 		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX, options->path_count);
 	else
 		code = read_pieces(pieces, options, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_model_join(model, &frame, pieces, options->path_count, options, notes, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		drop_unused_uv(model);
 		code = eco_model_clean(model, &frame, options, options->paths[0], notes, error);
 	}
-	if (code == ECO_OK)          /* after cleaning, for the triangles left */
+	if (!code)          /* after cleaning, for the triangles left */
 		code = eco_model_bake_tints(model, options->paths[0], notes, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		eco_model_see_grey(model);
 		note_colourless(model, notes);
 	}
-	if (notes != NULL)
+	if (notes)
 		tell(options, notes);
-	for (uint32_t i = 0; pieces != NULL && i < options->path_count && i < FILES_MAX; i++)
+	for (uint32_t i = 0; pieces && i < options->path_count && i < FILES_MAX; i++)
 		eco_model_free(&pieces[i].model);
 	free(pieces);
 	free(notes);
-	if (code != ECO_OK)
+	if (code)
 		eco_model_free(model);
 	return code;
 }

@@ -36,7 +36,6 @@ static const struct option *option_at(const char *at)
 {
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
 		size_t length = strlen(options[i].name);
-
 		if (strncasecmp(at, options[i].name, length) == 0 && (at[length] == ' ' || at[length] == '\t'))
 			return &options[i];
 	}
@@ -49,10 +48,9 @@ static char *read_numbers(char *at, int most, double *keep)
 	for (int i = 0; i < most; i++) {
 		char *end;
 		double number = strtod(at, &end);
-
 		if (end == at || (*end != 0 && *end != ' ' && *end != '\t') || !(fabs(number) <= 65536))
 			break;
-		if (keep != NULL && i < 2)
+		if (keep && i < 2)
 			keep[i] = number;
 		at = skip_space(end);
 	}
@@ -64,8 +62,7 @@ static char *map_name(char *at, struct eco_mtl_material *m)
 {
 	const struct option *o;
 	size_t length;
-
-	for (at = skip_space(at); (o = option_at(at)) != NULL;) {
+	for (at = skip_space(at); (o = option_at(at));) {
 		at = skip_space(skip_word(at));
 		if (o->numbers > 0)
 			at = read_numbers(at, o->numbers, m == NULL ? NULL : strcmp(o->name, "-s") == 0 ? m->uv_scale
@@ -93,10 +90,8 @@ static void read_color(char *rest, struct eco_mtl_material *m)
 {
 	double rgb[3];
 	int count = 0;
-
-	for (char *word; count < 3 && (word = eco_obj_word(&rest)) != NULL; count++) {
+	for (char *word; count < 3 && (word = eco_obj_word(&rest)); count++) {
 		char *end;
-
 		rgb[count] = strtod(word, &end);
 		if (*end != 0 || !isfinite(rgb[count]))
 			return;
@@ -112,11 +107,10 @@ static void read_share(char *rest, double *to, bool *has)
 {
 	char *word = eco_obj_word(&rest), *end;
 	double share;
-
-	if (word != NULL && strcmp(word, "-halo") == 0)
+	if (word && strcmp(word, "-halo") == 0)
 		word = eco_obj_word(&rest);
 	share = word != NULL ? strtod(word, &end) : 0;
-	if (word == NULL || *end != 0 || !isfinite(share))
+	if (!word || *end != 0 || !isfinite(share))
 		return;
 	*to = share;
 	*has = true;
@@ -140,7 +134,6 @@ static void read_statement(struct eco_mtl_material *m, const char *key, char *re
 static char *split_key(char *line, char **rest)
 {
 	char *end = skip_word(line);
-
 	*rest = end;
 	if (*end != 0) {
 		*end = 0;
@@ -157,17 +150,16 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 	size_t size;
 	char *line, *key, *rest;
 	bool inside = false;
-
 	if (eco_file_read(path, MTL_BYTES_MAX, &bytes, &size, error) != ECO_OK)
-		return error != NULL ? error->code : ECO_IO;
+		return error ? error->code : ECO_IO;
 	mtl->linear |= memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
 	text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
 	text.end = (char *)bytes + size;
-	while ((line = eco_obj_line(&text, false)) != NULL) {
+	while ((line = eco_obj_line(&text, false))) {
 		key = split_key(line, &rest);
 		if (strcasecmp(key, "newmtl") == 0 && mtl->count < MATERIALS_MAX) {
 			grown = realloc(mtl->items, ((size_t)mtl->count + 1) * sizeof *grown);
-			if (grown == NULL || (mtl->items = grown, grown[mtl->count].name = strdup(rest)) == NULL) {
+			if (!grown || !(mtl->items = grown, grown[mtl->count].name = strdup(rest))) {
 				free(bytes);
 				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 			}

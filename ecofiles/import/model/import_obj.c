@@ -23,7 +23,6 @@
 char *eco_obj_line(struct eco_obj_text *t, bool joins)
 {
 	char *start = t->at, *end;
-
 	if (start >= t->end)
 		return NULL;
 	t->line++;
@@ -44,7 +43,6 @@ char *eco_obj_line(struct eco_obj_text *t, bool joins)
 char *eco_obj_word(char **line)
 {
 	char *word = *line, *end;
-
 	while (*word == ' ' || *word == '\t')
 		word++;
 	if (*word == 0 || *word == '#')
@@ -61,7 +59,6 @@ char *eco_obj_word(char **line)
 static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
 {
 	char *end;
-
 	*number = strtod(word, &end);
 	if (end != word && *end == 0)
 		return ECO_OK;
@@ -69,7 +66,7 @@ static enum eco_code read_number(const struct eco_obj_text *t, const char *word,
 		*number = NAN;
 		return ECO_OK;
 	}
-	if (strchr(word, ',') != NULL)
+	if (strchr(word, ','))
 		return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\": numbers need a decimal point, not a comma; export it again with "
 			"English number format, or replace the commas", t->path, t->line, word);
 	return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\" is not a number", t->path, t->line, word);
@@ -87,8 +84,7 @@ static void *append(struct eco_obj_array *a, size_t size)
 	if (a->count == a->room) {
 		size_t room = a->room < 1024 ? 1024 : a->room * 2;
 		void *grown = realloc(a->items, room * size);
-
-		if (grown == NULL)
+		if (!grown)
 			return NULL;
 		a->items = grown;
 		a->room = room;
@@ -99,7 +95,6 @@ static void *append(struct eco_obj_array *a, size_t size)
 static uint32_t hash_text(const char *text)
 {
 	uint64_t h = 0xcbf29ce484222325u;
-
 	for (; *text != 0; text++)
 		h = (h ^ (uint8_t)*text) * 0x100000001b3u;
 	return (uint32_t)(h ^ h >> 32);
@@ -109,16 +104,14 @@ static bool grow_names(struct eco_obj_names *n)
 {
 	uint32_t size = n->mask == 0 ? 64 : (n->mask + 1) * 2, *table = calloc(size, sizeof *table);
 	char **items = realloc(n->items, (size_t)size / 2 * sizeof *items);
-
-	if (items != NULL)
+	if (items)
 		n->items = items;
-	if (table == NULL || items == NULL) {
+	if (!table || !items) {
 		free(table);
 		return false;
 	}
 	for (uint32_t i = 0; i < n->count; i++) {
 		uint32_t slot = hash_text(n->items[i]) & (size - 1);
-
 		while (table[slot] != 0)
 			slot = (slot + 1) & (size - 1);
 		table[slot] = i + 1;
@@ -134,7 +127,6 @@ static bool grow_names(struct eco_obj_names *n)
 static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t most)
 {
 	uint32_t slot;
-
 	if ((n->mask == 0 || n->count >= (n->mask + 1) / 2) && !grow_names(n))
 		return ECO_NONE;
 	slot = hash_text(name) & n->mask;
@@ -145,7 +137,7 @@ static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t 
 	if (n->count == most)
 		return most - 1;
 	n->items[n->count] = strdup(name);
-	if (n->items[n->count] == NULL)
+	if (!n->items[n->count])
 		return ECO_NONE;
 	n->table[slot] = ++n->count;
 	return n->count - 1;
@@ -167,23 +159,21 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 	double number[7], *place;
 	int count = 0;
 	enum eco_code code = ECO_OK;
-
-	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)) != NULL; count++)
+	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)); count++)
 		code = read_number(&o->text, word, &number[count], o->error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (count < 3)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers", o->text.path, o->text.line);
 	place = append(&o->place, 3 * sizeof *place);
-	if (place == NULL)
+	if (!place)
 		return no_memory(o);
 	memcpy(place, number, 3 * sizeof *place);
 	if (count < 6)
 		return ECO_OK;
 	while (o->color.count < o->place.count) {
 		float *color = append(&o->color, 3 * sizeof *color);
-
-		if (color == NULL)
+		if (!color)
 			return no_memory(o);
 		for (int k = 0; k < 3; k++)
 			color[k] = o->color.count == o->place.count && isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
@@ -195,15 +185,13 @@ static enum eco_code read_uv(struct eco_obj *o, char *rest)
 {
 	float *uv = append(&o->uv, 2 * sizeof *uv);
 	char *word;
-
-	if (uv == NULL)
+	if (!uv)
 		return no_memory(o);
 	uv[0] = uv[1] = 0;
-	for (int k = 0; k < 2 && (word = eco_obj_word(&rest)) != NULL; k++) {
+	for (int k = 0; k < 2 && (word = eco_obj_word(&rest)); k++) {
 		double number;
 		enum eco_code code = read_number(&o->text, word, &number, o->error);
-
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		uv[k] = fabs(number) <= 65536 ? (float)number : 0;
 	}
@@ -215,7 +203,6 @@ static enum eco_code read_uv(struct eco_obj *o, char *rest)
 static uint32_t index_of(const char *digits, char **end, size_t count)
 {
 	long long number = strtoll(digits, end, 10);
-
 	if (*end == digits)
 		return ECO_NONE;
 	if (number < 0)
@@ -228,7 +215,6 @@ static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *wo
 {
 	char *end;
 	struct eco_obj_corner c = { index_of(word, &end, o->place.count), ECO_NONE };
-
 	if (*end == '/' && end[1] != '/' && end[1] != 0)
 		c.vt = index_of(end + 1, &end, o->uv.count);
 	return c;
@@ -239,7 +225,6 @@ static bool number_part(struct eco_obj *o)
 {
 	char name[520];
 	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
-
 	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group : "");
 	o->part = name_number(&o->parts, name, ECO_MODEL_PARTS_MAX);
 	return o->part != ECO_NONE;
@@ -249,11 +234,9 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 {
 	size_t first = o->corners.count, n;
 	struct eco_obj_face *face;
-
-	for (char *word; (word = eco_obj_word(&rest)) != NULL;) {
+	for (char *word; (word = eco_obj_word(&rest));) {
 		struct eco_obj_corner *c = append(&o->corners, sizeof *c);
-
-		if (c == NULL)
+		if (!c)
 			return no_memory(o);
 		*c = read_corner(o, word);
 	}
@@ -272,7 +255,7 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 			(unsigned long long)o->triangles, o->text.line, o->triangles_max);
 	if ((o->part == ECO_NONE && !number_part(o))
 		|| (o->material == ECO_NONE && (o->material = name_number(&o->materials, "", ECO_MODEL_MATERIALS_MAX)) == ECO_NONE)
-		|| (face = append(&o->faces, sizeof *face)) == NULL)
+		|| !(face = append(&o->faces, sizeof *face)))
 		return no_memory(o);
 	*face = (struct eco_obj_face){ (uint32_t)first, o->material, o->part };
 	return ECO_OK;
@@ -286,8 +269,7 @@ static void read_comment(struct eco_obj *o, const char *text)
 		{ "ft", 0.3048 }, { "m", 1 } };
 	const char *unit = strcasestr(text, "unit"), *word = unit != NULL ? strpbrk(unit, ":=") : NULL;
 	size_t letters = 0;
-
-	if (word == NULL || o->unit_m > 0)
+	if (!word || o->unit_m > 0)
 		return;
 	for (word++; *word == ' ' || *word == '\t' || *word == '"'; word++)
 		;
@@ -297,7 +279,6 @@ static void read_comment(struct eco_obj *o, const char *text)
 		letters++;
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
 		size_t length = strlen(units[i].word);
-
 		if (strncasecmp(word, units[i].word, length) == 0 && (letters == length || (length >= 3 && letters > length))) {
 			o->unit_m = units[i].metres;
 			return;
@@ -308,8 +289,7 @@ static void read_comment(struct eco_obj *o, const char *text)
 static enum eco_code read_library(struct eco_obj *o, const char *names)
 {
 	char **slot = append(&o->libraries, sizeof *slot);
-
-	if (slot == NULL || (*slot = strdup(names)) == NULL)
+	if (!slot || !(*slot = strdup(names)))
 		return no_memory(o);
 	return ECO_OK;
 }
@@ -317,7 +297,6 @@ static enum eco_code read_library(struct eco_obj *o, const char *names)
 static enum eco_code read_line(struct eco_obj *o, char *line)
 {
 	char *rest = line + strcspn(line, " \t"), *key = line;
-
 	if (*line == '#') {
 		if (o->text.line <= UNIT_LINES)
 			read_comment(o, line);
@@ -354,10 +333,9 @@ static enum eco_code read_text(struct eco_obj *o)
 {
 	enum eco_code code = ECO_OK;
 	char *line;
-
-	while (code == ECO_OK && (line = eco_obj_line(&o->text, true)) != NULL)
+	while (code == ECO_OK && (line = eco_obj_line(&o->text, true)))
 		code = read_line(o, line);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (o->place.count >= ECO_NONE)
 		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %zu vertices", o->text.path, o->place.count);
@@ -390,7 +368,7 @@ static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
 {
 	if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
 		return eco_fail(o->error, ECO_UNSUPPORTED, "%.300s: text in UTF-16; save it as UTF-8", o->text.path);
-	if (memchr(bytes, 0, size < 4096 ? size : 4096) != NULL)
+	if (memchr(bytes, 0, size < 4096 ? size : 4096))
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: binary, so no Wavefront OBJ file", o->text.path);
 	o->text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
 	o->text.end = (char *)bytes + size;
@@ -406,13 +384,12 @@ enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *fram
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_file_read(path, ECO_MODEL_FILE_MAX, &bytes, &size, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = start_text(&o, bytes, size);
-	if (code == ECO_OK)
+	if (!code)
 		code = read_text(&o);
 	free(bytes);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_obj_soup(model, frame, &o);
 	free_obj(&o);
 	return code;

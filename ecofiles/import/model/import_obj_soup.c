@@ -40,7 +40,6 @@ static const struct eco_obj_face *faces_of(const struct eco_obj *o)
 static const struct eco_obj_corner *corners_of(const struct eco_obj *o, size_t f, uint32_t *n)
 {
 	size_t first = faces_of(o)[f].first, end = f + 1 < o->faces.count ? faces_of(o)[f + 1].first : o->corners.count;
-
 	*n = (uint32_t)(end - first);
 	return (const struct eco_obj_corner *)o->corners.items + first;
 }
@@ -57,23 +56,21 @@ static enum eco_code read_library(struct maker *m, char *names)
 {
 	const struct eco_obj *o = m->obj;
 	char path[4096];
-
 	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
 		return eco_mtl_read(&m->mtl, path, o->error);
-	if (strpbrk(names, " \t") == NULL) {
+	if (!strpbrk(names, " \t")) {
 		eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", names);
 		return ECO_OK;
 	}
-	for (char *name, *rest = names; (name = strsep(&rest, " \t")) != NULL;) {
+	for (char *name, *rest = names; (name = strsep(&rest, " \t"));) {
 		enum eco_code code = ECO_OK;
-
 		if (*name == 0)
 			continue;
 		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
 			code = eco_mtl_read(&m->mtl, path, o->error);
 		else
 			eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", name);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 	}
 	return ECO_OK;
@@ -86,10 +83,9 @@ static enum eco_code read_libraries(struct maker *m)
 	const char *dot = strrchr(o->text.path, '.');
 	char path[4096];
 	enum eco_code code = ECO_OK;
-
 	for (size_t i = 0; i < o->libraries.count && code == ECO_OK; i++)
 		code = read_library(m, ((char **)o->libraries.items)[i]);
-	if (code != ECO_OK || m->mtl.count > 0 || dot == NULL
+	if (code != ECO_OK || m->mtl.count > 0 || !dot
 		|| snprintf(path, sizeof path, "%.*s.mtl", (int)(dot - o->text.path), o->text.path) >= (int)sizeof path
 		|| !eco_model_find_beside(o->text.path, eco_path_last(path), path, sizeof path))
 		return code;
@@ -104,11 +100,9 @@ static void note_unknown(const struct maker *m)
 	char names[300] = "";
 	size_t used = 0;
 	uint32_t count = 0;
-
 	for (uint32_t i = 0; i < o->materials.count; i++) {
 		const char *name = o->materials.items[i];
-
-		if (m->of[i] != NULL || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
+		if (m->of[i] || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
 			continue;
 		if (count++ < 8 && used + strlen(name) + 3 < sizeof names)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", name);
@@ -128,19 +122,18 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 {
 	const struct eco_mtl_material *from = m->of[i];
 	struct eco_material *to = &m->model->materials[i];
-
 	snprintf(to->name, sizeof to->name, "%.63s", m->obj->materials.items[i]);
 	to->image = ECO_NONE;
-	memset(to->rgb, m->obj->color.count > 0 && (from == NULL || !from->has_color) ? 255 : (int)(GREY * 255), 3);
-	to->colourless = m->obj->color.count == 0 && (from == NULL || (!from->has_color && from->texture == NULL));
-	for (int k = 0; k < 3 && from != NULL && from->has_color; k++)
+	memset(to->rgb, m->obj->color.count > 0 && (!from || !from->has_color) ? 255 : (int)(GREY * 255), 3);
+	to->colourless = m->obj->color.count == 0 && (!from || (!from->has_color && !from->texture));
+	for (int k = 0; k < 3 && from && from->has_color; k++)
 		to->rgb[k] = byte_of(m, from->rgb[k]);
-	if (from == NULL || m->invisible[i] || from->texture == NULL)
+	if (!from || m->invisible[i] || !from->texture)
 		return;
 	const double alpha = eco_mtl_alpha(from);
 	struct eco_image_wanted wanted = { .texture = from->texture, .gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1 ? (float)alpha : 1 };
 
-	if (from->opacity != NULL && strcmp(from->opacity, from->texture) != 0)
+	if (from->opacity && strcmp(from->opacity, from->texture) != 0)
 		wanted.opacity = from->opacity;
 	to->image = eco_images_get(images, &wanted, &to->cutout);
 	if (to->image != ECO_NONE)           /* the map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
@@ -155,14 +148,13 @@ static enum eco_code make_materials(struct maker *m)
 	uint32_t count = o->materials.count;
 	struct eco_images images = { .model = m->model, .path = o->text.path, .notes = o->notes };
 	enum eco_code code = read_libraries(m);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	m->mtl.linear |= o->linear;
 	m->model->materials = calloc((size_t)count + 1, sizeof *m->model->materials);
 	m->of = calloc((size_t)count + 1, sizeof *m->of);
 	m->invisible = calloc((size_t)count + 1, sizeof *m->invisible);
-	if (m->model->materials == NULL || m->of == NULL || m->invisible == NULL || !eco_images_start(&images)) {
+	if (!m->model->materials || !m->of || !m->invisible || !eco_images_start(&images)) {
 		eco_images_end(&images);
 		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", o->text.path);
 	}
@@ -185,7 +177,6 @@ static enum eco_code make_materials(struct maker *m)
 static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, uint32_t material, uint32_t *transform)
 {
 	const struct eco_mtl_material *from = m->of[material];
-
 	*transform = ECO_NONE;
 	if (m->model->materials[material].image == ECO_NONE)
 		c.vt = ECO_NONE;
@@ -204,7 +195,6 @@ static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t tran
 	static const float none[2] = { 0, 1 };
 	const float *from = c.vt != ECO_NONE ? (const float *)m->obj->uv.items + (size_t)c.vt * 2 : none;
 	double u = from[0], v = from[1];
-
 	if (transform != ECO_NONE) {
 		u = u * m->of[transform]->uv_scale[0] + m->of[transform]->uv_offset[0];
 		v = v * m->of[transform]->uv_scale[1] + m->of[transform]->uv_offset[1];
@@ -221,8 +211,7 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 	uint32_t transform, slot, v;
 	struct eco_obj_corner key;
 	uint64_t h;
-
-	if (place == NULL)
+	if (!place)
 		return ECO_NONE;
 	key = key_of(m, corner, material, &transform);
 	h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu) ^ (transform * 0x165667b19e3779f9u);
@@ -245,7 +234,6 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 static void color_of(const struct maker *m, uint32_t v, float rgb[3])
 {
 	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3 : NULL;
-
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color != NULL && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
 }
@@ -263,16 +251,13 @@ static uint32_t run_material(struct maker *m, size_t first, size_t end)
 	double sum[3] = { 0, 0, 0 }, low[3] = { 1, 1, 1 }, high[3] = { 0, 0, 0 }, count = 0;
 	bool one = true;
 	uint8_t rgb[3];
-
 	if (m->obj->color.count == 0)
 		return material;
 	for (size_t f = first; f < end; f++) {
 		uint32_t n;
 		const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
-
 		for (uint32_t i = 0; i < n; i++, count++) {
 			float color[3];
-
 			color_of(m, c[i].v, color);
 			for (int k = 0; k < 3; k++) {
 				sum[k] += color[k];
@@ -294,10 +279,8 @@ static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *
 {
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
-
 	for (int i = 0; i < 3; i++) {
 		float color[3];
-
 		color_of(m, c[t[i]].v, color);
 		for (int k = 0; k < 3; k++)
 			sum[k] += color[k];
@@ -315,10 +298,8 @@ static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t
 {
 	uint32_t *triangles = m->split + n;
 	bool sound = n > 3;
-
 	for (uint32_t i = 0; i < n && sound; i++) {
 		const double *p = place_of(m->obj, c[i].v);
-
 		sound = p != NULL && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 		for (int k = 0; k < 3 && sound; k++)
 			m->corners[i * 3 + (uint32_t)k] = p[k] - m->base[k];
@@ -338,11 +319,9 @@ static void add_face(struct maker *m, size_t f, uint32_t whole)
 	struct eco_model *to = m->model;
 	uint32_t n;
 	const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
-
 	split_face(m, c, n);
 	for (uint32_t i = 0; i + 2 < n; i++) {
 		const uint32_t *t = m->split + n + (size_t)i * 3;
-
 		for (int k = 0; k < 3; k++)
 			to->index[(size_t)to->triangle_count * 3 + (size_t)k] = vertex_of(m, c[t[k]], face->material);
 		to->part[to->triangle_count] = face->part;
@@ -354,11 +333,9 @@ static void add_faces(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
 	size_t end;
-
 	for (size_t first = 0; first < o->faces.count; first = end) {
 		const struct eco_obj_face *face = &faces_of(o)[first];
 		uint32_t whole, n;
-
 		for (end = first; end < o->faces.count && faces_of(o)[end].material == face->material && faces_of(o)[end].part == face->part; end++)
 			;
 		if (m->invisible[face->material]) {
@@ -384,11 +361,9 @@ static void find_base(struct maker *m)
 	const struct eco_obj *o = m->obj;
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	float most = 0;
-
 	for (size_t i = 0; i < o->corners.count; i++) {
 		const double *p = place_of(o, ((const struct eco_obj_corner *)o->corners.items)[i].v);
-
-		for (int k = 0; k < 3 && p != NULL && isfinite(p[0] + p[1] + p[2]); k++) {
+		for (int k = 0; k < 3 && p && isfinite(p[0] + p[1] + p[2]); k++) {
 			low[k] = fmin(low[k], p[k]);
 			high[k] = fmax(high[k], p[k]);
 		}
@@ -405,7 +380,6 @@ static bool take_memory(struct maker *m)
 	const struct eco_obj *o = m->obj;
 	struct eco_model *to = m->model;
 	size_t triangles = (size_t)o->triangles, vertices = o->corners.count, table = 16;
-
 	while (table < vertices * 2)
 		table *= 2;
 	to->position = malloc((vertices + 1) * 3 * sizeof *to->position);
@@ -420,17 +394,16 @@ static bool take_memory(struct maker *m)
 	m->mask = (uint32_t)(table - 1);
 	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
-	if (m->table != NULL)
+	if (m->table)
 		memset(m->table, 0xff, table * sizeof *m->table);
-	return to->position != NULL && to->uv != NULL && to->index != NULL && to->material != NULL && to->part != NULL && to->parts != NULL
-		&& m->key != NULL && m->transform != NULL && m->table != NULL && m->corners != NULL && m->split != NULL
+	return to->position && to->uv && to->index && to->material && to->part && to->parts
+		&& m->key && m->transform && m->table && m->corners && m->split
 		&& eco_tints_start(&m->tints, to);
 }
 
 static void tell(const struct maker *m)
 {
 	struct eco_notes *notes = m->obj->notes;
-
 	if (m->hidden > 0)
 		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out", (unsigned long long)m->hidden);
 	if (m->averaged > 0)
@@ -443,11 +416,10 @@ enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *fram
 {
 	struct maker m = { .obj = obj, .model = model };
 	enum eco_code code = make_materials(&m);
-
 	if (code == ECO_OK && !take_memory(&m))
 		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", obj->text.path,
 			(unsigned long long)obj->triangles);
-	if (code == ECO_OK) {
+	if (!code) {
 		find_base(&m);
 		add_faces(&m);
 		for (uint32_t i = 0; i < obj->parts.count; i++)

@@ -45,7 +45,6 @@ static bool add_property(struct ply *p, const char *type, const char *name)
 {
 	uint32_t i = p->property_count;
 	size_t bytes = type_bytes(type);
-
 	if (i == PROPERTIES_MAX || bytes == 0)
 		return false;
 	p->offset[i] = p->stride;
@@ -63,12 +62,10 @@ static bool read_header(struct ply *p)
 {
 	size_t at = 0;
 	bool in_vertex = false, any = false;
-
 	while (at < p->size) {
 		const uint8_t *end = memchr(p->bytes + at, '\n', p->size - at);
 		char line[256], word[3][64] = { "", "", "" };
 		size_t length = end != NULL ? (size_t)(end - (p->bytes + at)) : p->size - at;
-
 		snprintf(line, sizeof line, "%.*s", length < 255 ? (int)length : 255, (const char *)p->bytes + at);
 		at += length + 1;
 		if (sscanf(line, "%63s %63s %63s", word[0], word[1], word[2]) < 1)
@@ -100,7 +97,6 @@ static double get_double(const uint8_t *from, bool big)
 {
 	uint64_t bits = 0;
 	double value;
-
 	for (int i = 0; i < 8; i++)
 		bits |= (uint64_t)from[i] << (big ? 56 - 8 * i : 8 * i);
 	memcpy(&value, &bits, sizeof value);
@@ -110,7 +106,6 @@ static double get_double(const uint8_t *from, bool big)
 static void put_double(uint8_t *to, bool big, double value)
 {
 	uint64_t bits;
-
 	memcpy(&bits, &value, sizeof bits);
 	for (int i = 0; i < 8; i++)
 		to[i] = (uint8_t)(bits >> (big ? 56 - 8 * i : 8 * i));
@@ -127,12 +122,10 @@ static uint8_t *binary_at(const struct ply *p, uint64_t vertex, int k)
 static bool line_places(const struct ply *p, char *line, double place[3], char *from[3], char *to[3])
 {
 	int found = 0;
-
 	for (uint32_t i = 0; i < p->property_count; i++) {
 		char *end;
 		double number = strtod(line, &end);
-
-		if (end == line || memchr(line, '\n', (size_t)(end - line)) != NULL)
+		if (end == line || memchr(line, '\n', (size_t)(end - line)))
 			return false;
 		for (int k = 0; k < 3; k++)
 			if (p->axis[k] == i) {
@@ -149,8 +142,7 @@ static bool line_places(const struct ply *p, char *line, double place[3], char *
 static char *next_line(const struct ply *p, char *line)
 {
 	char *end = memchr(line, '\n', (size_t)((char *)p->bytes + p->size - line));
-
-	return end != NULL ? end + 1 : (char *)p->bytes + p->size;
+	return end ? end + 1 : (char *)p->bytes + p->size;
 }
 
 /* Copies the file with its vertices moved. */
@@ -159,14 +151,12 @@ static bool rewrite_text(struct eco_model_file *file, struct ply *p, const doubl
 	char *line = (char *)p->bytes + p->data;
 	size_t room = p->size + (size_t)p->vertices * 96 + 1, used = p->data;
 	char *text = malloc(room);
-
-	if (text == NULL)
+	if (!text)
 		return false;
 	memcpy(text, p->bytes, p->data);
 	for (uint64_t i = 0; i < p->vertices; i++) {
 		char *next = next_line(p, line), *from[3], *to[3], *at = line;
 		double place[3];
-
 		if (!line_places(p, line, place, from, to)) {
 			free(text);
 			return false;
@@ -175,7 +165,7 @@ static bool rewrite_text(struct eco_model_file *file, struct ply *p, const doubl
 			int first = 0;
 
 			for (int j = 1; j < 3; j++)
-				if (from[j] != NULL && (from[first] == NULL || from[j] < from[first]))
+				if (from[j] && (!from[first] || from[j] < from[first]))
 					first = j;
 			memcpy(text + used, at, (size_t)(from[first] - at));
 			used += (size_t)(from[first] - at);
@@ -200,7 +190,6 @@ static bool find_bounds(struct ply *p, double low[3], double high[3])
 {
 	char *line = (char *)p->bytes + p->data, *from[3], *to[3];
 	double place[3];
-
 	for (int k = 0; k < 3; k++) {
 		low[k] = INFINITY;
 		high[k] = -INFINITY;
@@ -252,8 +241,7 @@ enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struc
 	double low[3], high[3];
 	bool moved = false;
 	enum eco_code code = eco_file_read(file->path, ECO_MODEL_FILE_MAX, &p.bytes, &p.size, error);
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (read_header(&p) && p.surfaces == 0) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no faces in it, only %llu points; a point cloud has no surfaces: make a mesh of it first",

@@ -21,13 +21,12 @@
 bool eco_tints_start(struct eco_tints *t, struct eco_model *model)
 {
 	struct eco_material *grown = realloc(model->materials, ((size_t)model->material_count + ECO_TINTS_MAX) * sizeof *grown);
-
 	*t = (struct eco_tints){ .model = model, .base = model->material_count };
-	if (grown != NULL)
+	if (grown)
 		model->materials = grown;
 	t->key = malloc(ECO_TINTS_MAX * sizeof *t->key);
 	t->table = calloc(4 * ECO_TINTS_MAX, sizeof *t->table);
-	return grown != NULL && t->key != NULL && t->table != NULL;
+	return grown && t->key && t->table;
 }
 
 uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb[3])
@@ -36,7 +35,6 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	uint64_t key = (uint64_t)material << 24 | (uint64_t)rgb[0] << 16 | (uint64_t)rgb[1] << 8 | rgb[2];
 	uint32_t slot = (uint32_t)((key * 0x9e3779b97f4a7c15u) >> 40) % (4 * ECO_TINTS_MAX);
 	struct eco_material *to;
-
 	if (rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255)
 		return material;
 	while (t->table[slot] != 0 && t->key[t->table[slot] - 1] != key)
@@ -88,7 +86,6 @@ struct tints {
 static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
 {
 	uint32_t sum = 0;
-
 	for (int k = 0; k < 3; k++)
 		sum += (uint32_t)((a[k] - b[k]) * (a[k] - b[k]));
 	return sum;
@@ -98,15 +95,13 @@ static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
 static const struct variant *nearest(const struct tints *t, uint32_t source, const uint8_t rgb[3], uint32_t *count)
 {
 	const struct variant *best = NULL;
-
 	*count = 0;
 	for (uint32_t i = 0; i < t->count; i++) {
 		const struct variant *v = &t->variants[i];
-
 		if (v->source != source)
 			continue;
 		(*count)++;
-		if (best == NULL || distance(v->rgb, rgb) < distance(best->rgb, rgb))
+		if (!best || distance(v->rgb, rgb) < distance(best->rgb, rgb))
 			best = v;
 	}
 	return best;
@@ -118,15 +113,14 @@ static bool copy_image(struct tints *t, uint32_t source, uint32_t *copy)
 	struct eco_model *m = t->model;
 	struct eco_image *images = realloc(m->images, ((size_t)m->image_count + 1) * sizeof *images), *to;
 	size_t pixels;
-
-	if (images == NULL)
+	if (!images)
 		return false;
 	m->images = images;
 	to = &images[m->image_count];
 	*to = images[source];
 	pixels = (size_t)to->width * to->height;
 	to->rgba = malloc(pixels * 4 + 1);
-	if (to->rgba == NULL)
+	if (!to->rgba)
 		return false;
 	memcpy(to->rgba, images[source].rgba, pixels * 4);
 	t->copied_pixels += pixels;
@@ -142,8 +136,7 @@ static bool choose_variant(struct tints *t, struct eco_material *material)
 	uint32_t count, source = material->image;
 	const struct variant *v = nearest(t, source, material->rgb, &count);
 	struct variant made = { .source = source, .image = source };
-
-	if (v != NULL && distance(v->rgb, material->rgb) > 0) {
+	if (v && distance(v->rgb, material->rgb) > 0) {
 		if (count < TINTS_MAX && t->model->image_count < ECO_MODEL_IMAGES_MAX
 			&& t->copied_pixels + (uint64_t)image->width * image->height <= COPIED_PIXELS_MAX) {
 			if (!copy_image(t, source, &made.image))
@@ -153,7 +146,7 @@ static bool choose_variant(struct tints *t, struct eco_material *material)
 			t->replaced++;
 		}
 	}
-	if (v == NULL) {
+	if (!v) {
 		memcpy(made.rgb, material->rgb, 3);
 		t->variants[t->count] = made;
 		v = &t->variants[t->count++];
@@ -167,7 +160,6 @@ static void multiply(struct eco_image *image, const uint8_t rgb[3])
 {
 	size_t count = (size_t)image->width * image->height;
 	uint8_t table[3][256];
-
 	for (int k = 0; k < 3; k++)
 		for (int i = 0; i < 256; i++)
 			table[k][i] = rgb[k] == 255 ? (uint8_t)i
@@ -186,10 +178,8 @@ static bool same_pixels(const struct eco_image *a, const struct eco_image *b)
 static void merge_equal(struct eco_model *m)
 {
 	uint32_t kept = 0;
-
 	for (uint32_t i = 0; i < m->image_count; i++) {
 		uint32_t to = 0;
-
 		while (to < kept && !same_pixels(&m->images[to], &m->images[i]))
 			to++;
 		for (uint32_t k = 0; k < m->material_count; k++)
@@ -207,7 +197,6 @@ enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, st
 {
 	struct tints t = { .model = model, .variants = malloc(ECO_MODEL_IMAGES_MAX * sizeof *t.variants) };
 	bool good = t.variants != NULL;
-
 	for (uint32_t i = 0; good && i < model->material_count; i++)
 		if (model->materials[i].image != ECO_NONE)
 			good = choose_variant(&t, &model->materials[i]);

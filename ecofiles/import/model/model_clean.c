@@ -24,24 +24,21 @@ struct clean {
 static bool table_new(struct clean *c, uint32_t entries)
 {
 	size_t size = 16;
-
 	while (size < (size_t)entries * 2)
 		size *= 2;
 	c->table = malloc(size * sizeof *c->table);
 	c->mask = (uint32_t)(size - 1);
-	if (c->table != NULL)
+	if (c->table)
 		memset(c->table, 0xff, size * sizeof *c->table);
-	return c->table != NULL;
+	return c->table;
 }
 
 static void sort3(uint32_t v[3])
 {
 	for (int i = 0; i < 3; i++) {
 		int a = i == 1 ? 1 : 0;
-
 		if (v[a] > v[a + 1]) {
 			uint32_t t = v[a];
-
 			v[a] = v[a + 1];
 			v[a + 1] = t;
 		}
@@ -59,12 +56,10 @@ static void corner_places(const struct clean *c, uint32_t triangle, uint32_t pla
 static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t material, uint32_t kept)
 {
 	uint32_t sorted[3] = { corners[0], corners[1], corners[2] }, slot;
-
 	sort3(sorted);
 	slot = eco_mix_slot(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
 	for (; c->table[slot] != ECO_NONE; slot = (slot + 1) & c->mask) {
 		uint32_t other[3];
-
 		corner_places(c, c->table[slot], other);
 		sort3(other);
 		if (memcmp(other, sorted, sizeof sorted) == 0 && c->model->material[c->table[slot]] == material)
@@ -78,7 +73,6 @@ static enum eco_drop judge(struct clean *c, uint32_t triangle, uint32_t kept)
 {
 	const uint32_t *v = &c->model->index[(size_t)triangle * 3];
 	uint32_t places[3];
-
 	if (v[0] >= c->model->vertex_count || v[1] >= c->model->vertex_count || v[2] >= c->model->vertex_count)
 		return ECO_DROP_BAD_INDEX;
 	for (int k = 0; k < 3; k++) {
@@ -95,18 +89,16 @@ static bool drop_triangles(struct clean *c)
 {
 	struct eco_model *m = c->model;
 	uint32_t kept = 0;
-
 	if (!table_new(c, m->triangle_count))
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		enum eco_drop why = judge(c, i, kept);
-
 		if (why != ECO_DROP_COUNT) {
 			m->dropped[why]++;
 			continue;
 		}
 		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
-		if (m->part != NULL)
+		if (m->part)
 			m->part[kept] = m->part[i];
 		m->material[kept++] = m->material[i];
 	}
@@ -122,7 +114,6 @@ static bool drop_triangles(struct clean *c)
 static void compact_materials(struct eco_model *m, uint32_t *used)
 {
 	uint32_t kept = 0;
-
 	memset(used, 0xff, ((size_t)m->material_count + 1) * sizeof *used);
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		used[m->material[i]] = 0;
@@ -157,8 +148,7 @@ static void compact_materials(struct eco_model *m, uint32_t *used)
 static void compact_parts(struct eco_model *m, uint32_t *used)
 {
 	uint32_t kept = 0;
-
-	if (m->part == NULL)
+	if (!m->part)
 		return;
 	memset(used, 0xff, ((size_t)m->part_count + 1) * sizeof *used);
 	for (uint32_t i = 0; i < m->triangle_count; i++)
@@ -178,7 +168,6 @@ static void compact(struct clean *c)
 {
 	struct eco_model *m = c->model;
 	uint32_t kept = 0, *new_index = c->place;    /* places are not needed any more */
-
 	memset(new_index, 0xff, (size_t)m->vertex_count * sizeof *new_index);
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
 		new_index[m->index[i]] = 0;
@@ -186,7 +175,7 @@ static void compact(struct clean *c)
 		if (new_index[i] == ECO_NONE)
 			continue;
 		memmove(&m->position[(size_t)kept * 3], &m->position[(size_t)i * 3], 3 * sizeof *m->position);
-		if (m->uv != NULL)
+		if (m->uv)
 			memmove(&m->uv[(size_t)kept * 2], &m->uv[(size_t)i * 2], 2 * sizeof *m->uv);
 		new_index[i] = kept++;
 	}
@@ -216,19 +205,18 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	enum eco_code code = ECO_OK;
 	uint32_t *used = malloc(((size_t)largest(model->material_count, model->image_count, model->part_count) + 1) * sizeof *used);
 	uint64_t accounted = 0;
-
 	c.place = malloc(((size_t)model->vertex_count + 1) * sizeof *c.place);
-	if (used == NULL || c.place == NULL || !eco_model_places(model, c.place) || !drop_triangles(&c))
+	if (!used || !c.place || !eco_model_places(model, c.place) || !drop_triangles(&c))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
 	else if (model->triangle_count == 0)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn", what, model->triangles_in);
-	if (code == ECO_OK) {
+	if (!code) {
 		note_dropped(model, notes);
 		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes, error);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_model_stand(model, c.place, frame, options, what, notes, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		compact(&c);
 		compact_materials(model, used);
 		compact_parts(model, used);
@@ -236,7 +224,7 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	free(used);
 	free(c.table);
 	free(c.place);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += model->dropped[i];

@@ -22,11 +22,10 @@ static uint32_t *table_new(uint64_t entries, uint32_t *mask)
 {
 	size_t size = 16;
 	uint32_t *table;
-
 	while (size < entries * 2)
 		size *= 2;
 	table = malloc(size * sizeof *table);
-	if (table != NULL)
+	if (table)
 		memset(table, 0xff, size * sizeof *table);
 	*mask = (uint32_t)(size - 1);
 	return table;
@@ -40,13 +39,11 @@ static bool vertex_fits(const float *p)
 bool eco_model_places(struct eco_model *m, uint32_t *place)
 {
 	uint32_t mask, *table = table_new(m->vertex_count, &mask);
-
-	if (table == NULL)
+	if (!table)
 		return false;
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
 		float *p = &m->position[(size_t)i * 3];
 		uint32_t bits[3], slot;
-
 		place[i] = ECO_NONE;
 		if (!vertex_fits(p))
 			continue;
@@ -70,7 +67,6 @@ double eco_triangle_area(const struct eco_model *m, uint32_t triangle)
 {
 	const uint32_t *v = &m->index[(size_t)triangle * 3];
 	double a[3], b[3], x, y, z;
-
 	for (int k = 0; k < 3; k++) {
 		a[k] = (double)m->position[(size_t)v[1] * 3 + (size_t)k] - m->position[(size_t)v[0] * 3 + (size_t)k];
 		b[k] = (double)m->position[(size_t)v[2] * 3 + (size_t)k] - m->position[(size_t)v[0] * 3 + (size_t)k];
@@ -84,7 +80,6 @@ double eco_triangle_area(const struct eco_model *m, uint32_t triangle)
 double eco_component_diagonal(const struct eco_component *c)
 {
 	double square = 0;
-
 	for (int k = 0; k < 3; k++)
 		square += (c->high[k] - c->low[k]) * (c->high[k] - c->low[k]);
 	return sqrt(square);
@@ -94,14 +89,12 @@ double eco_component_diagonal(const struct eco_component *c)
 static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material, uint32_t *parent)
 {
 	uint32_t mask, *table = table_new((uint64_t)m->triangle_count * 3, &mask);
-
-	if (table == NULL)
+	if (!table)
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		parent[i] = i;
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
 		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0, slot, a, b;
-
 		slot = eco_mix_slot(at, material, 0) & mask;
 		while (table[slot] != ECO_NONE && (place[m->index[table[slot]]] != at
 			|| (by_material && m->material[table[slot] / 3] != material)))
@@ -123,7 +116,6 @@ static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t 
 	for (int i = 0; i < 9; i++) {
 		double p = m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3 + (size_t)(i % 3)];
 		bool first = c->triangle_count == 0 && i < 3;
-
 		c->low[i % 3] = first ? p : fmin(c->low[i % 3], p);
 		c->high[i % 3] = first ? p : fmax(c->high[i % 3], p);
 	}
@@ -135,7 +127,6 @@ static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t 
 static int by_falling_area(const void *a, const void *b)
 {
 	const struct eco_component *p = a, *q = b;
-
 	if (p->area != q->area)
 		return p->area > q->area ? -1 : 1;
 	return p->first < q->first ? -1 : p->first > q->first;
@@ -144,19 +135,17 @@ static int by_falling_area(const void *a, const void *b)
 static bool list_components(struct eco_components *c, const struct eco_model *m, uint32_t *parent)
 {
 	uint32_t *number = malloc(((size_t)m->triangle_count + 1) * sizeof *number);
-
 	c->count = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		c->count += parent[i] == i;
 	c->items = calloc((size_t)c->count + 1, sizeof *c->items);
-	if (number == NULL || c->items == NULL) {
+	if (!number || !c->items) {
 		free(number);
 		return false;
 	}
 	c->count = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		uint32_t root = eco_union_root(parent, i);
-
 		if (root == i)
 			number[i] = c->count++;
 		add_to(&c->items[number[root]], m, i);
@@ -174,9 +163,8 @@ bool eco_components_find(struct eco_components *c, const struct eco_model *m, co
 {
 	uint32_t *parent = malloc(((size_t)m->triangle_count + 1) * sizeof *parent);
 	bool good;
-
 	*c = (struct eco_components){ .of = malloc(((size_t)m->triangle_count + 1) * sizeof *c->of) };
-	good = parent != NULL && c->of != NULL && join_triangles(m, place, by_material, parent) && list_components(c, m, parent);
+	good = parent != NULL && c->of && join_triangles(m, place, by_material, parent) && list_components(c, m, parent);
 	free(parent);
 	if (!good)
 		eco_components_free(c);
@@ -199,7 +187,6 @@ static uint32_t next_letter(const char **at, const char *end)
 	const unsigned char *p = (const unsigned char *)*at;
 	size_t bytes = eco_utf8_bytes(*at, (size_t)(end - *at));
 	uint32_t c;
-
 	if (*at >= end)
 		return 0;
 	c = bytes > 1 ? *p & (0x7fu >> bytes) : *p;
@@ -214,11 +201,9 @@ static uint32_t next_letter(const char **at, const char *end)
 static bool fits(const char *pattern, const char *pattern_end, const char *name, const char *name_end)
 {
 	const char *star = NULL, *retry = NULL;
-
 	for (;;) {
 		const char *p = pattern, *n = name;
 		uint32_t wanted = next_letter(&p, pattern_end), have = next_letter(&n, name_end);
-
 		if (wanted == '*') {
 			star = pattern = p;
 			retry = name;
@@ -227,7 +212,7 @@ static bool fits(const char *pattern, const char *pattern_end, const char *name,
 				return true;
 			pattern = p;
 			name = n;
-		} else if (star != NULL && retry < name_end) {
+		} else if (star && retry < name_end) {
 			next_letter(&retry, name_end);
 			pattern = star;
 			name = retry;
@@ -240,10 +225,9 @@ static bool fits(const char *pattern, const char *pattern_end, const char *name,
 bool eco_part_name_fits(const char *pattern, const char *name)
 {
 	const char *pattern_end = pattern + strlen(pattern), *end = name + strlen(name);
-
 	if (fits(pattern, pattern_end, name, end))
 		return true;
-	for (const char *from = name, *to; strchr(name, '/') != NULL && from <= end; from = to + 1) {
+	for (const char *from = name, *to; strchr(name, '/') && from <= end; from = to + 1) {
 		to = strchrnul(from, '/');
 		if (fits(pattern, pattern_end, from, to))
 			return true;
@@ -266,7 +250,6 @@ struct rules {
 static uint32_t rule_of_name(struct rules *r, const char *name)
 {
 	uint32_t first = ECO_NONE;
-
 	for (uint32_t i = 0; i < r->count; i++) {
 		if (r->rules[i].kind != ECO_PART_NAME || !eco_part_name_fits(r->rules[i].name, name))
 			continue;
@@ -280,10 +263,8 @@ static uint32_t rule_of_component(struct rules *r, uint32_t component)
 {
 	double size = r->diagonal > 0 ? eco_component_diagonal(&r->components.items[component]) / r->diagonal : 0;
 	uint32_t first = ECO_NONE;
-
 	for (uint32_t i = 0; i < r->count; i++) {
 		const struct eco_part_rule *rule = &r->rules[i];
-
 		if ((rule->kind == ECO_PART_COMPONENT && rule->component == component + 1)
 			|| (rule->kind == ECO_PART_SIZE && size >= rule->size[0] && size <= rule->size[1])) {
 			r->fitted[i] = true;
@@ -296,7 +277,6 @@ static uint32_t rule_of_component(struct rules *r, uint32_t component)
 static void measure_all(struct rules *r)
 {
 	struct eco_component all = { .area = 0 };
-
 	for (uint32_t i = 0; i < r->components.count; i++)
 		for (int k = 0; k < 3; k++) {
 			all.low[k] = i == 0 ? r->components.items[i].low[k] : fmin(all.low[k], r->components.items[i].low[k]);
@@ -309,21 +289,20 @@ static void measure_all(struct rules *r)
 static bool match_all(struct rules *r, const uint32_t *place)
 {
 	const struct eco_model *m = r->model;
-
 	r->fitted = calloc((size_t)r->count + 1, sizeof *r->fitted);
 	r->of_material = malloc(((size_t)m->material_count + 1) * sizeof *r->of_material);
 	r->of_part = malloc(((size_t)m->part_count + 1) * sizeof *r->of_part);
-	if (r->fitted == NULL || r->of_material == NULL || r->of_part == NULL || !eco_components_find(&r->components, m, place, true))
+	if (!r->fitted || !r->of_material || !r->of_part || !eco_components_find(&r->components, m, place, true))
 		return false;
 	r->of_component = malloc(((size_t)r->components.count + 1) * sizeof *r->of_component);
-	if (r->of_component == NULL)
+	if (!r->of_component)
 		return false;
 	measure_all(r);
 	memset(r->of_material, 0, ((size_t)m->material_count + 1) * sizeof *r->of_material);
 	memset(r->of_part, 0, ((size_t)m->part_count + 1) * sizeof *r->of_part);
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		r->of_material[m->material[i]] = 1;
-		if (m->part != NULL)
+		if (m->part)
 			r->of_part[m->part[i]] = 1;
 	}
 	for (uint32_t i = 0; i < m->material_count; i++)
@@ -344,15 +323,13 @@ static bool apply(struct rules *r)
 {
 	struct eco_model *m = r->model;
 	uint32_t kept = 0;
-
 	m->organ = malloc((size_t)m->triangle_count + 1);
-	if (m->organ == NULL)
+	if (!m->organ)
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		uint32_t rule = earlier(r->of_material[m->material[i]], r->of_component[r->components.of[i]]);
 		uint8_t is;
-
-		if (m->part != NULL)
+		if (m->part)
 			rule = earlier(rule, r->of_part[m->part[i]]);
 		is = rule == ECO_NONE ? ECO_ORGAN_FOUND : r->rules[rule].is;
 		if (is == ECO_PART_LEFT_OUT) {
@@ -361,7 +338,7 @@ static bool apply(struct rules *r)
 		}
 		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
 		m->material[kept] = m->material[i];
-		if (m->part != NULL)
+		if (m->part)
 			m->part[kept] = m->part[i];
 		m->organ[kept++] = is;
 	}
@@ -376,12 +353,10 @@ static void list_names(char *to, size_t size, const char *first, size_t stride, 
 {
 	size_t used = 0;
 	uint32_t shown = 0, left = 0;
-
 	to[0] = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const char *name = first + i * stride;
 		bool seen = *name == 0;
-
 		for (uint32_t k = 0; k < i && k < 1000 && !seen; k++)
 			seen = strcmp(first + k * stride, name) == 0;
 		if (seen)
@@ -402,7 +377,6 @@ static void note_unfitted(const struct rules *r, uint32_t i, struct eco_notes *n
 	const struct eco_part_rule *rule = &r->rules[i];
 	const struct eco_model *m = r->model;
 	char materials[400], parts[400];
-
 	if (rule->kind == ECO_PART_COMPONENT) {
 		eco_note(notes, "the rule {\"component\": %u} fits nothing: there are %u components", rule->component, r->components.count);
 	} else if (rule->kind == ECO_PART_SIZE) {
@@ -421,7 +395,6 @@ enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *pla
 {
 	struct rules r = { .model = model, .rules = rules, .count = count };
 	enum eco_code code = ECO_OK;
-
 	if (count == 0)
 		return ECO_OK;
 	if (!match_all(&r, place) || !apply(&r))

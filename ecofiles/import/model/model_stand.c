@@ -61,7 +61,6 @@ static double length_of(double x, double y)
 static double girth_of(const struct eco_component *c)
 {
 	double length = eco_component_diagonal(c);
-
 	return length > 0 ? c->area / length : 0;
 }
 
@@ -96,7 +95,6 @@ static void mark_by_shape(struct stance *s)
 {
 	double largest = 0;
 	int rank = 0;
-
 	for (uint32_t i = 0; i < s->components.count; i++)
 		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i]) : rank;
 	for (uint32_t i = 0; i < s->components.count; i++)
@@ -104,13 +102,11 @@ static void mark_by_shape(struct stance *s)
 			largest = fmax(largest, s->components.items[i].area);
 	for (uint32_t i = 0; i < s->components.count; i++) {
 		const struct eco_component *c = &s->components.items[i];
-
 		if (rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && is_long(c))
 			s->girth = fmax(s->girth, girth_of(c));
 	}
 	for (uint32_t i = 0; i < s->components.count; i++) {
 		const struct eco_component *c = &s->components.items[i];
-
 		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
 	}
 }
@@ -120,9 +116,8 @@ static void find_wood(struct stance *s)
 {
 	const struct eco_model *m = s->model;
 	bool ruled = false;
-
 	mark_by_shape(s);
-	for (uint32_t i = 0; i < m->triangle_count && m->organ != NULL; i++)
+	for (uint32_t i = 0; i < m->triangle_count && m->organ; i++)
 		if (m->organ[i] == ECO_ORGAN_WOOD) {
 			if (!ruled)
 				memset(s->wood, 0, s->components.count * sizeof *s->wood);
@@ -145,12 +140,10 @@ static void find_foot(struct stance *s)
 	const struct eco_model *m = s->model;
 	double height = s->high - s->low, share = s->girth > 0 ? FOOT_SHARE : HULL_SHARE, sum[2] = { 0, 0 }, weight = 0;
 	double box[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
-
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
 		const float *p = &m->position[(size_t)m->index[i] * 3], *q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
 		uint32_t component = s->components.of[i / 3];
 		double own = s->components.items[component].low[2], length;
-
 		if (!s->wood[component] || own > s->wood_low + STEMS_SHARE * height || p[2] > own + share * height)
 			continue;
 		for (int k = 0; k < 2; k++) {
@@ -174,7 +167,6 @@ static unsigned sector_of(double x, double y)
 	unsigned sector = y < 0 ? 8 : 0;
 	double ax = fabs(x), ay = fabs(y), low = ax < ay ? ax : ay, high = ax < ay ? ay : ax;
 	unsigned eighth = (ay > ax ? 2 : 0) + ((low > TAN_22_5 * high) != (ay > ax) ? 1 : 0);
-
 	return sector + ((x < 0) != (y < 0) ? 7 - eighth : eighth);
 }
 
@@ -184,11 +176,9 @@ static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
 {
 	double cut[3][2] = { { 0 } };
 	unsigned count = 0, sectors = 0;
-
 	for (uint32_t k = 0; k < 3; k++) {
 		const float *p = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + k] * 3];
 		const float *q = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + (k + 1) % 3] * 3];
-
 		if ((p[2] < z) == (q[2] < z))
 			continue;
 		for (int j = 0; j < 2; j++)
@@ -205,8 +195,7 @@ static bool stands_on_something(const struct stance *s)
 {
 	double z = s->wood_low - UNDER * (s->high - s->low);
 	unsigned *sectors = calloc((size_t)s->components.count + 1, sizeof *sectors), all = 0;
-
-	if (sectors == NULL)
+	if (!sectors)
 		return false;
 	for (uint32_t i = 0; i < s->model->triangle_count; i++)
 		if (s->components.items[s->components.of[i]].low[2] < z)
@@ -221,7 +210,6 @@ static bool stands_on_something(const struct stance *s)
 static bool only_hangs(const struct stance *s)
 {
 	double below = 0;
-
 	if (s->girth == 0 || s->wood_low - s->low > DEPTH_MOST * (s->high - s->low))
 		return false;
 	for (uint32_t i = 0; i < s->components.count; i++)
@@ -233,7 +221,6 @@ static void find_ground(struct stance *s, const struct eco_model_frame *frame)
 {
 	double height = s->high - s->low, zero = -frame->base[2];
 	double aside = length_of(s->foot[0] + frame->base[0], s->foot[1] + frame->base[1]);
-
 	s->foot[2] = s->low;
 	if (s->wood_low > s->low && only_hangs(s))
 		s->foot[2] = s->wood_low;
@@ -270,7 +257,6 @@ static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, 
 {
 	const struct known_unit *guess = guess_unit(top);
 	struct eco_model_source *source = &m->source;
-
 	source->unit_m = options->unit_m > 0 ? options->unit_m : unit_m;
 	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED;
 	if (options->height_m > 0) {
@@ -301,17 +287,15 @@ static enum eco_code stand(struct stance *s, struct eco_model *m, const struct e
 	const char *what, struct eco_notes *notes, struct eco_error *error)
 {
 	enum eco_code code;
-
 	measure(s);
 	find_wood(s);
 	find_foot(s);
 	find_ground(s, frame);
 	code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	for (int k = 0; k < 3; k++) {
 		double low = INFINITY, high = -INFINITY;
-
 		for (uint32_t i = 0; i < s->components.count; i++) {
 			low = fmin(low, s->components.items[i].low[k]);
 			high = fmax(high, s->components.items[i].high[k]);
@@ -331,8 +315,7 @@ enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place, co
 {
 	struct stance s = { .model = model };
 	enum eco_code code;
-
-	if (eco_components_find(&s.components, model, place, false) && (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)) != NULL)
+	if (eco_components_find(&s.components, model, place, false) && (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)))
 		code = stand(&s, model, frame, options, what, notes, error);
 	else
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);

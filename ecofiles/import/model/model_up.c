@@ -190,7 +190,7 @@ static bool compare(const struct eco_model *soup, const bool *wanted, const stru
 		if (!(box.high[a] - box.low[a] > FLAT * box.extent))
 			return false;
 	for (uint32_t t = 0; t < soup->triangle_count; t++)
-		if ((wanted == NULL || wanted[t]) && usable(soup, t, p))
+		if ((!wanted || wanted[t]) && usable(soup, t, p))
 			add_triangle(profile, &box, p);
 	if (!(profile[1].all.area > 0))
 		return false;
@@ -220,7 +220,7 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 	while (size < 2 * (uint64_t)m->vertex_count)
 		size *= 2;
 	uint32_t *table = malloc(size * sizeof *table);
-	if (table == NULL)
+	if (!table)
 		return false;
 	memset(table, 0xff, size * sizeof *table);
 	for (uint32_t i = 0; i < m->vertex_count; i++) {

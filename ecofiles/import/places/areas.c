@@ -34,7 +34,6 @@ static enum eco_code damaged(const struct reading *r)
 static enum eco_code add_edge(struct reading *r, const double a[2], const double b[2])
 {
 	struct eco_areas *s = r->areas;
-
 	if (s->edge_count == ECO_AREA_POINTS_MAX || !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
 		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for more than %u corners of areas",
 			s->edge_count);
@@ -47,18 +46,16 @@ static enum eco_code take_path(struct reading *r, uint32_t count, bool ring)
 {
 	double first[2] = { 0, 0 }, last[2] = { 0, 0 };
 	enum eco_code code = ECO_OK;
-
 	if (r->wkb.failed || count > (r->wkb.size - r->wkb.at) / 16)
 		return damaged(r);
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
 		double at[2] = { eco_read_f64(&r->wkb), 0 };
-
 		at[1] = eco_read_f64(&r->wkb);
 		if (ring != r->surfaces)
 			continue;
 		r->kept = r->kept && isfinite(at[0]) && isfinite(at[1]) && r->convert(r->ctx, at, r->error) && isfinite(at[0]) && isfinite(at[1]);
 		if (!r->kept)
-			return r->error != NULL && r->error->code != ECO_OK ? r->error->code : ECO_OK;
+			return r->error && r->error->code != ECO_OK ? r->error->code : ECO_OK;
 		if (i > 0 || count == 1)
 			code = add_edge(r, i > 0 ? last : at, at);
 		else
@@ -75,14 +72,13 @@ static enum eco_code take_geometry(struct reading *r, int depth)
 	uint8_t little = eco_read_u8(&r->wkb);
 	uint32_t kind = eco_read_u32(&r->wkb), count = kind == WKB_POINT ? 1 : eco_read_u32(&r->wkb);
 	enum eco_code code = ECO_OK;
-
 	if (depth > DEPTH_MAX || r->wkb.failed || little != 1 || kind < WKB_POINT || kind > WKB_COLLECTION)
 		return damaged(r);
 	if (kind == WKB_POINT || kind == WKB_LINE)
 		return take_path(r, count, false);
 	if (count > r->wkb.size - r->wkb.at)
 		return damaged(r);
-	for (uint32_t i = 0; i < count && code == ECO_OK && r->kept; i++)
+	for (uint32_t i = 0; i < count && !code && r->kept; i++)
 		code = kind == WKB_POLYGON ? take_path(r, eco_read_u32(&r->wkb), true) : take_geometry(r, depth + 1);
 	return code;
 }
@@ -90,7 +86,6 @@ static enum eco_code take_geometry(struct reading *r, int depth)
 static void measure(const struct eco_areas *areas, struct eco_area *area)
 {
 	const struct eco_edge *edges = areas->edges + area->edge_first;
-
 	for (int k = 0; k < 2; k++) {
 		area->low[k] = INFINITY;
 		area->high[k] = -INFINITY;
@@ -111,7 +106,7 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	struct eco_area area = { .edge_first = areas->edge_count };
 	enum eco_code code = ECO_OK;
 
-	for (int pass = 0; pass < 2 && code == ECO_OK && r.kept; pass++) {
+	for (int pass = 0; pass < 2 && !code && r.kept; pass++) {
 		r.wkb.at = 0;
 		r.surfaces = pass == 0;
 		code = take_geometry(&r, 0);
@@ -137,7 +132,6 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 static uint32_t strip_of(const struct eco_area *area, double y)
 {
 	double at = (y - area->low[1]) / (area->high[1] - area->low[1]) * area->strips;
-
 	return !(at > 0) ? 0 : at >= area->strips ? area->strips - 1 : (uint32_t)at;
 }
 
@@ -146,16 +140,14 @@ static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, 
 {
 	const struct eco_edge *edges = areas->edges + area->edge_first;
 	uint64_t total = 0;
-
 	area->strips = area->ring_edges / 4 + 1;
 	area->strips = area->strips > STRIPS_MAX ? STRIPS_MAX : area->strips;
 	area->strip_first = calloc((size_t)area->strips + 2, sizeof *area->strip_first);
-	if (area->strip_first == NULL)
+	if (!area->strip_first)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = 0; i < area->ring_edges; i++) {
 			uint32_t first = strip_of(area, fmin(edges[i].a[1], edges[i].b[1])), last = strip_of(area, fmax(edges[i].a[1], edges[i].b[1]));
-
 			total += pass == 0 ? last - first + 1u : 0;
 			for (uint32_t s = first; s <= last; s++) {
 				if (pass == 0)
@@ -171,7 +163,7 @@ static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, 
 		for (uint32_t s = 0; s < area->strips; s++)
 			area->strip_first[s + 2] += area->strip_first[s + 1];
 		area->strip = malloc((total + 1) * sizeof *area->strip);
-		if (area->strip == NULL)
+		if (!area->strip)
 			return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
 	}
 	return ECO_OK;
@@ -189,7 +181,6 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, dou
 	const struct eco_edge *edges = areas->edges + area->edge_first;
 	uint32_t s;
 	bool inside = false;
-
 	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1] || y > area->high[1])
 		return false;
 	s = strip_of(area, y);
@@ -203,7 +194,6 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 {
 	const struct eco_area *area = &areas->items[index];
 	const struct eco_edge *edges = areas->edges + area->edge_first;
-
 	span[0] = INFINITY;
 	span[1] = -INFINITY;
 	if (area->ring_edges == 0 || high_y < area->low[1] || low_y > area->high[1])
@@ -213,7 +203,6 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 		double rise = e->b[1] - e->a[1], run = e->b[0] - e->a[0];
 		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0, to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
 		double first = fmax(fmin(from, to), 0), last = fmin(fmax(from, to), 1);
-
 		if (first > last)
 			continue;
 		span[0] = fmin(span[0], e->a[0] + fmin(first * run, last * run));
@@ -230,7 +219,6 @@ static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *a
 	double x = (edges[first].a[0] + edges[first].b[0]) / 2, y = (edges[first].a[1] + edges[first].b[1]) / 2;
 	uint32_t s = strip_of(area, y);
 	bool inside = false;
-
 	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
 		if ((area->strip[i] < first || area->strip[i] >= end) && crosses(&edges[area->strip[i]], x, y))
 			inside = !inside;
@@ -241,11 +229,9 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 {
 	const struct eco_edge *e = areas->edges + area->edge_first;
 	double sum = 0;
-
 	for (uint32_t first = 0, end; first < area->ring_edges; first = end) {
 		const double *o = e[first].a;
 		double twice = 0;
-
 		for (end = first; end == first || (end < area->ring_edges && (e[end - 1].b[0] != o[0] || e[end - 1].b[1] != o[1])); end++)
 			twice += (e[end].a[0] - o[0]) * (e[end].b[1] - o[1]) - (e[end].b[0] - o[0]) * (e[end].a[1] - o[1]);
 		sum += (ring_is_hole(areas, area, first, end) ? -0.5 : 0.5) * fabs(twice);
@@ -258,7 +244,6 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
 {
 	double column = (at - b->low[k]) / b->step[k];
-
 	return !(column > 0) ? 0 : column >= b->side ? b->side - 1 : (uint32_t)column;
 }
 
@@ -266,12 +251,10 @@ static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
 static void fill_boxes(struct eco_areas *areas, uint32_t *at, bool count)
 {
 	struct eco_area_boxes *b = &areas->boxes;
-
 	for (uint32_t i = 0; i < areas->count; i++) {
 		const struct eco_area *area = &areas->items[i];
 		uint32_t x0 = box_column(b, 0, area->low[0]), x1 = box_column(b, 0, area->high[0]);
 		uint32_t y0 = box_column(b, 1, area->low[1]), y1 = box_column(b, 1, area->high[1]);
-
 		for (uint32_t y = y0; y <= y1 && area->ring_edges > 0; y++)
 			for (uint32_t x = x0; x <= x1; x++)
 				if (count)
@@ -286,7 +269,6 @@ static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *erro
 	struct eco_area_boxes *b = &areas->boxes;
 	double high[2] = { -INFINITY, -INFINITY };
 	uint32_t *at;
-
 	b->low[0] = b->low[1] = INFINITY;
 	for (uint32_t i = 0; i < areas->count; i++)
 		for (int k = 0; k < 2; k++) {
@@ -298,23 +280,22 @@ static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *erro
 		b->step[k] = high[k] > b->low[k] ? (high[k] - b->low[k]) / b->side : 1;
 	b->first = calloc((size_t)b->side * b->side + 1, sizeof *b->first);
 	at = calloc((size_t)b->side * b->side + 1, sizeof *at);
-	if (b->first != NULL && at != NULL) {
+	if (b->first && at) {
 		fill_boxes(areas, b->first + 1, true);
 		for (uint32_t c = 0; c < b->side * b->side; c++)
 			at[c + 1] = b->first[c + 1] += b->first[c];
 		b->member = malloc(((size_t)b->first[b->side * b->side] + 1) * sizeof *b->member);
-		if (b->member != NULL)
+		if (b->member)
 			fill_boxes(areas, at, false);
 	}
 	free(at);
-	return b->member != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+	return b->member ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
 }
 
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
 {
 	const struct eco_area_boxes *b = &areas->boxes;
 	uint32_t cell;
-
 	if (areas->count == 0)
 		return false;
 	cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
@@ -329,7 +310,6 @@ bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
 static uint32_t cell_hash(int64_t x, int64_t y)
 {
 	uint64_t h = (uint64_t)x * 0x9e3779b97f4a7c15u ^ (uint64_t)y * 0xc2b2ae3d27d4eb4fu;
-
 	h ^= h >> 29;
 	h *= 0xbf58476d1ce4e5b9u;
 	return (uint32_t)(h >> 32);
@@ -351,13 +331,11 @@ static enum eco_code link_edge(struct eco_areas *s, uint32_t index, struct eco_e
 	const double *a = e->a[1] <= e->b[1] ? e->a : e->b, *b = e->a[1] <= e->b[1] ? e->b : e->a;
 	int64_t last = (int64_t)floor((b[1] + s->near_m) / s->cell_m);
 	enum eco_code code = ECO_OK;
-
 	for (int64_t row = (int64_t)floor((a[1] - s->near_m) / s->cell_m); row <= last && code == ECO_OK; row++) {
 		double low = fmax(a[1], row * s->cell_m - s->near_m), high = fmin(b[1], (row + 1) * s->cell_m + s->near_m);
 		double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0;
 		double x0 = b[1] > a[1] ? a[0] + slope * (low - a[1]) : a[0], x1 = b[1] > a[1] ? a[0] + slope * (high - a[1]) : b[0];
 		int64_t first = (int64_t)floor((fmin(x0, x1) - s->near_m) / s->cell_m), end = (int64_t)floor((fmax(x0, x1) + s->near_m) / s->cell_m);
-
 		for (int64_t x = first; x <= end && code == ECO_OK; x++)
 			code = add_link(s, x, row, index, error);
 	}
@@ -368,23 +346,21 @@ static enum eco_code index_near(struct eco_areas *s, struct eco_error *error)
 {
 	uint32_t size = 1024;
 	enum eco_code code = ECO_OK;
-
 	s->cell_m = fmax(s->near_m, 1);
 	for (uint32_t i = 0; i < s->edge_count && code == ECO_OK; i++)
 		code = link_edge(s, i, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	while (size < 2 * s->link_count)
 		size *= 2;
 	s->cell_head = malloc(size * sizeof *s->cell_head);
-	if (s->cell_head == NULL)
+	if (!s->cell_head)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the features to keep clear of");
 	for (uint32_t i = 0; i < size; i++)
 		s->cell_head[i] = UINT32_MAX;
 	s->cell_mask = size - 1;
 	for (uint32_t i = 0; i < s->link_count; i++) {
 		uint32_t *head = &s->cell_head[cell_hash(s->links[i].x, s->links[i].y) & s->cell_mask];
-
 		s->links[i].next = *head;
 		*head = i;
 	}
@@ -395,7 +371,6 @@ static double square_to(const struct eco_edge *e, double x, double y)
 {
 	double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], length = dx * dx + dy * dy;
 	double t = length > 0 ? ((x - e->a[0]) * dx + (y - e->a[1]) * dy) / length : 0;
-
 	t = t < 0 ? 0 : t > 1 ? 1 : t;
 	dx = e->a[0] + t * dx - x;
 	dy = e->a[1] + t * dy - y;
@@ -405,8 +380,7 @@ static double square_to(const struct eco_edge *e, double x, double y)
 bool eco_areas_near(const struct eco_areas *s, double x, double y)
 {
 	int64_t column = (int64_t)floor(x / s->cell_m), row = (int64_t)floor(y / s->cell_m);
-
-	if (s->cell_head == NULL)
+	if (!s->cell_head)
 		return false;
 	for (uint32_t i = s->cell_head[cell_hash(column, row) & s->cell_mask]; i != UINT32_MAX; i = s->links[i].next)
 		if (s->links[i].x == column && s->links[i].y == row && square_to(&s->edges[s->links[i].edge], x, y) < s->near_m * s->near_m)
@@ -417,7 +391,6 @@ bool eco_areas_near(const struct eco_areas *s, double x, double y)
 enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	areas->near_m = near_m;
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
 		code = index_area(areas, &areas->items[i], error);

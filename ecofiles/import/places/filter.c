@@ -11,12 +11,10 @@ static bool has_value(const struct eco_filter *filter, const char *text, char de
 	char folded[TEXT_BYTES];
 	double number;
 	bool numeric = eco_text_number(text, decimal, &number);
-
 	eco_text_fold(text, folded, sizeof folded);
 	for (uint32_t i = 0; i < filter->value_count; i++) {
 		const struct eco_value *value = &filter->values[i];
-
-		if (value->text != NULL ? eco_text_fits(folded, value->text) : numeric && number == value->number)
+		if (value->text ? eco_text_fits(folded, value->text) : numeric && number == value->number)
 			return true;
 	}
 	return false;

@@ -52,17 +52,15 @@ static void quiet(void)
 bool gdal_rows_knows(const char *path)
 {
 	GDALDriverH driver;
-
 	quiet();
 	driver = GDALIdentifyDriverEx(path, GDAL_OF_VECTOR, NULL, NULL);
 	CPLPopErrorHandler();
-	return driver != NULL && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
+	return driver && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
 }
 
 static enum eco_code gdal_says(const char *path, enum eco_code code, const char *doing, struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-
 	return eco_fail(error, code, "%.200s: %s%s%.220s", path, doing, *why != 0 ? ": " : "", why);
 }
 
@@ -85,14 +83,12 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 	char names[300] = "";
 	size_t used = 0;
 	int count = GDALDatasetGetLayerCount(r->data);
-
 	for (int i = 0; i < count && used < sizeof names; i++) {
 		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-
 		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s (%s)", i > 0 ? ", " : "", OGR_L_GetName(layer),
 			OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
 	}
-	if (wanted != NULL)
+	if (wanted)
 		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path, wanted, names);
 	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; add \"layer\": \"%.60s\" or another of: %s", r->path,
 		OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
@@ -103,15 +99,12 @@ static int longest_layer(struct ogr_rows *r, int count)
 {
 	int longest = 0;
 	uint64_t most = 0;
-
 	for (int i = 0; i < count; i++) {
 		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
 		OGRFeatureH feature;
 		uint64_t bytes = 0;
-
-		while ((feature = OGR_L_GetNextFeature(layer)) != NULL) {
+		while ((feature = OGR_L_GetNextFeature(layer))) {
 			OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
-
 			bytes += geometry != NULL ? (uint64_t)OGR_G_WkbSize(geometry) : 0;
 			OGR_F_Destroy(feature);
 		}
@@ -125,12 +118,11 @@ static int longest_layer(struct ogr_rows *r, int count)
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
 	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
-
 	if (count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no layer, so no rows", r->path);
-	if (wanted != NULL) {
+	if (wanted) {
 		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
-		return r->layer != NULL ? ECO_OK : ask_for_layer(r, wanted, error);
+		return r->layer ? ECO_OK : ask_for_layer(r, wanted, error);
 	}
 	if (r->vertices && count > 1) {
 		r->layer = GDALDatasetGetLayer(r->data, longest_layer(r, count));
@@ -140,7 +132,6 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	for (int i = 0; i < count; i++) {
 		OGRwkbGeometryType type = OGR_L_GetGeomType(GDALDatasetGetLayer(r->data, i));
 		bool fits = r->areas ? is_surface(type) : is_point(type);
-
 		unknown += wkbFlatten(type) == wkbUnknown;
 		if (fits && fitting++ == 0)
 			found = i;
@@ -151,7 +142,7 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	if (count > 1)
 		eco_rows_note(&r->rows, "of its %d layers \"%.60s\" is taken, the only one of %s; \"layer\" names another", count, OGR_L_GetName(r->layer),
 			r->areas ? "polygons" : "points");
-	return r->layer != NULL ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
+	return r->layer ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
 }
 
 /* ---- CRS ---- */
@@ -159,8 +150,7 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 static bool is_shapefile(const struct ogr_rows *r)
 {
 	GDALDriverH driver = GDALGetDatasetDriver(r->data);
-
-	return driver != NULL && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
+	return driver && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
 }
 
 static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
@@ -169,8 +159,7 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	const char *authority = crs != NULL ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs != NULL ? OSRGetAuthorityCode(crs, NULL) : NULL;
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
-
-	if (crs == NULL) {
+	if (!crs) {
 		if (is_shapefile(r))
 			snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (there is no .prj beside it)");
 		return ECO_OK;
@@ -180,7 +169,7 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 			OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
 		return ECO_OK;
 	}
-	if (authority != NULL && number != NULL && snprintf(text, sizeof text, "%s:%s", authority, number) < (int)sizeof text) {
+	if (authority && number && snprintf(text, sizeof text, "%s:%s", authority, number) < (int)sizeof text) {
 		r->rows.crs = strdup(text);
 	} else if (OSRExportToWktEx(crs, &wkt, options) == OGRERR_NONE && strlen(wkt) < ECO_ROWS_CRS_BYTES) {
 		r->rows.crs = strdup(wkt);
@@ -189,7 +178,7 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: its CRS cannot be told; add \"crs\" to its entry", r->path);
 	}
 	CPLFree(wkt);
-	return r->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+	return r->rows.crs ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 }
 
 /* Checks whether the first features' coordinates fit degrees and have heights. A few absurd ones count
@@ -198,18 +187,15 @@ static void look_at_some(struct ogr_rows *r)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
 	int beyond = 0, within = 0;
-
 	OGR_L_ResetReading(r->layer);
 	for (int i = 0; i < LOOKED_AT; i++) {
 		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
 		OGRGeometryH geometry = feature != NULL ? OGR_F_GetGeometryRef(feature) : NULL;
 		OGREnvelope box;
-
-		if (feature == NULL)
+		if (!feature)
 			break;
-		if (geometry != NULL && !OGR_G_IsEmpty(geometry)) {
+		if (geometry && !OGR_G_IsEmpty(geometry)) {
 			bool is_beyond;
-
 			OGR_G_GetEnvelope(geometry, &box);
 			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90 || fabs(box.MaxY) > 90;
 			beyond += is_beyond;
@@ -228,16 +214,14 @@ static void look_at_some(struct ogr_rows *r)
 static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *source)
 {
 	char **ignored = NULL;
-
-	for (uint32_t i = 0; source->wanted != NULL && i < r->rows.column_count; i++) {
+	for (uint32_t i = 0; source->wanted && i < r->rows.column_count; i++) {
 		bool wanted = false;
-
 		for (uint32_t k = 0; k < source->wanted_count; k++)
 			wanted |= strcmp(source->wanted[k], r->rows.columns[i]) == 0;
 		if (!wanted)
 			ignored = CSLAddString(ignored, r->rows.columns[i]);
 	}
-	if (ignored != NULL && OGR_L_TestCapability(r->layer, OLCIgnoreFields))
+	if (ignored && OGR_L_TestCapability(r->layer, OLCIgnoreFields))
 		OGR_L_SetIgnoredFields(r->layer, (const char **)ignored);
 	CSLDestroy(ignored);
 }
@@ -246,16 +230,15 @@ static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_sour
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
 	int count = OGR_FD_GetFieldCount(definition);
-
 	if (count > (int)ECO_COLUMNS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path, count, ECO_COLUMNS_MAX);
 	r->rows.columns = calloc((size_t)count + 1, sizeof *r->rows.columns);
 	r->rows.fields = calloc((size_t)count + 1, sizeof *r->rows.fields);
-	if (r->rows.columns == NULL || r->rows.fields == NULL)
+	if (!r->rows.columns || !r->rows.fields)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 	for (int i = 0; i < count; i++) {
 		r->rows.columns[i] = strdup(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
-		if (r->rows.columns[i] == NULL)
+		if (!r->rows.columns[i])
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 		r->rows.column_count++;
 	}
@@ -279,8 +262,7 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 	OGRGeometryH straight = OGR_G_GetLinearGeometry(geometry, 0, NULL);
 	size_t size;
 	enum eco_code code = ECO_OK;
-
-	if (straight == NULL)
+	if (!straight)
 		return gdal_says(r->path, ECO_BAD_INPUT, "a geometry cannot be read", error);
 	OGR_G_FlattenTo2D(straight);
 	size = (size_t)OGR_G_WkbSize(straight);
@@ -290,7 +272,7 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 		free(r->wkb);
 		r->wkb_capacity = 2 * size;
 		r->wkb = malloc(r->wkb_capacity);
-		if (r->wkb == NULL)
+		if (!r->wkb)
 			code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 	}
 	if (code == ECO_OK && OGR_G_ExportToIsoWkb(straight, wkbNDR, r->wkb) != OGRERR_NONE)
@@ -306,7 +288,6 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 static void take_vertex(struct ogr_rows *r)
 {
 	struct eco_rows_place *place = &r->rows.place;
-
 	if (wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint) {
 		take_point(place, OGR_G_GetGeometryRef(r->points, r->point));
 		return;
@@ -324,10 +305,10 @@ static bool next_vertex(struct ogr_rows *r)
 	int count = r->points == NULL ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint ? OGR_G_GetGeometryCount(r->points)
 		: OGR_G_GetPointCount(r->points);
 
-	if (r->points == NULL)
+	if (!r->points)
 		return false;
 	for (r->point++; r->point >= count; r->point = 0) {
-		if (r->lines == NULL || ++r->line >= OGR_G_GetGeometryCount(r->lines))
+		if (!r->lines || ++r->line >= OGR_G_GetGeometryCount(r->lines))
 			return false;
 		r->points = OGR_G_GetGeometryRef(r->lines, r->line);
 		count = OGR_G_GetPointCount(r->points);
@@ -341,10 +322,9 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	struct eco_rows_place *place = &r->rows.place;
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
 	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
-
 	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE, .yaw_deg = NAN, .scale = NAN };
 	r->points = r->lines = NULL;
-	if (geometry == NULL || OGR_G_IsEmpty(geometry))
+	if (!geometry || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
 	if (r->areas)
 		return take_area(r, geometry, error);
@@ -370,7 +350,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 /* A list with a value for each vertex of a line gives each its own. The lists belong to the feature. */
 static bool has_own(const struct ogr_rows *r, int field)
 {
-	return r->vertices && r->points != NULL && r->lines == NULL && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
+	return r->vertices && r->points && !r->lines && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
 		&& wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbLineString
 		&& CSLCount(OGR_F_GetFieldAsStringList(r->feature, field)) == OGR_G_GetPointCount(r->points);
 }
@@ -387,13 +367,11 @@ static void take_own(struct ogr_rows *r)
 static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 {
 	size_t used = 0;
-
 	for (int i = 0; i < (int)r->rows.column_count; i++) {
 		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
 		bool there = OGR_F_IsFieldSetAndNotNull(r->feature, i) != 0, own = there && has_own(r, i);
 		const char *text = there && !own ? OGR_F_GetFieldAsString(r->feature, i) : "";
 		size_t size = strlen(text) + 1;
-
 		r->own[i] = own;
 		r->rows.fields[i] = text;
 		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
@@ -401,8 +379,7 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 			continue;
 		if (size > r->text_capacity - used) {
 			char *grown = realloc(r->text, 2 * (used + size));
-
-			if (grown == NULL)
+			if (!grown)
 				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 			r->text = grown;
 			r->text_capacity = 2 * (used + size);
@@ -425,19 +402,18 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 {
 	struct ogr_rows *r = (struct ogr_rows *)rows;
 	enum eco_code code;
-
 	*more = true;
 	if (next_vertex(r)) {
 		take_own(r);
 		rows->row++;
 		return ECO_OK;
 	}
-	if (r->feature != NULL)
+	if (r->feature)
 		OGR_F_Destroy(r->feature);
 	r->points = r->lines = NULL;
 	CPLErrorReset();
 	r->feature = OGR_L_GetNextFeature(r->layer);
-	if (r->feature == NULL) {
+	if (!r->feature) {
 		*more = false;
 		return CPLGetLastErrorType() >= CE_Failure ? gdal_says(r->path, ECO_DAMAGED, "it breaks off", error) : ECO_OK;
 	}
@@ -450,10 +426,9 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 static void close_ogr(struct eco_rows *rows)
 {
 	struct ogr_rows *r = (struct ogr_rows *)rows;
-
-	if (r->feature != NULL)
+	if (r->feature)
 		OGR_F_Destroy(r->feature);
-	if (r->data != NULL)
+	if (r->data)
 		GDALClose(r->data);
 	CPLPopErrorHandler();
 	eco_rows_free_texts(rows);
@@ -468,7 +443,6 @@ static bool lacks_part(const char *path, const char *extension)
 {
 	size_t length = strlen(path);
 	char beside[4096];
-
 	if (length < 4 || length + 1 > sizeof beside || strcasecmp(path + length - 4, ".shp") != 0)
 		return false;
 	memcpy(beside, path, length - 3);
@@ -494,7 +468,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
-	if (r->data == NULL)
+	if (!r->data)
 		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is damaged, or breaks off near its beginning" : "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
 			"glTF)", error);
 	return ECO_OK;
@@ -504,10 +478,9 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 {
 	struct ogr_rows *r = calloc(1, sizeof *r);
 	enum eco_code code;
-
 	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct ogr_rows");
 	*rows = NULL;
-	if (r == NULL || (r->path = strdup(source->path)) == NULL) {
+	if (!r || !(r->path = strdup(source->path))) {
 		free(r);
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	}
@@ -517,16 +490,16 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	r->areas = source->areas;
 	r->vertices = source->vertices;
 	code = open_data(r, source, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_layer(r, source->layer, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		r->rows.has_geometry = OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(r->layer)) > 0
 			&& OGR_L_GetGeomType(r->layer) != wkbNone;
 		code = take_crs(r, error);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = take_columns(r, source, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		look_at_some(r);
 		*rows = &r->rows;
 	} else {

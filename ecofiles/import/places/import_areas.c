@@ -22,7 +22,6 @@ static void note(void *ctx, const char *format, ...)
 {
 	struct eco_scatter_input *input = ctx;
 	va_list arguments;
-
 	va_start(arguments, format);
 	eco_rows_add_note(input->notes, &input->note_count, format, arguments);
 	va_end(arguments);
@@ -45,7 +44,6 @@ static bool convert(void *ctx, double xy[2], struct eco_error *error)
 	struct reading *r = ctx;
 	double xyz[3] = { xy[0], xy[1], 0 };
 	const char *why;
-
 	if (eco_crs_convert(r->crs, xyz, &r->converted, &why, error) != ECO_OK)
 		return false;
 	xy[0] = xyz[0];
@@ -73,8 +71,7 @@ static enum eco_code keep_number(struct reading *r, double number, struct eco_er
 {
 	const struct eco_areas *areas = &r->input->areas;
 	double *grown = realloc(r->input->number, areas->capacity * sizeof *grown);
-
-	if (grown == NULL)
+	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 	r->input->number = grown;
 	grown[areas->count - 1] = number;
@@ -87,7 +84,6 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 	double number = 0;
 	bool kept;
 	enum eco_code code;
-
 	r->input->features += surfaces;
 	if (surfaces && !passes(r))
 		return skip(r, ECO_AREA_FILTERED), ECO_OK;
@@ -97,7 +93,7 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
 	r->converted = r->near = true;
 	code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (!kept)
 		return surfaces ? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY : ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
@@ -113,7 +109,6 @@ static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool 
 	const struct eco_scatter_spec *s = r->spec;
 	enum eco_code code = ECO_OK;
 	bool more = true;
-
 	r->number_column = ECO_NONE;
 	if (surfaces)
 		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column : s->count_column, &r->number_column, error);
@@ -136,16 +131,15 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	struct reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path : spec->clear_of };
 	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer, .areas = true };
 	enum eco_code code = eco_rows_open(&r.rows, &source, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces ? spec->crs : spec->clear_crs,
 			.of_file = r.rows->crs, .local = r.rows->local, .frame = frame, .note = note, .ctx = input }, error);
-	if (code == ECO_OK && r.rows->degrees_doubted && (surfaces ? spec->crs : spec->clear_crs) == NULL)
+	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format says; add \"%s\": \"EPSG:...\", the CRS "
 			"that they are in", r.path, surfaces ? "crs" : "clear_crs");
-	if (code == ECO_OK)
+	if (!code)
 		code = read_rows(&r, areas, surfaces, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
 	eco_crs_close(r.crs);
 	eco_rows_close(r.rows);
@@ -166,7 +160,6 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 {
 	size_t count = (size_t)raster->columns * raster->rows;
 	double most = 0, full = spec->full;
-
 	for (size_t i = 0; i < count; i++)
 		most = fmax(most, raster->height_m[i]);
 	if (full == 0 && most > BYTE_FULL)
@@ -178,12 +171,11 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 	if (full == 0)
 		full = most > 1 ? BYTE_FULL : 1;
 	mask->share = malloc(count * sizeof *mask->share);
-	if (mask->share == NULL)
+	if (!mask->share)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", spec->path);
 	for (uint32_t row = 0; row < raster->rows; row++)
 		for (uint32_t column = 0; column < raster->columns; column++) {
 			double share = raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns + column] / full;
-
 			mask->share[(size_t)row * raster->columns + column] = (float)(share > 0 ? share < 1 ? share : 1 : 0);
 		}
 	return ECO_OK;
@@ -203,7 +195,7 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
 		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note,
 		.ctx = input }, error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows, .west_m = raster.x_m - raster.step_x_m / 2,
 		.north_m = raster.y_m + (raster.rows - 0.5) * raster.step_y_m, .step_x_m = raster.step_x_m, .step_y_m = raster.step_y_m };
@@ -221,17 +213,16 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 {
 	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
 	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
-	bool columns = spec->density_column != NULL || spec->count_column != NULL || spec->filter_count > 0 || spec->layer != NULL;
-
+	bool columns = spec->density_column != NULL || spec->count_column || spec->filter_count > 0 || spec->layer;
 	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
 		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
 			code = ECO_OK;
-		else if (strstr(no_mask.text, "not a raster") == NULL)
+		else if (!strstr(no_mask.text, "not a raster"))
 			no_areas = no_mask;
 	}
-	if (code != ECO_OK)
+	if (code)
 		return eco_fail(error, no_areas.code, "%s", no_areas.text);
-	return spec->clear_of != NULL ? read_areas(input, &input->clear, spec, frame, error) : ECO_OK;
+	return spec->clear_of ? read_areas(input, &input->clear, spec, frame, error) : ECO_OK;
 }
 
 void eco_scatter_input_free(struct eco_scatter_input *input)

@@ -33,7 +33,6 @@ __attribute__((format(printf, 2, 3))) static void add_note(void *reader, const c
 {
 	struct eco_positions *p = reader;
 	va_list arguments;
-
 	va_start(arguments, format);
 	eco_rows_add_note(p->notes, &p->note_count, format, arguments);
 	va_end(arguments);
@@ -62,7 +61,6 @@ static void count(struct eco_positions *p, enum eco_skip why, const char *text)
 static const char *field(const struct eco_positions *p, uint32_t column)
 {
 	const char *text = p->rows->fields[column];
-
 	while (isspace((unsigned char)*text))
 		text++;
 	return text;
@@ -72,7 +70,6 @@ static const char *field(const struct eco_positions *p, uint32_t column)
 static const char *shown(const char *text, char *buffer, size_t size)
 {
 	size_t length = strlen(text);
-
 	while (length > 0 && isspace((unsigned char)text[length - 1]))
 		length--;
 	snprintf(buffer, size, "%.*s", (int)(length < size ? length : size - 1), text);
@@ -89,10 +86,8 @@ static char decimal_of(const struct eco_positions *p)
 static bool passes_filters(struct eco_positions *p)
 {
 	char text[64];
-
 	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
 		const char *value = field(p, p->filter_column[i]);
-
 		if (eco_filter_passes(&p->spec->filters[i], value, decimal_of(p)))
 			continue;
 		count_in(p, &p->filtered[i], shown(value, text, sizeof text));
@@ -108,10 +103,8 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 {
 	const struct eco_species *species = &p->spec->fallback;
 	char text[256] = "";
-
 	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
 		uint32_t key;
-
 		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof text);
 		key = eco_species_find(p->species, text, p->rows->line);
 		if (key < p->spec->map_count)
@@ -138,7 +131,6 @@ static enum verdict skip(struct eco_positions *p, enum eco_skip why, const char 
 static const char *row_name(const struct eco_positions *p, char *text, size_t size)
 {
 	unsigned long long number = p->rows->line;
-
 	if (strcmp(p->rows->where, "line") == 0)
 		snprintf(text, size, "%.200s:%llu", p->spec->path, number);
 	else
@@ -152,13 +144,12 @@ static enum verdict refuse_notation(const struct eco_positions *p, const char *t
 {
 	double number;
 	char row[ROW_NAME];
-
 	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
 		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry",
 			row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
-	if (strstr(text, "\u00b0") != NULL && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
+	if (strstr(text, "\u00b0") && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
 		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
 			row_name(p, row, sizeof row), text);
 		return FAILED;
@@ -170,7 +161,6 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 {
 	const char *text = field(p, column);
 	char buffer[48];
-
 	if (eco_text_number(text, decimal_of(p), number))
 		return GOOD;
 	shown(text, buffer, sizeof buffer);
@@ -184,7 +174,6 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
 {
 	enum verdict verdict = GOOD;
-
 	for (int k = 0; k < 3 && verdict == GOOD; k++)
 		if (p->column[k] != ECO_NONE)
 			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
@@ -194,7 +183,6 @@ static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct 
 static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct eco_error *error)
 {
 	const struct eco_rows_place *place = &p->rows->place;
-
 	if (place->kind == ECO_PLACE_EMPTY || place->kind == ECO_PLACE_NONE)
 		count(p, ECO_SKIP_NO_GEOMETRY, place->what);
 	else if (place->kind == ECO_PLACE_OTHER)
@@ -213,13 +201,12 @@ static bool sounds_like_degrees(const char *x, const char *y)
 	static const char *const latitudes[] = { "lat", "*latitude*", "*_lat", "lat_*", "*breite*", "lati*" };
 	char fx[64], fy[64];
 	bool is_x = false, is_y = false;
-
 	eco_text_fold(x, fx, sizeof fx);
 	eco_text_fold(y, fy, sizeof fy);
 	for (size_t i = 0; i < sizeof longitudes / sizeof *longitudes; i++)
-		is_x |= eco_text_fits(fx, longitudes[i]) && strstr(fx, "_m") == NULL;
+		is_x |= eco_text_fits(fx, longitudes[i]) && !strstr(fx, "_m");
 	for (size_t i = 0; i < sizeof latitudes / sizeof *latitudes; i++)
-		is_y |= eco_text_fits(fy, latitudes[i]) && strstr(fy, "_m") == NULL;
+		is_y |= eco_text_fits(fy, latitudes[i]) && !strstr(fy, "_m");
 	return is_x && is_y;
 }
 
@@ -227,8 +214,7 @@ static bool sounds_like_degrees(const char *x, const char *y)
 static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3], struct eco_error *error)
 {
 	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
-
-	if (p->frame.crs != NULL || p->spec->crs != NULL || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
+	if (p->frame.crs || p->spec->crs || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
 		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
 		return GOOD;
 	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
@@ -244,10 +230,9 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	const char *why;
 	bool converted;
 	char text[80];
-
 	if (p->good_places == 0 && refuse_degrees(p, xyz, error) == FAILED)
 		return FAILED;
-	if (p->frame.crs != NULL && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local)
+	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local)
 		return skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
 	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
 		return FAILED;
@@ -271,7 +256,6 @@ static void note_far(struct eco_positions *p)
 	struct eco_error error = { .code = ECO_OK };
 	const char *why;
 	bool converted;
-
 	if (p->good_places == 0 || p->nearest_m <= FAR_M)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
@@ -288,7 +272,6 @@ static enum verdict find_duplicate(struct eco_positions *p, const double at[3], 
 {
 	char text[80];
 	bool known;
-
 	if (!eco_place_set_add(p->places, at, &known)) {
 		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants", p->spec->path, (unsigned long long)p->plants);
 		return FAILED;
@@ -304,7 +287,6 @@ static enum verdict read_place(struct eco_positions *p, struct eco_position *rec
 {
 	double xyz[3] = { 0, 0, 0 };
 	enum verdict verdict = p->from_geometry ? read_geometry(p, xyz, error) : read_columns(p, xyz, error);
-
 	record->absolute = p->use_z;
 	if (!p->use_z)
 		xyz[2] = 0;
@@ -328,7 +310,6 @@ static enum verdict read_place(struct eco_positions *p, struct eco_position *rec
 static void remark(struct eco_positions *p, const struct eco_size_remarks *remarks, const char *text)
 {
 	char buffer[48];
-
 	shown(text, buffer, sizeof buffer);
 	if (remarks->range)
 		count(p, ECO_KEPT_RANGE, buffer);
@@ -347,8 +328,7 @@ static bool refuse_size(const struct eco_positions *p, const char *text, struct 
 {
 	double number, unit_m;
 	char buffer[48], row[ROW_NAME];
-
-	if (p->sized || p->spec->decimal != 0 || strchr(text, ',') == NULL || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
+	if (p->sized || p->spec->decimal != 0 || !strchr(text, ',') || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
 		|| eco_text_size(text, ',', &number, &unit_m) == ECO_FORM_NONE)
 		return false;
 	eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
@@ -383,12 +363,10 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 {
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
-
 	for (uint32_t i = 0; i < s->height_count; i++) {
 		struct eco_size_remarks remarks = { .range = false };
 		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
 		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M, HEIGHT_MAX_M, &remarks);
-
 		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
 		remark(p, &remarks, text);
 		if (isnan(height))
@@ -405,7 +383,6 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 static double read_yaw(struct eco_positions *p)
 {
 	double yaw;
-
 	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]), decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
 	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
@@ -416,7 +393,6 @@ static double read_yaw(struct eco_positions *p)
 static double read_scale(struct eco_positions *p)
 {
 	double scale = p->from_geometry ? p->rows->place.scale : NAN;
-
 	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]), decimal_of(p), &scale))
 		return 1;
 	return scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
@@ -427,7 +403,6 @@ static double read_scale(struct eco_positions *p)
 static enum verdict read_row(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
 	enum verdict verdict;
-
 	if (p->rows->field_count < p->fields_needed)
 		return skip(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
 	if (!passes_filters(p) || !read_plant(p, record))
@@ -451,11 +426,9 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
 	enum verdict verdict = SKIPPED;
-
 	while (verdict == SKIPPED) {
 		bool more = false;
 		enum eco_code code = p->ended ? ECO_OK : p->rows->next(p->rows, &more, error);
-
 		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
 		if (code != ECO_OK || p->ended)
 			return code;
@@ -478,30 +451,29 @@ static enum eco_code start_places(struct eco_positions *p, struct eco_error *err
 	p->plants = p->good_places = 0;
 	p->nearest_m = INFINITY;
 	p->ended = false;
-	return p->places != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	return p->places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }
 
 /* ---- Levels ---- */
 
 static bool wants_levels(const struct eco_positions *p)
 {
-	return p->spec->levels > 0 && p->levels == NULL;
+	return p->spec->levels > 0 && !p->levels;
 }
 
 static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)
 {
 	struct eco_position record;
 	enum eco_code code;
-
 	p->levels = eco_levels_open();
-	if (p->levels == NULL)
+	if (!p->levels)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", p->spec->path);
 	do {
 		code = read_record(p, &record, error);
 		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
 			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path, error);
 	} while (code == ECO_OK && record.plant != ECO_NONE);
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	eco_levels_make(p->levels, p->spec->levels);
 	memset(p->skipped, 0, sizeof p->skipped);
@@ -521,7 +493,7 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
 		.note = add_note, .ctx = p };
 
-	if (p->from_geometry && rows->degrees_doubted && p->spec->crs == NULL)
+	if (p->from_geometry && rows->degrees_doubted && !p->spec->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this format means unless it says otherwise; add "
 			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path, p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
 	return eco_crs_open(&p->crs, &request, error);
@@ -532,21 +504,20 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 {
 	struct eco_positions *p = calloc(1, sizeof *p);
 	enum eco_code code;
-
 	*reader = NULL;
-	if (p == NULL)
+	if (!p)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	p->spec = spec;
 	p->frame = *frame;
 	p->species = eco_species_open(spec);
 	code = start_places(p, error);
-	if (code == ECO_OK && (p->species == NULL || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
+	if (code == ECO_OK && (!p->species || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	if (code == ECO_OK)
+	if (!code)
 		code = eco_positions_open_rows(p, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = open_crs(p, error);
-	if (code == ECO_OK)
+	if (!code)
 		*reader = p;
 	else
 		eco_positions_close(p);
@@ -557,15 +528,14 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 {
 	struct eco_error own = { .code = ECO_OK };
 	enum eco_code code;
-
-	if (error == NULL)
+	if (!error)
 		error = &own;
 	code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
-	if (code == ECO_OK)
+	if (!code)
 		code = read_record(reader, record, error);
 	if (code != ECO_OK || record->plant == ECO_NONE)
 		return code;
-	if (reader->levels != NULL && !isnan(record->height_m))
+	if (reader->levels && !isnan(record->height_m))
 		record->height_m = eco_levels_height(reader->levels, record->plant, record->height_m);
 	record->plant += eco_mix_variant(reader->spec->seed, record->row, record->variant_count);
 	return ECO_OK;
@@ -573,7 +543,7 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows)
 {
-	if (rows != NULL)
+	if (rows)
 		*rows = reader->rows != NULL ? reader->rows->row : 0;
 	return reader->skipped;
 }
@@ -588,7 +558,7 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 
 void eco_positions_close(struct eco_positions *reader)
 {
-	if (reader == NULL)
+	if (!reader)
 		return;
 	eco_rows_close(reader->rows);
 	eco_crs_close(reader->crs);

@@ -15,7 +15,6 @@
 static size_t space_bytes(const char *text)
 {
 	const unsigned char *t = (const unsigned char *)text;
-
 	if (t[0] == ' ' || (t[0] >= '\t' && t[0] <= '\r'))
 		return 1;
 	if (t[0] == 0xc2 && t[1] == 0xa0)
@@ -28,7 +27,6 @@ static size_t space_bytes(const char *text)
 static const char *skip_spaces(const char *text)
 {
 	size_t bytes;
-
 	while ((bytes = space_bytes(text)) > 0)
 		text += bytes;
 	return text;
@@ -39,7 +37,6 @@ bool eco_text_is_missing(const char *text)
 	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none", "-", "--", "?", ".", "(null)", "<null>",
 		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido", "desconhecido" };
 	char folded[16];
-
 	if (eco_text_fold(text, folded, sizeof folded) + 1 == sizeof folded)
 		return false;
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -69,11 +66,9 @@ size_t eco_text_fold(const char *text, char *folded, size_t size)
 {
 	size_t used = 0;
 	bool gap = false;
-
 	for (text = skip_spaces(text); *text != 0 && used + 1 < size;) {
 		size_t space = space_bytes(text);
 		unsigned char c = (unsigned char)*text, next = (unsigned char)text[1];
-
 		if (space > 0) {
 			gap = true;
 			text += space;
@@ -84,7 +79,6 @@ size_t eco_text_fold(const char *text, char *folded, size_t size)
 		gap = false;
 		if (c >= 0xc3 && c <= 0xdf && (next & 0xc0) == 0x80) {
 			unsigned letter = small_letter((c & 0x1fu) << 6 | (next & 0x3fu));
-
 			if (used + 2 >= size)
 				break;
 			folded[used++] = (char)(0xc0 | letter >> 6);
@@ -102,7 +96,6 @@ size_t eco_text_fold(const char *text, char *folded, size_t size)
 bool eco_text_fits(const char *text, const char *pattern)
 {
 	const char *star = NULL, *from = NULL;
-
 	while (*text != 0) {
 		if (*pattern == '*') {
 			star = pattern++;
@@ -110,7 +103,7 @@ bool eco_text_fits(const char *text, const char *pattern)
 		} else if (*pattern == *text) {
 			pattern++;
 			text++;
-		} else if (star != NULL) {
+		} else if (star) {
 			pattern = star + 1;
 			text = ++from;
 		} else {
@@ -132,12 +125,10 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 	char group = decimal == ',' ? '.' : ',';
 	size_t at = 0, used = 0, digits = 0, groups = 0, in_group = 0;
 	bool fraction = false, lone = false;
-
 	if (text[at] == '+' || text[at] == '-')
 		plain[used++] = text[at++];
 	for (; used + 1 < NUMBER_BYTES; at++) {
 		char c = text[at];
-
 		if (c >= '0' && c <= '9') {
 			plain[used++] = c;
 			digits++;
@@ -168,7 +159,6 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 	}
 	if ((text[at] == 'e' || text[at] == 'E') && used + 8 < NUMBER_BYTES) {
 		size_t sign = text[at + 1] == '+' || text[at + 1] == '-', n = strspn(text + at + 1 + sign, "0123456789");
-
 		if (n > 0 && n < 4) {
 			memcpy(plain + used, text + at, 1 + sign + n);
 			used += 1 + sign + n;
@@ -184,7 +174,6 @@ static size_t number_at(const char *text, char decimal, double *number)
 {
 	char plain[NUMBER_BYTES + 8];
 	size_t bytes = plain_number(text, decimal == ',' ? ',' : '.', plain);
-
 	if (decimal == ',' && (bytes == 0 || text[bytes] == '.'))
 		bytes = plain_number(text, '.', plain);
 	if (bytes == 0)
@@ -196,7 +185,6 @@ static size_t number_at(const char *text, char decimal, double *number)
 bool eco_text_number(const char *text, char decimal, double *number)
 {
 	size_t bytes;
-
 	text = skip_spaces(text);
 	bytes = number_at(text, decimal, number);
 	return bytes > 0 && *skip_spaces(text + bytes) == 0;
@@ -229,11 +217,9 @@ static const char *const closing_words[] = { ")", "]" };
 static bool take(const char **text, const char *const *words, size_t count)
 {
 	const char *at = skip_spaces(*text);
-
 	for (size_t i = 0; i < count; i++) {
 		size_t length = strlen(words[i]);
 		char last = words[i][length - 1], next;
-
 		if (strncmp(at, words[i], length) != 0)
 			continue;
 		next = at[length];
@@ -258,7 +244,6 @@ static bool take_number(const char **text, char decimal, double *number)
 {
 	const char *at = skip_spaces(*text);
 	size_t bytes = *at == '-' || *at == '+' ? 0 : number_at(at, decimal, number);
-
 	*text = at + bytes;
 	return bytes > 0;
 }
@@ -268,7 +253,6 @@ static void take_inches(const char **text, char decimal, double unit_m, double *
 {
 	const char *at = *text;
 	double inches;
-
 	if (unit_m == 0.3048 && take_number(&at, decimal, &inches) && inches < 12 && take_unit(&at) == 0.0254) {
 		*number += inches / 12;
 		*text = at;
@@ -278,7 +262,6 @@ static void take_inches(const char **text, char decimal, double unit_m, double *
 static bool take_measure(const char **text, char decimal, double *number, double *unit_m)
 {
 	double unit;
-
 	if (!take_number(text, decimal, number))
 		return false;
 	unit = take_unit(text);
@@ -294,7 +277,6 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 {
 	enum eco_size_form form = ECO_FORM_EXACT;
 	double high;
-
 	*unit_m = 0;
 	TAKE(&at, about_words);
 	if (TAKE(&at, above_words))
@@ -323,12 +305,11 @@ static const char *behind_class(const char *folded)
 {
 	size_t sign = strspn(folded, "abcdefghijklmnopqrstuvwxyz");
 	const char *bracket = strchr(folded, '(');
-
 	if (sign == 0)
 		sign = strspn(folded, "0123456789");
 	if (sign > 0 && sign <= 2 && folded[sign] != 0 && strchr(".:)", folded[sign]) != NULL && folded[sign + 1] == ' ')
 		return folded + sign + 2;
-	return bracket != NULL && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
+	return bracket && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
 }
 
 enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
@@ -336,11 +317,10 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 	char folded[80];
 	const char *behind;
 	enum eco_size_form form;
-
 	*unit_m = 0;
 	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
 		return ECO_FORM_NONE;
 	form = size_at(folded, decimal, number, unit_m);
 	behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
-	return behind != NULL ? size_at(behind, decimal, number, unit_m) : form;
+	return behind ? size_at(behind, decimal, number, unit_m) : form;
 }

@@ -9,7 +9,6 @@
 static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name, struct eco_error *error)
 {
 	enum eco_code code = eco_rows_find_column(p->rows, p->spec->path, name, column, error);
-
 	if (*column != ECO_NONE && *column >= p->fields_needed)
 		p->fields_needed = *column + 1;
 	return code;
@@ -19,8 +18,7 @@ static enum eco_code find_column(struct eco_positions *p, uint32_t *column, cons
 static const char *likely_column(const struct eco_rows *rows, const char *const *names)
 {
 	char folded[64];
-
-	for (; *names != NULL; names++)
+	for (; *names; names++)
 		for (uint32_t i = 0; i < rows->column_count; i++)
 			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0 && strcmp(folded, *names) == 0)
 				return rows->columns[i];
@@ -40,8 +38,8 @@ static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_er
 
 	eco_rows_list_columns(p->rows, there, sizeof there);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the columns with easting or longitude and northing "
-		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y != NULL ? x : "...",
-		x != NULL && y != NULL ? y : "...", there);
+		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y ? x : "...",
+		x != NULL && y ? y : "...", there);
 }
 
 static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
@@ -50,9 +48,8 @@ static enum eco_code find_columns(struct eco_positions *p, struct eco_error *err
 	bool geometry_z = s->z != NULL && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
 	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
 	enum eco_code code = ECO_OK;
-
-	p->from_geometry = p->rows->has_geometry && s->x == NULL;
-	if (s->x == NULL && !p->rows->has_geometry)
+	p->from_geometry = p->rows->has_geometry && !s->x;
+	if (!s->x && !p->rows->has_geometry)
 		return no_coordinates(p, error);
 	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, and the plants stand on the ground",
@@ -75,12 +72,11 @@ enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error 
 	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
 	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator, .wanted = wanted };
 	enum eco_code code;
-
 	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
-		if (fixed[i] != NULL)
+		if (fixed[i])
 			wanted[source.wanted_count++] = fixed[i];
 	for (uint32_t i = 0; i < s->height_count; i++)
-		if (s->heights[i].column != NULL)
+		if (s->heights[i].column)
 			wanted[source.wanted_count++] = s->heights[i].column;
 	for (uint32_t i = 0; i < s->filter_count; i++)
 		wanted[source.wanted_count++] = s->filters[i].column;

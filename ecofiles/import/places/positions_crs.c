@@ -18,23 +18,21 @@ struct eco_crs {
 char *eco_crs_short_name(const char *crs)
 {
 	const char *quote = strlen(crs) > 80 ? strchr(crs, '"') : NULL, *end = quote != NULL ? strchr(quote + 1, '"') : NULL;
-
-	return end != NULL ? strndup(quote + 1, (size_t)(end - quote - 1)) : strdup(crs);
+	return end ? strndup(quote + 1, (size_t)(end - quote - 1)) : strdup(crs);
 }
 
 static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_error *error)
 {
 	const char *crs = r->stated != NULL ? r->stated : r->of_file, *vertical = r->vertical, *other = r->frame->vertical;
 	char *name;
-
-	if (crs != NULL) {
+	if (crs) {
 		name = eco_crs_short_name(crs);
 		eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": \"%.80s\" (if it is one in metres) and \"origin\" "
 			"to the scene", r->path, name != NULL ? name : "?", strlen(crs) <= 80 ? crs : "EPSG:...");
 		free(name);
 		return ECO_BAD_INPUT;
 	}
-	if (!r->use_z || (vertical == NULL && other == NULL) || (vertical != NULL && other != NULL && strcasecmp(vertical, other) == 0))
+	if (!r->use_z || (!vertical && !other) || (vertical != NULL && other && strcasecmp(vertical, other) == 0))
 		return ECO_OK;
 	return eco_fail(error, ECO_BAD_INPUT, "%.200s: heights are converted between vertical datums only in a scene with a CRS; add \"crs\" and "
 		"\"origin\" to the scene, or give scene and entry the same \"vertical\"", r->path);
@@ -43,31 +41,30 @@ static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_er
 static enum eco_code open_path(struct eco_crs *c, const struct eco_crs_request *request, struct eco_error *error)
 {
 	c->proj = eco_module(ECO_MODULE_PROJ, error);
-	return c->proj == NULL ? ECO_NOT_FOUND : c->proj->crs_open(&c->path, request, error);
+	return !c->proj ? ECO_NOT_FOUND : c->proj->crs_open(&c->path, request, error);
 }
 
 enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *request, struct eco_error *error)
 {
 	struct eco_crs *c = calloc(1, sizeof *c);
 	const struct eco_frame *frame = request->frame;
-	bool stays = request->local && request->stated == NULL;
+	bool stays = request->local && !request->stated;
 	enum eco_code code = ECO_OK;
-
 	*crs = NULL;
-	if (c == NULL)
+	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	c->use_z = request->use_z;
 	memcpy(c->origin, frame->origin, sizeof c->origin);
 	if (stays)
 		memset(c->origin, 0, sizeof c->origin);
-	else if (frame->crs == NULL)
+	else if (!frame->crs)
 		code = plain_metres(request, error);
-	else if (request->stated == NULL && request->of_file == NULL)
+	else if (!request->stated && !request->of_file)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS is not stated%s; add \"crs\": \"%.80s\" to its entry if it is the scene's",
 			request->path, request->no_crs_says != NULL ? request->no_crs_says : "", frame->crs);
 	else
 		code = open_path(c, request, error);
-	if (code == ECO_OK)
+	if (!code)
 		*crs = c;
 	else
 		eco_crs_close(c);
@@ -77,10 +74,9 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
 enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converted, const char **why, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	*converted = true;
 	*why = "";
-	if (crs->path != NULL)
+	if (crs->path)
 		code = crs->proj->crs_convert(crs->path, xyz, converted, why, error);
 	for (int k = 0; code == ECO_OK && *converted && k < 3; k++)
 		xyz[k] -= k < 2 || crs->use_z ? crs->origin[k] : 0;
@@ -89,7 +85,7 @@ enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converte
 
 void eco_crs_close(struct eco_crs *crs)
 {
-	if (crs != NULL && crs->path != NULL)
+	if (crs && crs->path)
 		crs->proj->crs_close(crs->path);
 	free(crs);
 }

@@ -40,12 +40,11 @@ enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double
 {
 	const struct plant_levels *l = levels_of(levels, plant);
 	uint32_t *bin;
-
-	if (l == NULL) {
+	if (!l) {
 		if (levels->count == PLANTS_MAX)
 			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants", path, PLANTS_MAX);
 		bin = calloc(BINS, sizeof *bin);
-		if (bin == NULL)
+		if (!bin)
 			return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", path);
 		levels->plants[levels->count] = (struct plant_levels){ plant, bin };
 		l = &levels->plants[levels->count++];
@@ -58,7 +57,6 @@ enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double
 static void average(uint32_t *bin, uint32_t first, uint32_t end)
 {
 	uint64_t sum = 0, members = 0, mean;
-
 	for (uint32_t i = first; i < end; i++) {
 		sum += (uint64_t)bin[i] * i;
 		members += bin[i];
@@ -71,7 +69,6 @@ static void average(uint32_t *bin, uint32_t first, uint32_t end)
 static void make_levels(uint32_t *bin, uint32_t levels)
 {
 	uint32_t low = 0, high = BINS - 1, first;
-
 	while (low < BINS - 1 && bin[low] == 0)
 		low++;
 	while (high > low && bin[high] == 0)
@@ -79,7 +76,6 @@ static void make_levels(uint32_t *bin, uint32_t levels)
 	first = low;
 	for (uint32_t i = 1; i <= levels; i++) {
 		uint32_t end = i == levels ? high + 1 : (uint32_t)(low * pow((double)high / low, (double)i / levels) + 0.5);
-
 		if (end <= first)
 			continue;
 		average(bin, first, end);
@@ -97,13 +93,12 @@ double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double
 {
 	const struct plant_levels *l = levels_of(levels, plant);
 	uint32_t level = l != NULL ? l->bin[centimetres(height_m)] : 0;
-
 	return level > 0 ? level / 100.0 : height_m;
 }
 
 void eco_levels_close(struct eco_levels *levels)
 {
-	for (uint32_t i = 0; levels != NULL && i < levels->count; i++)
+	for (uint32_t i = 0; levels && i < levels->count; i++)
 		free(levels->plants[i].bin);
 	free(levels);
 }

@@ -22,7 +22,6 @@ struct eco_place_set *eco_place_set_open(void)
 static uint64_t *slot_of(const struct part *part, uint64_t hash)
 {
 	uint32_t at = (uint32_t)(((hash >> 8 & 0xffffffffu) * part->capacity) >> 32);
-
 	while (part->slots[at] != 0 && part->slots[at] != hash)
 		at = at + 1 == part->capacity ? 0 : at + 1;
 	return &part->slots[at];
@@ -31,11 +30,10 @@ static uint64_t *slot_of(const struct part *part, uint64_t hash)
 static bool grow(struct part *part)
 {
 	struct part bigger = { .count = part->count, .capacity = part->capacity == 0 ? FIRST : part->capacity + part->capacity / 2 };
-
 	if (part->capacity > UINT32_MAX / 2)
 		return false;
 	bigger.slots = calloc(bigger.capacity, sizeof *bigger.slots);
-	if (bigger.slots == NULL)
+	if (!bigger.slots)
 		return false;
 	for (uint32_t i = 0; i < part->capacity; i++)
 		if (part->slots[i] != 0)
@@ -49,7 +47,6 @@ bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *know
 {
 	uint64_t hash = 0, *slot;
 	struct part *part;
-
 	for (int k = 0; k < 3; k++)
 		hash = eco_mix(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
@@ -65,7 +62,7 @@ bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *know
 
 void eco_place_set_close(struct eco_place_set *set)
 {
-	for (uint32_t i = 0; set != NULL && i < PARTS; i++)
+	for (uint32_t i = 0; set && i < PARTS; i++)
 		free(set->parts[i].slots);
 	free(set);
 }

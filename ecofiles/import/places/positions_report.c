@@ -66,7 +66,6 @@ static void line(const struct report *r, const char *format, ...)
 {
 	char text[LINE_BYTES];
 	va_list arguments;
-
 	va_start(arguments, format);
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
@@ -79,7 +78,6 @@ static void count_line(const struct report *r, const struct eco_skipped *s, cons
 {
 	char reason[300], number[32];
 	va_list arguments;
-
 	if (s->count == 0)
 		return;
 	va_start(arguments, format);
@@ -94,7 +92,6 @@ static void head_line(const struct report *r, const struct eco_positions_counts 
 	const char *path = r->reader->spec->path;
 	char rows[32], plants[32], extent[80] = "";
 	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1];
-
 	if (c->plants > 1 && (wide >= 1000 || deep >= 1000))
 		snprintf(extent, sizeof extent, " within %.3g x %.3g km", wide / 1000, deep / 1000);
 	else if (c->plants > 1)
@@ -111,7 +108,6 @@ static void filter_lines(const struct report *r, const struct eco_positions_coun
 {
 	for (uint32_t i = 0; i < r->reader->spec->filter_count; i++) {
 		const struct eco_filter *f = &r->reader->spec->filters[i];
-
 		count_line(r, &c->filters[i], c->where, f->only ? "left out: \"%.60s\" is none of \"only\"" : "left out: \"skip\" of \"%.60s\"", f->column);
 	}
 }
@@ -122,8 +118,7 @@ static void key_lines(const struct report *r, const struct eco_positions_counts 
 	char names[300] = "";
 	uint32_t unused = 0;
 	size_t used = 0;
-
-	if (s->species == NULL)
+	if (!s->species)
 		return;
 	for (uint32_t i = 0; i < s->map_count; i++) {
 		if (s->map[i].plant == ECO_NONE)
@@ -131,7 +126,7 @@ static void key_lines(const struct report *r, const struct eco_positions_counts 
 		if (c->keys[i].count == 0 && unused++ < KEYS_NAMED && used < sizeof names)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%.40s\"", used > 0 ? ", " : "", s->map[i].name);
 	}
-	if (s->fallback.name != NULL && s->fallback.plant == ECO_NONE)
+	if (s->fallback.name && s->fallback.plant == ECO_NONE)
 		count_line(r, &c->keys[s->map_count], c->where, "left out by the map: *");
 	if (unused > 0 && c->rows > 0)
 		line(r, "%12s  %u key%s of the map fit no row: %s%s", "", unused, unused == 1 ? "" : "s", names, unused > KEYS_NAMED ? ", ..." : "");
@@ -141,7 +136,6 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 {
 	const struct eco_skipped *all = &c->skipped[ECO_SKIP_UNKNOWN_SPECIES];
 	char number[32];
-
 	count_line(r, all, c->where, "left out: %u species that the map does not have; add them, or \"*\"", c->unknown_species);
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && all->count > 0; i++)
 		if (c->unknown[i].count > 0)
@@ -152,9 +146,8 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 {
 	const struct report r = { reader, say, ctx };
 	struct eco_positions_counts c;
-
 	eco_positions_counted(reader, &c);
-	for (uint32_t i = 0; reader->rows != NULL && i < reader->rows->note_count; i++)
+	for (uint32_t i = 0; reader->rows && i < reader->rows->note_count; i++)
 		line(&r, "%s: %s", reader->spec->path, reader->rows->notes[i]);
 	for (uint32_t i = 0; i < reader->note_count; i++)
 		line(&r, "%s: %s", reader->spec->path, reader->notes[i]);
@@ -164,7 +157,7 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 	}
 	head_line(&r, &c);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
-		if (lines[i] != NULL)
+		if (lines[i])
 			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);
 		else if (i == ECO_SKIP_UNKNOWN_SPECIES)
 			unknown_lines(&r, &c);

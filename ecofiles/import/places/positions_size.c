@@ -16,10 +16,8 @@ static double to_millimetres(double metres)
 static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t plant)
 {
 	uint32_t low = 0, high = size->rule_count;
-
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
-
 		if (size->rules[middle].plant == plant)
 			return &size->rules[middle];
 		if (size->rules[middle].plant < plant)
@@ -34,7 +32,6 @@ static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t
 static double by_allometry(const struct eco_allometry *rule, double dbh_m)
 {
 	double grown = 1 - exp(-rule->rate * dbh_m * 1000);
-
 	return 1.3 + (rule->max_m - 1.3) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
 }
 
@@ -44,10 +41,9 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	const struct eco_allometry *rule = NULL;
 	double number, unit_m, metres;
 	enum eco_size_form form;
-
 	if (size->kind == ECO_SIZE_NUMBER)
 		return size->value_m;
-	if (size->kind == ECO_SIZE_DBH && (rule = rule_of(size, plant)) == NULL)
+	if (size->kind == ECO_SIZE_DBH && !(rule = rule_of(size, plant)))
 		return NAN;
 	form = eco_text_size(text, decimal, &number, &unit_m);
 	remarks->unread |= form == ECO_FORM_NONE && !eco_text_is_missing(text);
@@ -55,7 +51,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 		return NAN;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
 	remarks->implausible |= rule != NULL && metres > DBH_PLAUSIBLE_M;
-	if (rule != NULL)
+	if (rule)
 		metres = by_allometry(rule, metres);
 	metres = to_millimetres(metres);
 	remarks->implausible |= metres > high_m;

@@ -34,7 +34,6 @@ static int compare_texts(const void *a, const void *b)
 static int compare_literals(const void *a, const void *b)
 {
 	const struct pattern *p = a, *q = b;
-
 	if (p->literal != q->literal)
 		return p->literal > q->literal ? -1 : 1;
 	return p->key < q->key ? -1 : p->key > q->key;
@@ -43,19 +42,17 @@ static int compare_literals(const void *a, const void *b)
 static bool fold_keys(struct eco_species_table *t)
 {
 	char folded[TEXT_BYTES];
-
 	for (uint32_t i = 0; i < t->spec->map_count; i++) {
 		const char *name = t->spec->map[i].name;
 		bool wild = strchr(name, '*') != NULL;
 		struct pattern *p = wild ? &t->wild[t->wild_count++] : &t->exact[t->exact_count++];
 		size_t length = eco_text_fold(name, folded, sizeof folded);
-
 		p->text = strdup(folded);
 		p->key = i;
 		p->literal = (uint32_t)length;
 		for (const char *c = folded; *c != 0; c++)
 			p->literal -= *c == '*';
-		if (p->text == NULL)
+		if (!p->text)
 			return false;
 	}
 	qsort(t->exact, t->exact_count, sizeof *t->exact, compare_texts);
@@ -66,15 +63,14 @@ static bool fold_keys(struct eco_species_table *t)
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec)
 {
 	struct eco_species_table *t = calloc(1, sizeof *t);
-
-	if (t == NULL)
+	if (!t)
 		return NULL;
 	t->spec = spec;
 	t->known = calloc(SLOTS, sizeof *t->known);
 	t->exact = calloc(spec->map_count + 1u, sizeof *t->exact);
 	t->wild = calloc(spec->map_count + 1u, sizeof *t->wild);
 	t->keys = calloc(spec->map_count + 1u, sizeof *t->keys);
-	if (t->known == NULL || t->exact == NULL || t->wild == NULL || t->keys == NULL || !fold_keys(t)) {
+	if (!t->known || !t->exact || !t->wild || !t->keys || !fold_keys(t)) {
 		eco_species_close(t);
 		return NULL;
 	}
@@ -85,8 +81,7 @@ static uint32_t match(const struct eco_species_table *t, const char *folded)
 {
 	const struct pattern wanted = { .text = (char *)folded };
 	const struct pattern *exact = bsearch(&wanted, t->exact, t->exact_count, sizeof *t->exact, compare_texts);
-
-	if (exact != NULL)
+	if (exact)
 		return exact->key;
 	for (uint32_t i = 0; i < t->wild_count; i++)
 		if (eco_text_fits(folded, t->wild[i].text))
@@ -99,11 +94,10 @@ static struct known *slot_of(const struct eco_species_table *t, const char *text
 {
 	uint64_t hash = length;
 	uint32_t at;
-
 	for (size_t i = 0; i < length; i++)
 		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
 	at = (uint32_t)(eco_mix(0, hash) % SLOTS);
-	while (t->known[at].text != NULL && (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
+	while (t->known[at].text && (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
 		at = at + 1 == SLOTS ? 0 : at + 1;
 	return &t->known[at];
 }
@@ -122,11 +116,10 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 	size_t length = strnlen(text, TEXT_BYTES - 1);
 	struct known *slot = slot_of(table, text, length);
 	uint32_t key;
-
-	if (slot->text == NULL) {
+	if (!slot->text) {
 		eco_text_fold(text, folded, sizeof folded);
 		key = match(table, folded);
-		if (table->known_count < KNOWN_MAX && (slot->text = strndup(text, length)) != NULL) {
+		if (table->known_count < KNOWN_MAX && (slot->text = strndup(text, length))) {
 			table->known_count++;
 			slot->key = key;
 			slot->first_line = line;
@@ -134,7 +127,7 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 	} else {
 		key = slot->key;
 	}
-	if (slot->text != NULL && slot->count++ == 0)
+	if (slot->text && slot->count++ == 0)
 		slot->first_line = line;
 	count(&table->keys[key], text, line);
 	return key;
@@ -144,7 +137,6 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 static void add_unknown(struct known *most, uint32_t *kinds, const struct known *known)
 {
 	uint32_t at = ECO_UNKNOWN_MOST;
-
 	++*kinds;
 	while (at > 0 && (most[at - 1].count < known->count || (most[at - 1].count == known->count && most[at - 1].count > 0
 		&& most[at - 1].first_line > known->first_line)))
@@ -158,15 +150,14 @@ static void add_unknown(struct known *most, uint32_t *kinds, const struct known 
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts)
 {
 	struct known most[ECO_UNKNOWN_MOST] = { { .text = NULL } };
-
 	counts->keys = table->keys;
 	counts->unknown_species = 0;
 	for (uint32_t i = 0; i < SLOTS; i++)
-		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count && table->spec->fallback.name == NULL)
+		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count && !table->spec->fallback.name)
 			add_unknown(most, &counts->unknown_species, &table->known[i]);
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST; i++) {
 		counts->unknown[i] = (struct eco_skipped){ .count = most[i].count, .first_line = most[i].first_line };
-		if (most[i].text != NULL)
+		if (most[i].text)
 			strncpy(counts->unknown[i].first_text, most[i].text, sizeof counts->unknown[i].first_text - 1);
 	}
 }
@@ -180,13 +171,13 @@ void eco_species_reset(struct eco_species_table *table)
 
 void eco_species_close(struct eco_species_table *table)
 {
-	if (table == NULL)
+	if (!table)
 		return;
-	for (uint32_t i = 0; table->known != NULL && i < SLOTS; i++)
+	for (uint32_t i = 0; table->known && i < SLOTS; i++)
 		free(table->known[i].text);
-	for (uint32_t i = 0; table->exact != NULL && i < table->exact_count; i++)
+	for (uint32_t i = 0; table->exact && i < table->exact_count; i++)
 		free(table->exact[i].text);
-	for (uint32_t i = 0; table->wild != NULL && i < table->wild_count; i++)
+	for (uint32_t i = 0; table->wild && i < table->wild_count; i++)
 		free(table->wild[i].text);
 	free(table->known);
 	free(table->exact);

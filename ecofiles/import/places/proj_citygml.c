@@ -11,10 +11,9 @@
 static PJ *flat_of(PJ_CONTEXT *context, const char *code)
 {
 	PJ *crs = proj_create(context, code), *flat = NULL;
-
-	if (crs != NULL && proj_is_crs(crs) && proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS)
+	if (crs && proj_is_crs(crs) && proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS)
 		flat = proj_crs_get_sub_crs(context, crs, 0);
-	else if (crs != NULL && proj_is_crs(crs))
+	else if (crs && proj_is_crs(crs))
 		flat = proj_get_type(crs) == PJ_TYPE_GEOGRAPHIC_3D_CRS ? proj_crs_demote_to_2D(context, NULL, crs) : proj_clone(context, crs);
 	proj_destroy(crs);
 	return flat;
@@ -24,7 +23,7 @@ static bool north_first(PJ_CONTEXT *context, const PJ *flat)
 {
 	PJ *axes = proj_crs_get_coordinate_system(context, flat);
 	const char *direction = NULL;
-	bool north = axes != NULL && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL, NULL, NULL, NULL) && direction != NULL
+	bool north = axes != NULL && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL, NULL, NULL, NULL) && direction
 		&& strcasecmp(direction, "north") == 0;
 
 	proj_destroy(axes);
@@ -35,10 +34,8 @@ static bool north_first(PJ_CONTEXT *context, const PJ *flat)
 static uint32_t count_inside(const struct eco_citygml_crs *crs, PJ *to_degrees, const double area[4], bool swapped)
 {
 	uint32_t inside = 0;
-
 	for (uint32_t i = 0; i < crs->seen_count; i++) {
 		PJ_COORD at = proj_coord(crs->seen[i][swapped], crs->seen[i][!swapped], 0, HUGE_VAL);
-
 		at = proj_trans(to_degrees, PJ_FWD, at);
 		inside += at.xy.x >= area[0] && at.xy.y >= area[1] && at.xy.x <= area[2] && at.xy.y <= area[3];
 	}
@@ -51,12 +48,11 @@ static bool try_orders(const struct eco_citygml_crs *crs, PJ_CONTEXT *context, P
 	PJ *world = proj_create(context, "EPSG:4326"), *raw = NULL, *to_degrees = NULL;
 	double area[4];
 	bool known = proj_get_area_of_use(context, flat, &area[0], &area[1], &area[2], &area[3], NULL) && area[0] > -1000 && area[0] < area[2];
-
-	if (known && world != NULL)
+	if (known && world)
 		raw = proj_create_crs_to_crs_from_pj(context, flat, world, NULL, NULL);
-	if (raw != NULL)
+	if (raw)
 		to_degrees = proj_normalize_for_visualization(context, raw);
-	for (int swapped = 0; to_degrees != NULL && swapped < 2; swapped++)
+	for (int swapped = 0; to_degrees && swapped < 2; swapped++)
 		inside[swapped] = count_inside(crs, to_degrees, area, swapped);
 	known = to_degrees != NULL;
 	proj_destroy(to_degrees);
@@ -70,8 +66,7 @@ static void decide(struct eco_citygml_crs *crs, PJ_CONTEXT *context, char *note,
 	PJ *flat = flat_of(context, crs->code);
 	uint32_t inside[2] = { 0, 0 };
 	bool said;
-
-	if (flat == NULL)
+	if (!flat)
 		return;
 	said = crs->swapped = crs->as_authority && north_first(context, flat);
 	if (try_orders(crs, context, flat, inside) && inside[said] == 0 && inside[!said] > 0) {
@@ -88,8 +83,7 @@ static void decide(struct eco_citygml_crs *crs, PJ_CONTEXT *context, char *note,
 void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size)
 {
 	PJ_CONTEXT *context = proj_context_create();
-
-	if (context == NULL)
+	if (!context)
 		return;
 	proj_log_level(context, PJ_LOG_NONE);
 	proj_context_set_enable_network(context, 0);

@@ -25,15 +25,14 @@ struct eco_crs_path {
 static PJ *parse(PJ_CONTEXT *context, const char *text)
 {
 	PJ *crs = proj_create(context, text);
-
-	if (crs != NULL && !proj_is_crs(crs)) {
+	if (crs && !proj_is_crs(crs)) {
 		proj_destroy(crs);
 		return NULL;
 	}
-	if (crs != NULL && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {        /* has its own datum shift, which PROJ uses in converting */
+	if (crs && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {        /* has its own datum shift, which PROJ uses in converting */
 		PJ *base = proj_get_source_crs(context, crs);
 
-		if (base != NULL && proj_get_type(base) == PJ_TYPE_COMPOUND_CRS) {
+		if (base && proj_get_type(base) == PJ_TYPE_COMPOUND_CRS) {
 			proj_destroy(crs);
 			return base;
 		}
@@ -57,10 +56,9 @@ static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char 
 	struct eco_error *error)
 {
 	PJ_TYPE type;
-
 	*vertical = NULL;
 	*ellipsoid = false;
-	if (stated == NULL) {
+	if (!stated) {
 		if (proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS)
 			*vertical = proj_crs_get_sub_crs(context, crs, 1);
 		*ellipsoid = proj_get_type(crs) == PJ_TYPE_GEOGRAPHIC_3D_CRS;
@@ -84,8 +82,7 @@ static double axis_unit(PJ_CONTEXT *context, const PJ *crs)
 {
 	PJ *axes = proj_crs_get_coordinate_system(context, crs);
 	double unit = 0;
-
-	if (axes == NULL || !proj_cs_get_axis_info(context, axes, 0, NULL, NULL, NULL, &unit, NULL, NULL, NULL))
+	if (!axes || !proj_cs_get_axis_info(context, axes, 0, NULL, NULL, NULL, &unit, NULL, NULL, NULL))
 		unit = 0;
 	proj_destroy(axes);
 	return unit;
@@ -95,10 +92,9 @@ bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs)
 {
 	PJ *flat = horizontal_of(context, crs), *base = NULL;
 	bool metric = false;
-
-	if (flat != NULL && proj_get_type(flat) == PJ_TYPE_BOUND_CRS)
+	if (flat && proj_get_type(flat) == PJ_TYPE_BOUND_CRS)
 		base = proj_get_source_crs(context, flat);
-	if (flat != NULL && proj_get_type(base != NULL ? base : flat) == PJ_TYPE_PROJECTED_CRS)
+	if (flat && proj_get_type(base != NULL ? base : flat) == PJ_TYPE_PROJECTED_CRS)
 		metric = fabs(axis_unit(context, base != NULL ? base : flat) - 1) <= 1e-9;
 	proj_destroy(base);
 	proj_destroy(flat);
@@ -108,7 +104,6 @@ bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs)
 static bool is_local(const PJ *crs)
 {
 	PJ_TYPE type = proj_get_type(crs);
-
 	return type == PJ_TYPE_ENGINEERING_CRS || type == PJ_TYPE_TEMPORAL_CRS || type == PJ_TYPE_VERTICAL_CRS;
 }
 
@@ -123,7 +118,7 @@ static bool same(PJ_CONTEXT *context, const PJ *a, const PJ *b)
 static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
 {
 	c->to = parse(c->context, r->frame->crs);
-	if (c->to == NULL)
+	if (!c->to)
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", r->frame->crs);
 	if (!proj_is_metric_map(c->context, c->to))
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
@@ -135,20 +130,18 @@ static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_r
 {
 	const char *text = r->stated != NULL ? r->stated : r->of_file;
 	PJ *of_file = NULL;
-
 	c->from = parse(c->context, text);
-	if (c->from == NULL)
+	if (!c->from)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to \"%.80s\": PROJ does not know it%s", r->path, c->from_name,
 			c->to_name, r->stated != NULL ? "; write a code such as \"EPSG:4326\"" : "; add \"crs\": \"EPSG:...\" to its entry");
 	if (is_local(c->from))
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS \"%.80s\" is a local one that has no place on Earth; add \"crs\": \"EPSG:...\", "
 			"the CRS that its coordinates are really in, to its entry", r->path, c->from_name);
-	if (r->stated == NULL || r->of_file == NULL)
+	if (!r->stated || !r->of_file)
 		return ECO_OK;
 	of_file = parse(c->context, r->of_file);
-	if (of_file == NULL || !same(c->context, of_file, c->from)) {
+	if (!of_file || !same(c->context, of_file, c->from)) {
 		char *name = eco_crs_short_name(r->of_file);
-
 		r->note(r->ctx, "the file says CRS \"%.80s\", its entry says \"%.80s\": the entry's is taken", name != NULL ? name : "?", c->from_name);
 		free(name);
 	}
@@ -164,12 +157,11 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 {
 	enum eco_code code = vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid, r->path, error);
 	bool has_from, has_to;
-
-	if (code == ECO_OK)
+	if (!code)
 		code = vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid, "the scene", error);
-	if (code != ECO_OK)
+	if (code)
 		return code;
-	if (h->to != NULL && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
+	if (h->to && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count in metres, as scenes do; "
 			"take its twin in metres, such "
 			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical : proj_get_name(h->to));
@@ -187,14 +179,13 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 		r->note(r->ctx, "its heights (z) are taken for metres above the zero of the scene's: neither says a vertical datum; if they differ, add "
 			"\"vertical\": \"EPSG:...\" to the scene and to its entry");
 	c->convert_z = has_from && !(h->from_ellipsoid && h->to_ellipsoid && same(c->context, c->from, c->to))
-		&& !(h->from != NULL && h->to != NULL && same(c->context, h->from, h->to));
+		&& !(h->from != NULL && h->to && same(c->context, h->from, h->to));
 	return ECO_OK;
 }
 
 static PJ *with_height(PJ_CONTEXT *context, PJ *flat, PJ *vertical)
 {
 	PJ *whole = vertical != NULL ? proj_create_compound_crs(context, "compound", flat, vertical) : proj_crs_promote_to_3D(context, NULL, flat);
-
 	proj_destroy(flat);
 	return whole;
 }
@@ -205,12 +196,11 @@ static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs
 	struct heights h = { .from = NULL };
 	enum eco_code code = c->use_z ? pair_heights(c, r, &h, error) : ECO_OK;
 	PJ *from = NULL, *to = NULL;
-
-	if (code == ECO_OK) {
+	if (!code) {
 		from = horizontal_of(c->context, c->from);
 		to = horizontal_of(c->context, c->to);
 	}
-	if (code == ECO_OK && c->convert_z && from != NULL && to != NULL) {
+	if (code == ECO_OK && c->convert_z && from && to) {
 		from = with_height(c->context, from, h.from);
 		to = with_height(c->context, to, h.to);
 	}
@@ -220,7 +210,7 @@ static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs
 	proj_destroy(c->to);
 	c->from = from;
 	c->to = to;
-	if (code == ECO_OK && (from == NULL || to == NULL))
+	if (code == ECO_OK && (!from || !to))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: CRS \"%.80s\" has no horizontal part", r->path, c->from_name);
 	return code;
 }
@@ -230,14 +220,12 @@ static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs
 static void describe_missing(PJ_CONTEXT *context, const PJ *operation, char *names, size_t size)
 {
 	int grids = proj_coordoperation_get_grid_used_count(context, operation);
-
 	for (int i = 0; i < grids; i++) {
 		const char *name = NULL;
 		int available = 1;
 		size_t used = strlen(names);
-
 		if (proj_coordoperation_get_grid_used(context, operation, i, &name, NULL, NULL, NULL, NULL, NULL, &available) && !available
-			&& name != NULL && strstr(names, name) == NULL && used < size)
+			&& name && !strstr(names, name) && used < size)
 			snprintf(names + used, size - used, "%s%s", used > 0 ? ", " : "", name);
 	}
 }
@@ -247,9 +235,8 @@ static void missing_grids(const struct eco_crs_path *c, double longitude, double
 {
 	PJ_OPERATION_FACTORY_CONTEXT *factory = proj_create_operation_factory_context(c->context, NULL);
 	PJ_OBJ_LIST *list = NULL;
-
 	*names = 0;
-	if (factory == NULL)
+	if (!factory)
 		return;
 	proj_operation_factory_context_set_grid_availability_use(c->context, factory, PROJ_GRID_AVAILABILITY_IGNORED);
 	proj_operation_factory_context_set_spatial_criterion(c->context, factory, PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
@@ -257,9 +244,8 @@ static void missing_grids(const struct eco_crs_path *c, double longitude, double
 		proj_operation_factory_context_set_area_of_interest(c->context, factory, longitude - 1e-3, latitude - 1e-3, longitude + 1e-3,
 			latitude + 1e-3);
 	list = proj_create_operations(c->context, c->from, c->to, factory);
-	if (list != NULL && proj_list_get_count(list) > 0) {
+	if (list && proj_list_get_count(list) > 0) {
 		PJ *best = proj_list_get(c->context, list, 0);
-
 		describe_missing(c->context, best, names, size);
 		proj_destroy(best);
 	}
@@ -271,13 +257,12 @@ static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double
 {
 	PJ *flat = horizontal_of(c->context, c->from), *world = proj_create(c->context, "EPSG:4326"), *raw = NULL, *conversion = NULL;
 	PJ_COORD at;
-
 	*longitude = *latitude = NAN;
-	if (flat != NULL && world != NULL)
+	if (flat && world)
 		raw = proj_create_crs_to_crs_from_pj(c->context, flat, world, NULL, NULL);
-	if (raw != NULL)
+	if (raw)
 		conversion = proj_normalize_for_visualization(c->context, raw);
-	if (conversion != NULL) {
+	if (conversion) {
 		at = proj_trans(conversion, PJ_FWD, proj_coord(xyz[0], xyz[1], 0, HUGE_VAL));
 		*longitude = at.xy.x;
 		*latitude = at.xy.y;
@@ -291,16 +276,14 @@ static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double
 static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
 {
 	PJ *raw;
-
 	if (!c->convert_z && same(c->context, c->from, c->to))
 		return ECO_OK;
 	raw = proj_create_crs_to_crs_from_pj(c->context, c->from, c->to, NULL,
 		c->convert_z ? (const char *const[]){ "ALLOW_BALLPARK=NO", NULL } : NULL);
 	c->conversion = raw != NULL ? proj_normalize_for_visualization(c->context, raw) : NULL;
 	proj_destroy(raw);
-	if (c->conversion == NULL) {
+	if (!c->conversion) {
 		char names[200];
-
 		missing_grids(c, NAN, NAN, names, sizeof names);
 		if (c->convert_z)
 			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: PROJ cannot convert its heights between the two vertical datums%s%s%s", r->path,
@@ -320,7 +303,6 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 	PJ *used = converted ? proj_trans_get_last_used_operation(c->conversion) : NULL;
 	bool ballpark = used != NULL && proj_coordoperation_has_ballpark_transformation(c->context, used);
 	double accuracy = used != NULL ? proj_coordoperation_get_accuracy(c->context, used) : -1;
-
 	proj_destroy(used);
 	degrees_of(c, xyz, &longitude, &latitude);
 	missing_grids(c, longitude, latitude, names, sizeof names);
@@ -340,21 +322,20 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
 {
 	enum eco_code code;
-
 	c->request = *r;
 	c->use_z = r->use_z;
 	c->context = proj_context_create();
 	c->path = strdup(r->path);
 	c->from_name = eco_crs_short_name(r->stated != NULL ? r->stated : r->of_file);
 	c->to_name = eco_crs_short_name(r->frame->crs);
-	if (c->context == NULL || c->path == NULL || c->from_name == NULL || c->to_name == NULL)
+	if (!c->context || !c->path || !c->from_name || !c->to_name)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	proj_log_level(c->context, PJ_LOG_NONE);
 	proj_context_set_enable_network(c->context, 0);
 	code = parse_frame(c, r, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = parse_source(c, r, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = settle_heights(c, r, error);
 	return code == ECO_OK ? open_conversion(c, r, error) : code;
 }
@@ -363,8 +344,7 @@ enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_req
 {
 	struct eco_crs_path *c = calloc(1, sizeof *c);
 	enum eco_code code = c != NULL ? open_parts(c, request, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-
-	if (code != ECO_OK) {
+	if (code) {
 		proj_crs_close(c);
 		c = NULL;
 	}
@@ -381,10 +361,9 @@ enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *conv
 {
 	enum eco_code code = ECO_OK;
 	PJ_COORD to;
-
 	*converted = true;
 	*why = "";
-	if (c->conversion == NULL)
+	if (!c->conversion)
 		return ECO_OK;
 	proj_errno_reset(c->conversion);
 	to = proj_trans(c->conversion, PJ_FWD, proj_coord(xyz[0], xyz[1], c->convert_z ? xyz[2] : 0, HUGE_VAL));
@@ -405,12 +384,12 @@ enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *conv
 
 void proj_crs_close(struct eco_crs_path *c)
 {
-	if (c == NULL)
+	if (!c)
 		return;
 	proj_destroy(c->conversion);
 	proj_destroy(c->from);
 	proj_destroy(c->to);
-	if (c->context != NULL)
+	if (c->context)
 		proj_context_destroy(c->context);
 	free(c->path);
 	free(c->from_name);

@@ -29,16 +29,15 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 	struct eco_error *error)
 {
 	char there[300];
-
 	*column = ECO_NONE;
-	for (uint32_t i = 0; name != NULL && i < rows->column_count; i++) {
+	for (uint32_t i = 0; name && i < rows->column_count; i++) {
 		if (strcmp(rows->columns[i], name) != 0)
 			continue;
 		if (*column != ECO_NONE)
 			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", path, name);
 		*column = i;
 	}
-	if (name == NULL || *column != ECO_NONE)
+	if (!name || *column != ECO_NONE)
 		return ECO_OK;
 	eco_rows_list_columns(rows, there, sizeof there);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name, there,
@@ -48,16 +47,15 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 static bool has_extension(const char *path, const char *const *extensions)
 {
 	const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
-
-	for (; *extensions != NULL; extensions++)
-		if (dot != NULL ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)
+	for (; *extensions; extensions++)
+		if (dot ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)
 			return true;
 	return false;
 }
 
 static bool holds(const struct head *head, const char *text)
 {
-	return memmem(head->bytes, head->size, text, strlen(text)) != NULL;
+	return memmem(head->bytes, head->size, text, strlen(text));
 }
 
 static enum eco_code read_head(const char *path, struct head *head, struct eco_error *error)
@@ -65,7 +63,6 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL }, *const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
 	struct stat file;
 	FILE *in;
-
 	if (stat(path, &file) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
 	if (S_ISDIR(file.st_mode)) {         /* a file geodatabase */
@@ -76,7 +73,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	if (!S_ISREG(file.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it is not a file", path);
 	in = fopen(path, "rb");
-	if (in == NULL)
+	if (!in)
 		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
 	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
 	head->bytes[head->size] = 0;
@@ -94,8 +91,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 static unsigned char first_sign(const struct head *head)
 {
 	size_t at = head->size >= 3 && memcmp(head->bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-
-	while (at < head->size && strchr(" \t\r\n", head->bytes[at]) != NULL && head->bytes[at] != 0)
+	while (at < head->size && strchr(" \t\r\n", head->bytes[at]) && head->bytes[at] != 0)
 		at++;
 	return at < head->size ? head->bytes[at] : 0;
 }
@@ -110,22 +106,20 @@ static bool is_utf16(const struct head *head)
 
 static bool is_text(const struct head *head)
 {
-	return head->size > 0 && memchr(head->bytes, 0, head->size) == NULL;
+	return head->size > 0 && !memchr(head->bytes, 0, head->size);
 }
 
 /* Without GDAL an unknown text is taken for a CSV. */
 static bool ogr_knows(const char *path)
 {
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, NULL);
-
-	return gdal != NULL && gdal->rows_knows(path);
+	return gdal && gdal->rows_knows(path);
 }
 
 static enum eco_code open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
 {
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
-
-	return gdal == NULL ? ECO_NOT_FOUND : gdal->rows_open(rows, source, error);
+	return !gdal ? ECO_NOT_FOUND : gdal->rows_open(rows, source, error);
 }
 
 enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
@@ -135,13 +129,12 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	struct head *head = malloc(sizeof *head);
 	enum eco_code code;
 	unsigned char sign;
-
 	*rows = NULL;
-	if (head == NULL)
+	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	code = read_head(source->path, head, error);
 	sign = first_sign(head);
-	if (code != ECO_OK)
+	if (code)
 		;
 	else if (has_extension(source->path, gltf_names))
 		code = eco_rows_open_gltf(rows, source->path, error);
@@ -162,7 +155,7 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else
 		code = open_ogr(rows, source, error);
 	free(head);
-	if (code == ECO_OK && source->layer != NULL && strcmp((*rows)->where, "feature") != 0)
+	if (code == ECO_OK && source->layer && strcmp((*rows)->where, "feature") != 0)
 		eco_rows_note(*rows, "it is one table; \"layer\" says nothing");
 	if (code == ECO_OK && source->areas && (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
 		eco_rows_close(*rows);
@@ -174,6 +167,6 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 
 void eco_rows_close(struct eco_rows *rows)
 {
-	if (rows != NULL)
+	if (rows)
 		rows->close(rows);
 }

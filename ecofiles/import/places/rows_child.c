@@ -45,7 +45,6 @@ static void begin(struct eco_writer *m, char kind)
 static enum eco_code send_message(const struct eco_writer *m, uint32_t most, FILE *out, struct eco_error *error)
 {
 	uint32_t size = (uint32_t)m->size;
-
 	if (m->failed)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (m->size > most)
@@ -68,7 +67,6 @@ static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 static enum eco_code send_notes(const struct eco_rows *rows, uint32_t *sent, struct eco_writer *m, FILE *out, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	for (; *sent < rows->note_count && code == ECO_OK; ++*sent) {
 		begin(m, 'N');
 		put_text(m, rows->notes[*sent]);
@@ -81,7 +79,6 @@ static void put_row(const struct eco_rows *rows, const bool *wanted, struct eco_
 {
 	const struct eco_rows_place *place = &rows->place;
 	uint32_t area_bytes = place->kind == ECO_PLACE_AREA ? place->wkb_bytes : 0;
-
 	begin(m, 'R');
 	eco_write_u64(m, rows->row);
 	eco_write_u64(m, rows->line);
@@ -102,7 +99,7 @@ static void find_wanted(const struct eco_rows *rows, const struct eco_rows_sourc
 {
 	for (uint32_t i = 0; i < rows->column_count; i++) {
 		wanted[i] = source->wanted == NULL;
-		for (uint32_t k = 0; source->wanted != NULL && k < source->wanted_count; k++)
+		for (uint32_t k = 0; source->wanted && k < source->wanted_count; k++)
 			wanted[i] |= strcmp(rows->columns[i], source->wanted[k]) == 0;
 	}
 }
@@ -113,24 +110,23 @@ static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_sour
 	bool *wanted = calloc(rows->column_count + 1u, sizeof *wanted), more = true;
 	uint32_t notes = 0, most = message_most(source->areas);
 	enum eco_code code = wanted != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-
-	if (code == ECO_OK) {
+	if (!code) {
 		find_wanted(rows, source, wanted);
 		put_head(rows, m);
 		code = send_message(m, most, out, error);
 	}
 	while (code == ECO_OK && more) {
 		code = send_notes(rows, &notes, m, out, error);
-		if (code == ECO_OK)
+		if (!code)
 			code = rows->next(rows, &more, error);
 		if (code != ECO_OK || !more)
 			break;
 		put_row(rows, wanted, m);
 		code = send_message(m, most, out, error);
 	}
-	if (code == ECO_OK)
+	if (!code)
 		code = send_notes(rows, &notes, m, out, error);
-	if (code == ECO_OK) {
+	if (!code) {
 		begin(m, 'E');
 		eco_write_u64(m, rows->row);
 		code = send_message(m, most, out, error);
@@ -145,10 +141,9 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	struct eco_rows *rows = NULL;
 	struct eco_writer m = { .bytes = NULL };
 	enum eco_code code;
-
 	setvbuf(out, NULL, _IOFBF, WRITE_BUFFER);
 	code = eco_rows_open_here(&rows, source, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = send_rows(rows, source, &m, out, error);
 	eco_rows_close(rows);
 	eco_writer_free(&m);
@@ -177,7 +172,6 @@ static enum eco_code damaged(const struct child *c, struct eco_error *error)
 static enum eco_code ended(struct child *c, struct eco_error *error)
 {
 	enum eco_code code = eco_guard_finish(c->guard, error);
-
 	c->guard = NULL;
 	c->stream = NULL;
 	return code != ECO_OK ? code : damaged(c, error);
@@ -186,8 +180,7 @@ static enum eco_code ended(struct child *c, struct eco_error *error)
 static enum eco_code receive(struct child *c, char *kind, struct eco_error *error)
 {
 	uint32_t size;
-
-	if (c->stream == NULL)
+	if (!c->stream)
 		return damaged(c, error);
 	if (fread(&size, 4, 1, c->stream) != 1)
 		return ended(c, error);
@@ -195,8 +188,7 @@ static enum eco_code receive(struct child *c, char *kind, struct eco_error *erro
 		return damaged(c, error);
 	if (size > c->capacity) {
 		uint8_t *grown = realloc(c->message, 2 * (size_t)size);
-
-		if (grown == NULL)
+		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
 		c->message = grown;
 		c->capacity = 2 * (size_t)size;
@@ -213,9 +205,8 @@ static const char *get_text(struct eco_reader *r)
 {
 	const char *text = (const char *)r->bytes + r->at;
 	const char *end = r->failed ? NULL : memchr(text, 0, r->size - r->at);
-
 	r->failed = end == NULL;
-	if (end == NULL)
+	if (!end)
 		return "";
 	r->at += (size_t)(end - text) + 1;
 	return text;
@@ -233,7 +224,6 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 	uint8_t flags = eco_read_u8(r);
 	uint32_t columns = eco_read_u32(r);
 	const char *crs;
-
 	snprintf(c->where, sizeof c->where, "%.31s", get_text(r));
 	rows->where = c->where;
 	rows->has_geometry = flags & 1;
@@ -246,10 +236,10 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 		return damaged(c, error);
 	rows->columns = calloc(columns + 1u, sizeof *rows->columns);
 	rows->crs = *crs != 0 ? strdup(crs) : NULL;
-	if (rows->columns == NULL || (*crs != 0 && rows->crs == NULL))
+	if (!rows->columns || (*crs != 0 && !rows->crs))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
 	for (; rows->column_count < columns; rows->column_count++)
-		if ((rows->columns[rows->column_count] = strdup(get_text(r))) == NULL)
+		if (!(rows->columns[rows->column_count] = strdup(get_text(r))))
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
 	return whole(c, error);
 }
@@ -257,7 +247,6 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 static bool get_place(struct eco_reader *r, struct eco_rows_place *place)
 {
 	uint8_t kind = eco_read_u8(r);
-
 	for (int k = 0; k < 3; k++)
 		place->at[k] = eco_read_f64(r);
 	place->yaw_deg = eco_read_f64(r);
@@ -274,7 +263,6 @@ static enum eco_code get_row(struct child *c, struct eco_error *error)
 	struct eco_rows *rows = &c->rows;
 	struct eco_reader *r = &c->reader;
 	uint64_t before = rows->row;
-
 	rows->row = eco_read_u64(r);
 	rows->line = eco_read_u64(r);
 	if (!get_place(r, &rows->place) || rows->row <= before)
@@ -298,13 +286,12 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	struct child *c = (struct child *)rows;
 	enum eco_code code;
 	char kind = 0;
-
 	do {
 		code = receive(c, &kind, error);
 		if (code == ECO_OK && kind == 'N')
 			code = get_note(c, error);
 	} while (code == ECO_OK && kind == 'N');
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	if (kind == 'R') {
 		*more = true;
@@ -325,7 +312,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 static void close_child(struct eco_rows *rows)
 {
 	struct child *c = (struct child *)rows;
-
 	eco_guard_finish(c->guard, NULL);
 	eco_rows_free_texts(rows);
 	free(c->message);
@@ -338,25 +324,24 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 	struct child *c = calloc(1, sizeof *c);
 	enum eco_code code;
 	char kind = 0;
-
 	_Static_assert(offsetof(struct child, rows) == 0, "struct eco_rows is the start of struct child");
 	*rows = NULL;
-	if (c == NULL)
+	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	c->rows.next = next;
 	c->rows.close = close_child;
 	c->most = message_most(source->areas);
 	c->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *c->rows.fields);
 	c->path = strdup(source->path);
-	if (c->path == NULL || c->rows.fields == NULL)
+	if (!c->path || !c->rows.fields)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	else
 		code = eco_guard_start(&c->guard, work, (void *)source, source->path, NULL, &c->stream, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = receive(c, &kind, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = kind == 'H' ? get_head(c, error) : damaged(c, error);
-	if (code == ECO_OK)
+	if (!code)
 		*rows = &c->rows;
 	else
 		close_child(&c->rows);

@@ -71,8 +71,7 @@ static unsigned long line_of(const struct citygml *c) { return (unsigned long)XM
 static const char *local(const char *name)
 {
 	const char *colon = strrchr(name, ':');
-
-	return colon != NULL ? colon + 1 : name;
+	return colon ? colon + 1 : name;
 }
 
 static bool is(const char *name, const char *wanted) { return strcmp(name, wanted) == 0; }
@@ -80,13 +79,12 @@ static bool is(const char *name, const char *wanted) { return strcmp(name, wante
 static bool ends_with(const char *name, const char *end)
 {
 	size_t length = strlen(name), wanted = strlen(end);
-
 	return length >= wanted && strcmp(name + length - wanted, end) == 0;
 }
 
 static const char *attribute(const XML_Char **attributes, const char *wanted)
 {
-	for (; *attributes != NULL; attributes += 2)
+	for (; *attributes; attributes += 2)
 		if (is(local(attributes[0]), wanted))
 			return attributes[1];
 	return NULL;
@@ -97,14 +95,13 @@ static const char *attribute(const XML_Char **attributes, const char *wanted)
 static uint32_t column_of(struct citygml *c, const char *name)
 {
 	uint32_t i = 0;
-
 	while (i < c->rows.column_count && !is(c->rows.columns[i], name))
 		i++;
 	if (i < c->rows.column_count)
 		return i;
 	if (i == ECO_COLUMNS_MAX) {
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s: more than %u different attributes", c->path, ECO_COLUMNS_MAX));
-	} else if ((c->rows.columns[i] = strdup(name)) == NULL) {
+	} else if (!(c->rows.columns[i] = strdup(name))) {
 		out_of_memory(c);
 	} else {
 		c->rows.column_count++;
@@ -117,7 +114,6 @@ static void set_field(struct citygml *c, const char *name, const char *text, boo
 {
 	uint32_t column = column_of(c, name);
 	struct field *field = &c->values[column];
-
 	if (column >= c->rows.column_count || (field->text != NULL && (generic || !field->generic)))
 		return;
 	c->row_bytes += strlen(text);
@@ -127,7 +123,7 @@ static void set_field(struct citygml *c, const char *name, const char *text, boo
 	}
 	free(field->text);
 	*field = (struct field){ strdup(text), generic };
-	if (field->text == NULL)
+	if (!field->text)
 		out_of_memory(c);
 }
 
@@ -145,12 +141,11 @@ static void take_uom(struct citygml *c, const char *uom)
 	static const char *const units[][2] = { { "m", "m" }, { "metre", "m" }, { "meter", "m" }, { "cm", "cm" }, { "mm", "mm" }, { "dm", "dm" },
 		{ "ft", "ft" }, { "[ft_i]", "ft" }, { "[ft_us]", "ft" }, { "foot", "ft" }, { "in", "in" }, { "[in_i]", "in" }, { "inch", "in" } };
 	const char *last = uom;
-
 	c->uom[0] = 0;
-	for (const char *at = uom; at != NULL && *at != 0; at++)
-		if (strchr(":#/", *at) != NULL)
+	for (const char *at = uom; at && *at != 0; at++)
+		if (strchr(":#/", *at))
 			last = at + 1;
-	for (size_t i = 0; uom != NULL && i < sizeof units / sizeof *units; i++)
+	for (size_t i = 0; uom && i < sizeof units / sizeof *units; i++)
 		if (is(last, units[i][0]))
 			snprintf(c->uom, sizeof c->uom, " %s", units[i][1]);
 }
@@ -166,7 +161,6 @@ static void read_coordinates(struct citygml *c, const char *text)
 static struct eco_rows_place place_object(struct citygml *c)
 {
 	struct eco_rows_place place = { .kind = ECO_PLACE_EMPTY, .yaw_deg = NAN, .scale = NAN };
-
 	if (!eco_citygml_shape_place(&c->shape, place.at, &place.yaw_deg))
 		return place;
 	place.kind = ECO_PLACE_POINT;
@@ -180,20 +174,18 @@ static struct eco_rows_place place_object(struct citygml *c)
 static void begin_object(struct citygml *c, const XML_Char **attributes)
 {
 	const char *id = attribute(attributes, "id");
-
 	c->object = c->depth;
 	eco_citygml_shape_begin(&c->shape);
 	c->row_bytes = 0;
 	c->line = line_of(c);
 	clear_fields(c);
-	if (id != NULL)
+	if (id)
 		set_field(c, "id", id, false);
 }
 
 static void begin_part(struct citygml *c, const char *name, const XML_Char **attributes)
 {
 	const char *label = attribute(attributes, "name");
-
 	take_uom(c, attribute(attributes, "uom"));
 	if (c->reference == 0 && is(name, "referencePoint"))
 		c->reference = c->depth;
@@ -211,18 +203,17 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 {
 	struct citygml *c = ctx;
 	const char *name = local(full), *srs = attribute(attributes, "srsName"), *dimension = attribute(attributes, "srsDimension");
-
 	c->text.size = 0;
 	c->leaf = true;
 	if (++c->depth > DEPTH_MAX) {
 		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: elements within %u others", c->path, line_of(c), DEPTH_MAX));
 		return;
 	}
-	if (dimension != NULL && c->object != 0 && c->dimension == 0) {
+	if (dimension && c->object != 0 && c->dimension == 0) {
 		c->dimension = atoi(dimension);
 		c->dimension_depth = c->depth;
 	}
-	if (srs != NULL && (c->object != 0 || is(name, "Envelope")) && c->relative == 0
+	if (srs && (c->object != 0 || is(name, "Envelope")) && c->relative == 0
 		&& !eco_citygml_crs_name(&c->crs, srs, c->object != 0))
 		stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.200s:%lu: its plants are in two CRS, \"%.80s\" and \"%.80s\"; split it", c->path,
 			line_of(c), c->crs.name, srs));
@@ -237,7 +228,6 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 static void XMLCALL on_text(void *ctx, const XML_Char *text, int length)
 {
 	struct citygml *c = ctx;
-
 	if (c->object == 0 || !c->leaf)
 		return;
 	eco_write_bytes(&c->text, text, (size_t)length);
@@ -250,8 +240,7 @@ static void XMLCALL on_text(void *ctx, const XML_Char *text, int length)
 static char *trimmed(char *text)
 {
 	size_t length = strlen(text);
-
-	while (length > 0 && strchr(SPACE, text[length - 1]) != NULL)
+	while (length > 0 && strchr(SPACE, text[length - 1]))
 		length--;
 	text[length] = 0;
 	return text + strspn(text, SPACE);
@@ -260,7 +249,6 @@ static char *trimmed(char *text)
 static void end_value(struct citygml *c, const char *name, const char *text, bool generic)
 {
 	char with_unit[80];
-
 	if (*text == 0)
 		return;
 	if (c->uom[0] != 0 && snprintf(with_unit, sizeof with_unit, "%s%s", text, c->uom) < (int)sizeof with_unit)
@@ -289,7 +277,7 @@ static void end_object(struct citygml *c)
 {
 	c->object = 0;
 	for (uint32_t i = 0; i < c->rows.column_count; i++)
-		if (c->values[i].text != NULL) {
+		if (c->values[i].text) {
 			eco_write_u16(&c->kept, (uint16_t)i);
 			eco_write_bytes(&c->kept, c->values[i].text, strlen(c->values[i].text) + 1);
 		}
@@ -303,7 +291,6 @@ static void XMLCALL on_end(void *ctx, const XML_Char *full)
 {
 	struct citygml *c = ctx;
 	int *depths[] = { &c->reference, &c->relative, &c->apart, &c->generic };
-
 	if (c->code != ECO_OK)
 		return;
 	if (c->object != 0 && c->leaf) {
@@ -327,7 +314,6 @@ static void XMLCALL on_end(void *ctx, const XML_Char *full)
 static void XMLCALL on_doctype(void *ctx, const XML_Char *name, const XML_Char *system, const XML_Char *public, int internal)
 {
 	struct citygml *c = ctx;
-
 	(void)name, (void)system, (void)public, (void)internal;
 	stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.300s:%lu: it has a document type (<!DOCTYPE ...>), which CityGML has not; remove it", c->path,
 		line_of(c)));
@@ -352,7 +338,6 @@ static int XMLCALL on_encoding(void *ctx, const XML_Char *name, XML_Encoding *in
 static enum eco_code syntax_error(struct citygml *c, struct eco_error *error)
 {
 	enum XML_Error what = XML_GetErrorCode(c->parser);
-
 	if (c->code != ECO_OK)
 		return c->code;
 	if (what == XML_ERROR_NO_ELEMENTS || what == XML_ERROR_UNCLOSED_TOKEN || what == XML_ERROR_UNCLOSED_CDATA_SECTION)
@@ -364,15 +349,13 @@ static enum eco_code syntax_error(struct citygml *c, struct eco_error *error)
 static enum eco_code walk(struct citygml *c, FILE *file, struct eco_error *error)
 {
 	size_t size = CHUNK_BYTES;
-
 	c->error = error;
 	while (size == CHUNK_BYTES) {
 		void *buffer = XML_GetBuffer(c->parser, CHUNK_BYTES);
-
 		size = buffer != NULL ? fread(buffer, 1, CHUNK_BYTES, file) : 0;
 		if (ferror(file))
 			return eco_fail(error, ECO_IO, "%.300s: %s", c->path, strerror(errno));
-		if (buffer == NULL || XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) == XML_STATUS_ERROR)
+		if (!buffer || XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) == XML_STATUS_ERROR)
 			return syntax_error(c, error);
 	}
 	return ECO_OK;
@@ -385,7 +368,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	struct citygml *c = (struct citygml *)rows;
 	const struct tree *tree = c->trees + rows->row;
 	struct eco_reader values = { c->kept.bytes, c->kept.size, rows->row > 0 ? tree[-1].values_end : 0, false };
-
 	(void)error;
 	*more = rows->row < c->tree_count;
 	if (!*more)
@@ -394,7 +376,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 		rows->fields[i] = "";
 	while (values.at < tree->values_end) {
 		uint16_t column = eco_read_u16(&values);
-
 		rows->fields[column] = (const char *)values.bytes + values.at;
 		values.at += strlen(rows->fields[column]) + 1;
 	}
@@ -412,11 +393,10 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 static void close_citygml(struct eco_rows *rows)
 {
 	struct citygml *c = (struct citygml *)rows;
-
-	if (c->values != NULL)
+	if (c->values)
 		clear_fields(c);
 	eco_rows_free_texts(rows);
-	if (c->parser != NULL)
+	if (c->parser)
 		XML_ParserFree(c->parser);
 	eco_writer_free(&c->text);
 	eco_writer_free(&c->kept);
@@ -432,7 +412,6 @@ static enum eco_code settle(struct citygml *c, struct eco_error *error)
 {
 	const struct eco_proj_module *proj;
 	char note[300] = "";
-
 	if (c->tree_count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no plants%s", c->path,
 			c->covers > 0 ? "; its PlantCover are areas: convert them to GeoJSON polygons and use \"scatter\"" : "");
@@ -442,21 +421,20 @@ static enum eco_code settle(struct citygml *c, struct eco_error *error)
 	if (c->crs.code[0] == 0)
 		return ECO_OK;
 	proj = eco_module(ECO_MODULE_PROJ, error);
-	if (proj == NULL)
+	if (!proj)
 		return ECO_NOT_FOUND;
 	proj->citygml_settle(&c->crs, note, sizeof note);
 	if (note[0] != 0)
 		eco_rows_note(&c->rows, "%s", note);
 	c->rows.crs = strdup(c->crs.code);
-	return c->rows.crs != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
+	return c->rows.crs ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
 }
 
 static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 {
 	FILE *file = fopen(c->path, "rb");
 	enum eco_code code;
-
-	if (file == NULL)
+	if (!file)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path, strerror(errno));
 	XML_SetUserData(c->parser, c);
 	XML_SetElementHandler(c->parser, on_start, on_end);
@@ -473,10 +451,9 @@ enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, st
 	struct citygml *c = calloc(1, sizeof *c);
 	struct eco_error own = { .code = ECO_OK };
 	enum eco_code code;
-
 	_Static_assert(offsetof(struct citygml, rows) == 0, "struct eco_rows is the start of struct citygml");
 	*rows = NULL;
-	if (c == NULL)
+	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	c->rows.next = next;
 	c->rows.close = close_citygml;
@@ -487,11 +464,11 @@ enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, st
 	c->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *c->rows.fields);
 	c->values = calloc(ECO_COLUMNS_MAX + 1, sizeof *c->values);
 	c->parser = XML_ParserCreate(NULL);
-	if (c->path == NULL || c->rows.columns == NULL || c->rows.fields == NULL || c->values == NULL || c->parser == NULL)
+	if (!c->path || !c->rows.columns || !c->rows.fields || !c->values || !c->parser)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	else
 		code = read_citygml(c, error != NULL ? error : &own);
-	if (code == ECO_OK)
+	if (!code)
 		*rows = &c->rows;
 	else
 		close_citygml(&c->rows);

@@ -12,13 +12,12 @@ static bool german(const char *name, char *code, size_t size)
 	static const struct { const char *name; int code; } heights[] = { { "DHHN92", 5783 }, { "DHHN2016", 7837 }, { "DHHN85", 5784 } };
 	const char *utm = strstr(name, "ETRS89_UTM"), *star;
 	int zone = utm != NULL ? atoi(utm + 10) : 0;
-
 	if (strncasecmp(name, "urn:adv:crs:", 12) != 0 || zone < 28 || zone > 38)
 		return false;
 	snprintf(code, size, "EPSG:%d", 25800 + zone);
 	star = strchr(utm, '*');
-	for (size_t i = 0; star != NULL && i < sizeof heights / sizeof *heights; i++)
-		if (strstr(star, heights[i].name) != NULL)
+	for (size_t i = 0; star && i < sizeof heights / sizeof *heights; i++)
+		if (strstr(star, heights[i].name))
 			snprintf(code, size, "EPSG:%d+%d", 25800 + zone, heights[i].code);
 	return true;
 }
@@ -26,11 +25,10 @@ static bool german(const char *name, char *code, size_t size)
 static void code_of(const char *name, char *code, size_t size, bool *as_authority)
 {
 	const char *hash = strchr(name, '#');
-
-	*as_authority = strncasecmp(name, "urn:ogc:", 8) == 0 || (strncasecmp(name, "http", 4) == 0 && hash == NULL);
+	*as_authority = strncasecmp(name, "urn:ogc:", 8) == 0 || (strncasecmp(name, "http", 4) == 0 && !hash);
 	if (german(name, code, size))
 		return;
-	if (strncasecmp(name, "http", 4) == 0 && hash != NULL)       /* http://www.opengis.net/gml/srs/epsg.xml#25832 */
+	if (strncasecmp(name, "http", 4) == 0 && hash)       /* http://www.opengis.net/gml/srs/epsg.xml#25832 */
 		snprintf(code, size, "EPSG:%.20s", hash + 1);
 	else
 		snprintf(code, size, "%.255s", name);
@@ -40,7 +38,6 @@ bool eco_citygml_crs_name(struct eco_citygml_crs *crs, const char *name, bool of
 {
 	char code[sizeof crs->code];
 	bool as_authority;
-
 	name += strspn(name, " \t\r\n");
 	if (*name == 0 || (crs->of_plants && !of_plant))
 		return true;

@@ -29,7 +29,6 @@ static bool add_point(struct eco_citygml_shape *shape, const double at[3])
 static bool next_number(const char **at, double *number)
 {
 	char *end;
-
 	*at += strspn(*at, " \t\r\n,");
 	if (**at == 0)
 		return false;
@@ -44,7 +43,6 @@ static uint32_t count_numbers(const char *text)
 {
 	uint32_t count = 0;
 	double number;
-
 	while (next_number(&text, &number))
 		count++;
 	return count;
@@ -54,10 +52,8 @@ bool eco_citygml_shape_read(struct eco_citygml_shape *shape, const char *text, i
 {
 	uint32_t count = count_numbers(text), each = dimension == 2 || dimension == 3 ? (uint32_t)dimension : count % 3 == 0 ? 3 : 2;
 	bool good = true;
-
 	for (uint32_t i = 0; good && i + each <= count; i += each) {
 		double point[3] = { 0, 0, NAN };
-
 		for (uint32_t k = 0; k < each; k++)
 			next_number(&text, &point[k]);
 		if (!reference) {
@@ -73,7 +69,6 @@ bool eco_citygml_shape_read(struct eco_citygml_shape *shape, const char *text, i
 void eco_citygml_shape_matrix(struct eco_citygml_shape *shape, const char *text)
 {
 	int count = 0;
-
 	while (count < 16 && next_number(&text, &shape->matrix[count]))
 		count++;
 	shape->has_matrix = count == 16;
@@ -83,7 +78,6 @@ void eco_citygml_shape_matrix(struct eco_citygml_shape *shape, const char *text)
 static void find_foot(const struct eco_citygml_shape *shape, double foot[3])
 {
 	double least = INFINITY, most = -INFINITY, low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-
 	for (uint32_t i = 0; i < shape->count; i++) {
 		least = fmin(least, shape->points[i][2]);
 		most = fmax(most, shape->points[i][2]);
@@ -105,7 +99,6 @@ static void find_foot(const struct eco_citygml_shape *shape, double foot[3])
 static void place_implicit(const struct eco_citygml_shape *shape, double at[3], double *yaw_deg)
 {
 	const double *m = shape->matrix;
-
 	memcpy(at, shape->reference, sizeof shape->reference);
 	if (!shape->has_matrix)
 		return;

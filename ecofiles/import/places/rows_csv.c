@@ -36,12 +36,11 @@ static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
 	if (csv->used == csv->capacity) {
 		size_t capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
 		char *grown;
-
 		if (csv->used >= ECO_ROW_BYTES_MAX)
 			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is a quote not closed?", csv->path,
 				(unsigned long long)csv->rows.line, ECO_ROW_BYTES_MAX);
 		grown = realloc(csv->text, capacity);
-		if (grown == NULL)
+		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->text = grown;
 		csv->capacity = capacity;
@@ -53,7 +52,6 @@ static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
 static int get(struct csv *csv)
 {
 	int c = getc_unlocked(csv->file);
-
 	if (c == csv->line_end)
 		c = '\n';
 	csv->line += c == '\n';
@@ -63,7 +61,6 @@ static int get(struct csv *csv)
 static int peek(struct csv *csv)
 {
 	int c = getc_unlocked(csv->file);
-
 	ungetc(c, csv->file);
 	return c;
 }
@@ -82,7 +79,6 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 {
 	bool quoted = false;
 	enum eco_code code = begin_field(csv, error);
-
 	*c = get(csv);
 	if (*c == '"') {
 		quoted = true;
@@ -143,13 +139,11 @@ static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
 {
 	char *grown = realloc(csv->converted, 3 * csv->used + 1);
 	size_t used = 0;
-
-	if (grown == NULL)
+	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 	csv->converted = grown;
 	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
 		size_t at = csv->start[i];
-
 		csv->rows.fields[i] = grown + used;
 		do {
 			used += put_utf8(grown + used, windows_1252((unsigned char)csv->text[at]));
@@ -178,7 +172,6 @@ static enum eco_code set_fields(struct csv *csv, struct eco_error *error)
 static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *error)
 {
 	int c = '\n';
-
 	csv->used = 0;
 	csv->rows.field_count = 0;
 	while ((c = peek(csv)) == '\n' || c == '\r')
@@ -187,8 +180,7 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 	csv->rows.line = csv->line;
 	while (*more) {
 		enum eco_code code = read_field(csv, &c, error);
-
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		if (c != csv->separator)
 			break;
@@ -206,7 +198,6 @@ static bool read_wkt_point(const char *text, double at[3])
 	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
 	char number[3][40];
 	int count;
-
 	text = semicolon != NULL ? semicolon + 1 : text;
 	text += strspn(text, " ");
 	if (strncasecmp(text, "POINT", 5) != 0)
@@ -223,9 +214,8 @@ static void take_wkt(struct csv *csv)
 {
 	struct eco_rows_place *place = &csv->rows.place;
 	const char *text = csv->wkt < csv->rows.field_count ? csv->rows.fields[csv->wkt] : "";
-
 	text += strspn(text, " ");
-	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY") != NULL) {
+	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
 		place->kind = ECO_PLACE_EMPTY;
 	} else if (read_wkt_point(text, place->at)) {
 		place->kind = ECO_PLACE_POINT;
@@ -240,7 +230,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 {
 	struct csv *csv = (struct csv *)rows;
 	enum eco_code code = read_row(csv, more, error);
-
 	rows->row += code == ECO_OK && *more;
 	if (code == ECO_OK && *more && rows->has_geometry)
 		take_wkt(csv);
@@ -256,7 +245,6 @@ static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
 	uint64_t line = csv->line;
 	double at[3];
 	bool more;
-
 	if (from >= 0 && read_row(csv, &more, &own) == ECO_OK && more)
 		for (uint32_t i = csv->rows.field_count; i-- > 0;)
 			if (i < csv->rows.column_count && read_wkt_point(csv->rows.fields[i], at)) {
@@ -273,13 +261,12 @@ static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
 static void close_csv(struct eco_rows *rows)
 {
 	struct csv *csv = (struct csv *)rows;
-
 	eco_rows_free_texts(rows);
 	free(csv->start);
 	free(csv->text);
 	free(csv->converted);
 	free(csv->path);
-	if (csv->file != NULL)
+	if (csv->file)
 		fclose(csv->file);
 	free(csv);
 }
@@ -288,10 +275,9 @@ static void close_csv(struct eco_rows *rows)
 static char *trimmed(const char *name)
 {
 	size_t size;
-
 	name += strspn(name, " \t\r");
 	size = strlen(name);
-	while (size > 0 && strchr(" \t\r", name[size - 1]) != NULL)
+	while (size > 0 && strchr(" \t\r", name[size - 1]))
 		size--;
 	return strndup(name, size);
 }
@@ -314,7 +300,6 @@ static char count_separators(const char *text)
 	uint32_t counts[sizeof signs] = { 0 };
 	size_t best = 0;
 	bool quoted = false;
-
 	for (; *text != 0 && (quoted || (*text != '\n' && *text != '\r')); text++) {
 		quoted ^= *text == '"';
 		for (size_t i = 0; !quoted && i < sizeof signs; i++)
@@ -333,8 +318,7 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 	const char *text = head;
 	size_t size;
 	bool good;
-
-	if (head == NULL)
+	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 	size = fread(head, 1, SNIFF_BYTES, csv->file);
 	head[size] = 0;
@@ -352,7 +336,7 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs" : "its columns are separated by \"%c\"",
 				csv->separator);
 	}
-	if (memchr(head, '\n', size) == NULL && memchr(head, '\r', size) != NULL)
+	if (!memchr(head, '\n', size) && memchr(head, '\r', size))
 		csv->line_end = '\r';
 	good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
 	free(head);
@@ -363,14 +347,13 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 {
 	bool more;
 	enum eco_code code = begin_file(csv, error);
-
-	if (code == ECO_OK)
+	if (!code)
 		code = read_row(csv, &more, error);
 	if (code == ECO_OK && !more)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the columns", csv->path);
 	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
 		csv->rows.columns[i] = trimmed(csv->rows.fields[i]);
-		if (csv->rows.columns[i] == NULL)
+		if (!csv->rows.columns[i])
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->rows.column_count++;
 	}
@@ -381,10 +364,9 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 {
 	struct csv *csv = calloc(1, sizeof *csv);
 	enum eco_code code;
-
 	_Static_assert(offsetof(struct csv, rows) == 0, "struct eco_rows is the start of struct csv");
 	*rows = NULL;
-	if (csv == NULL)
+	if (!csv)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	csv->rows.next = next;
 	csv->rows.close = close_csv;
@@ -397,13 +379,13 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	csv->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
 	csv->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.fields);
 	csv->start = calloc(ECO_COLUMNS_MAX, sizeof *csv->start);
-	if (csv->path == NULL || csv->rows.columns == NULL || csv->rows.fields == NULL || csv->start == NULL)
+	if (!csv->path || !csv->rows.columns || !csv->rows.fields || !csv->start)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
-	else if ((csv->file = fopen(path, "rb")) == NULL)
+	else if (!(csv->file = fopen(path, "rb")))
 		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
 	else
 		code = read_header(csv, error);
-	if (code == ECO_OK)
+	if (!code)
 		*rows = &csv->rows;
 	else
 		close_csv(&csv->rows);

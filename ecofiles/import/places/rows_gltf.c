@@ -53,13 +53,12 @@ struct gltf_rows {
 
 static bool holds_instances(const struct eco_gltf *doc, uint32_t node)
 {
-	return eco_gltf_extension(eco_gltf_item(doc, "nodes", node), "EXT_mesh_gpu_instancing") != NULL;
+	return eco_gltf_extension(eco_gltf_item(doc, "nodes", node), "EXT_mesh_gpu_instancing");
 }
 
 static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 {
 	struct gltf_rows *g = ctx;
-
 	if (g->instanced ? !holds_instances(g->doc, node) : json_object_get(eco_gltf_item(g->doc, "nodes", node), "mesh") == NULL)
 		return ECO_OK;
 	if (!eco_room(&g->holders, &g->holder_capacity, g->holder_count, sizeof *g->holders))
@@ -79,7 +78,7 @@ static enum eco_code add_column(struct gltf_rows *g, const char *name, struct ec
 	if (g->rows.column_count == FIXED + FURTHER_MAX)
 		return ECO_OK;
 	g->rows.columns[g->rows.column_count] = strdup(name);
-	if (g->rows.columns[g->rows.column_count] == NULL)
+	if (!g->rows.columns[g->rows.column_count])
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(g->doc));
 	g->rows.column_count++;
 	return ECO_OK;
@@ -105,7 +104,6 @@ static enum eco_code add_further_columns(struct gltf_rows *g, uint32_t node, str
 	enum eco_code code = ECO_OK;
 	const char *name;
 	json_t *value;
-
 	json_object_foreach((json_t *)instance_attributes(g, node), name, value)
 		if (code == ECO_OK && is_scalar_attribute(g, name, value))
 			code = add_column(g, name, error);
@@ -118,11 +116,10 @@ static enum eco_code add_further_columns(struct gltf_rows *g, uint32_t node, str
 static enum eco_code make_columns(struct gltf_rows *g, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-
 	g->rows.columns = calloc(FIXED + FURTHER_MAX, sizeof *g->rows.columns);
 	g->rows.fields = calloc(FIXED + FURTHER_MAX, sizeof *g->rows.fields);
 	g->text = calloc(FIXED + FURTHER_MAX, sizeof *g->text);
-	if (g->rows.columns == NULL || g->rows.fields == NULL || g->text == NULL)
+	if (!g->rows.columns || !g->rows.fields || !g->text)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(g->doc));
 	for (uint32_t i = 0; i < FIXED && code == ECO_OK; i++)
 		code = add_column(g, fixed_names[i], error);
@@ -169,14 +166,12 @@ static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, stru
 	static const double most[] = { 127, 255, 32767, 65535 };
 	uint64_t type = eco_gltf_whole(accessor, "componentType", 0);
 	double low[3], high[3];
-
 	if (json_array_size(json_object_get(accessor, "min")) != 3 || json_array_size(json_object_get(accessor, "max")) != 3
 		|| !eco_gltf_numbers(accessor, "min", low, 3) || !eco_gltf_numbers(accessor, "max", high, 3))
 		return;
 	box->quantized |= type >= 5120 && type <= 5123;
 	for (int k = 0; k < 3; k++) {
 		double unit = type >= 5120 && type <= 5123 && json_is_true(json_object_get(accessor, "normalized")) ? 1 / most[type - 5120] : 1;
-
 		box->low[k] = box->known ? fmin(box->low[k], low[k] * unit) : low[k] * unit;
 		box->high[k] = box->known ? fmax(box->high[k], high[k] * unit) : high[k] * unit;
 	}
@@ -186,7 +181,6 @@ static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, stru
 static void find_box(struct gltf_rows *g, const json_t *node)
 {
 	const json_t *mesh = eco_gltf_item(g->doc, "meshes", eco_gltf_whole(node, "mesh", UINT64_MAX)), *primitives = json_object_get(mesh, "primitives");
-
 	g->box = (struct box){ .known = false };
 	for (size_t i = 0; i < json_array_size(primitives); i++)
 		add_to_box(g->doc, json_array_get(primitives, i), &g->box);
@@ -201,8 +195,7 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 	const char *name = eco_gltf_text(json, "name");
 	bool there;
 	enum eco_code code = g->instanced ? eco_gltf_instances_open(g->doc, node, &there, &g->instances, error) : ECO_OK;
-
-	if (code != ECO_OK)
+	if (code)
 		return code;
 	g->open = true;
 	g->instance = 0;
@@ -214,9 +207,8 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 	set_text(g, MESH, mesh);
 	for (uint32_t i = FIXED; i < g->rows.column_count && code == ECO_OK; i++) {
 		const json_t *accessor = json_object_get(attributes, g->rows.columns[i]);
-
 		set_json(g, i, json_object_get(json_object_get(json, "extras"), g->rows.columns[i]));
-		if (accessor != NULL && is_scalar_attribute(g, g->rows.columns[i], accessor))
+		if (accessor && is_scalar_attribute(g, g->rows.columns[i], accessor))
 			code = eco_gltf_accessor_open(g->doc, eco_gltf_index(attributes, g->rows.columns[i]), 1, &g->further[i - FIXED], error);
 	}
 	return code;
@@ -228,7 +220,6 @@ static void extent(const struct box *box, const double m[16], double *low, doubl
 	*low = *high = m[13];
 	for (int k = 0; k < 3; k++) {
 		double a = m[k * 4 + 1] * box->low[k], b = m[k * 4 + 1] * box->high[k];
-
 		*low += fmin(a, b);
 		*high += fmax(a, b);
 	}
@@ -240,7 +231,6 @@ static void set_place(struct gltf_rows *g, const double m[16])
 	double yaw = round(atan2(m[8] - m[2], m[0] + m[10]) * DEGREES * 1e4) / 1e4, at[3] = { m[12], m[13], m[14] };
 	double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
 	double low, high;
-
 	g->text[SCALE][0] = g->text[HEIGHT][0] = 0;
 	if (g->box.known) {
 		extent(&g->box, m, &low, &high);
@@ -263,7 +253,6 @@ static void set_further(struct gltf_rows *g)
 	for (uint32_t i = FIXED; i < g->rows.column_count; i++) {
 		const struct eco_gltf_accessor *a = &g->further[i - FIXED];
 		double value;
-
 		if (a->components == 0)
 			continue;
 		g->text[i][0] = 0;
@@ -279,7 +268,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	struct gltf_rows *g = (struct gltf_rows *)rows;
 	double matrix[16];
 	enum eco_code code;
-
 	*more = false;
 	while (g->open && g->instance == (g->instanced ? g->instances.count : 1)) {
 		close_holder(g);
@@ -289,7 +277,7 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 		if (g->at == g->holder_count)
 			return ECO_OK;
 		code = open_holder(g, error);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		if (g->instanced && g->instances.count == 0) {
 			close_holder(g);
@@ -310,7 +298,6 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 static void close_gltf(struct eco_rows *rows)
 {
 	struct gltf_rows *g = (struct gltf_rows *)rows;
-
 	close_holder(g);
 	eco_rows_free_texts(rows);
 	free(g->text);
@@ -323,7 +310,6 @@ static enum eco_code find_holders(struct gltf_rows *g, struct eco_error *error)
 {
 	size_t nodes = json_array_size(json_object_get(eco_gltf_json(g->doc), "nodes"));
 	enum eco_code code;
-
 	for (size_t i = 0; i < nodes && !g->instanced; i++)
 		g->instanced = holds_instances(g->doc, (uint32_t)i);
 	code = eco_gltf_walk(g->doc, visit, g, error);
@@ -338,21 +324,20 @@ enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struc
 {
 	struct gltf_rows *g = calloc(1, sizeof *g);
 	enum eco_code code;
-
 	_Static_assert(offsetof(struct gltf_rows, rows) == 0, "struct eco_rows is the start of struct gltf_rows");
 	*rows = NULL;
-	if (g == NULL)
+	if (!g)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	g->rows.next = next;
 	g->rows.close = close_gltf;
 	g->rows.where = "instance";
 	g->rows.has_geometry = g->rows.has_z = g->rows.local = true;
 	code = eco_gltf_open(&g->doc, path, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = find_holders(g, error);
-	if (code == ECO_OK)
+	if (!code)
 		code = make_columns(g, error);
-	if (code == ECO_OK)
+	if (!code)
 		*rows = &g->rows;
 	else
 		close_gltf(&g->rows);

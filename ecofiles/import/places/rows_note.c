@@ -9,19 +9,17 @@
 void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
 {
 	char text[400];
-
 	vsnprintf(text, sizeof text, format, arguments);
 	for (uint32_t i = 0; i < *count; i++)
 		if (strcmp(notes[i], text) == 0)
 			return;
-	if (*count < ECO_ROWS_NOTES_MAX && (notes[*count] = strdup(text)) != NULL)
+	if (*count < ECO_ROWS_NOTES_MAX && (notes[*count] = strdup(text)))
 		++*count;
 }
 
 void eco_rows_note(struct eco_rows *rows, const char *format, ...)
 {
 	va_list arguments;
-
 	va_start(arguments, format);
 	eco_rows_add_note(rows->notes, &rows->note_count, format, arguments);
 	va_end(arguments);

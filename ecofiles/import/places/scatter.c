@@ -62,15 +62,13 @@ static enum eco_code too_many(struct eco_scatter *s)
 static struct lattice *make_lattice(void)
 {
 	struct lattice *l = calloc(1, sizeof *l);
-
-	if (l == NULL || !eco_blue_noise(l->point)) {
+	if (!l || !eco_blue_noise(l->point)) {
 		free(l);
 		return NULL;
 	}
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = ECO_BLUE_NOISE_POINTS; i-- > 0;) {
 			uint32_t cell = l->point[i][1] / (65536 / LATTICE_CELLS) * LATTICE_CELLS + l->point[i][0] / (65536 / LATTICE_CELLS);
-
 			if (pass == 0)
 				l->cell_first[cell]++;
 			else
@@ -87,7 +85,6 @@ static struct lattice *make_lattice(void)
 static double side_for(double density_m2)
 {
 	int exponent;
-
 	frexp(sqrt(ECO_BLUE_NOISE_POINTS / (SPARE * density_m2)), &exponent);
 	exponent = exponent < SIDE_EXPONENT_MIN + 1 ? SIDE_EXPONENT_MIN + 1 : exponent > SIDE_EXPONENT_MAX + 1 ? SIDE_EXPONENT_MAX + 1 : exponent;
 	return ldexp(0.5, exponent);
@@ -115,11 +112,9 @@ static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, i
 static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint32_t cell)
 {
 	const struct lattice *l = w->scatter->lattice;
-
 	for (uint32_t i = l->cell_first[cell]; i < l->cell_first[cell + 1]; i++) {
 		uint32_t rank = l->member[i];
 		double x = w->side * ((double)column + l->point[rank][0] / 65536.0), y = w->side * ((double)row + l->point[rank][1] / 65536.0);
-
 		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1] && y <= w->high[1] && w->wants(w, rank, x, y))
 			add_candidate(&w->scatter->candidates, rank, column, row, x, y);
 	}
@@ -136,17 +131,14 @@ static int64_t square_of(int64_t cell)
 static bool sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
-
 	w->scatter->candidates.count = 0;
 	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
 		double span[2] = { w->low[0], w->high[0] };
 		int64_t row = square_of(y);
-
 		if (w->area != ECO_NONE && !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
 			continue;
 		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1; x++) {
 			int64_t column = square_of(x);
-
 			sweep_cell(w, column, row, (uint32_t)((y - row * LATTICE_CELLS) * LATTICE_CELLS + (x - column * LATTICE_CELLS)));
 		}
 	}
@@ -156,7 +148,6 @@ static bool sweep_box(const struct sweep *w)
 static int candidate_order(const void *a, const void *b)
 {
 	const struct candidate *p = a, *q = b;
-
 	if (p->rank != q->rank)
 		return p->rank < q->rank ? -1 : 1;
 	if (p->tie != q->tie)
@@ -174,7 +165,6 @@ static uint32_t *grid_head(const struct near_grid *g, int64_t x, int64_t y)
 static void grid_put(struct near_grid *g, const struct eco_scatter_place *places, uint32_t place)
 {
 	uint32_t *head = grid_head(g, (int64_t)floor(places[place].at[0] / g->cell_m), (int64_t)floor(places[place].at[1] / g->cell_m));
-
 	g->next[place] = *head;
 	*head = place;
 }
@@ -183,10 +173,9 @@ static bool grid_grow(struct eco_scatter *s)
 {
 	struct near_grid *g = &s->grid;
 	uint32_t *head = malloc(2 * s->capacity * sizeof *head), *next = realloc(g->next, s->capacity * sizeof *next);
-
-	if (next != NULL)
+	if (next)
 		g->next = next;
-	if (head == NULL || next == NULL) {
+	if (!head || !next) {
 		free(head);
 		return false;
 	}
@@ -204,14 +193,12 @@ static bool is_near(const struct eco_scatter *s, const double at[2], double dist
 {
 	const struct near_grid *g = &s->grid;
 	int64_t x = (int64_t)floor(at[0] / g->cell_m), y = (int64_t)floor(at[1] / g->cell_m);
-
-	if (g->head == NULL)
+	if (!g->head)
 		return false;
 	for (int64_t row = y - 1; row <= y + 1; row++)
 		for (int64_t column = x - 1; column <= x + 1; column++)
 			for (uint32_t i = *grid_head(g, column, row); i != UINT32_MAX; i = g->next[i]) {
 				double dx = s->places[i].at[0] - at[0], dy = s->places[i].at[1] - at[1];
-
 				if (dx * dx + dy * dy < distance * distance)
 					return true;
 			}
@@ -224,15 +211,13 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 	uint64_t key = eco_mix((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(at[1] * 1000 + 0.5));
 	uint64_t bits = eco_mix(spec->seed, key);
 	double share = (double)(bits >> 40) / (1 << 24);
-
 	if (s->count == s->capacity) {
 		uint64_t wanted = s->capacity ? 2 * s->capacity : 1024;
 		struct eco_scatter_place *grown;
-
 		if (s->count >= ECO_SCATTER_PLANTS_MAX)
 			return too_many(s);
 		grown = realloc(s->places, wanted * sizeof *grown);
-		if (grown == NULL)
+		if (!grown)
 			return no_memory(s);
 		s->places = grown;
 		s->capacity = wanted;
@@ -265,10 +250,8 @@ static uint32_t next_plant(const struct eco_scatter_spec *spec, double total, co
 {
 	uint32_t best = 0;
 	double most = -INFINITY;
-
 	for (uint32_t i = 0; i < spec->plant_count; i++) {
 		double behind = spec->plants[i].weight / total * (double)(placed + 1) - (double)given[i];
-
 		if (behind > most) {
 			most = behind;
 			best = i;
@@ -282,17 +265,15 @@ struct filling { uint32_t area; uint64_t wanted, placed, *given; double total, d
 static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 {
 	struct candidates *c = &s->candidates;
-
 	qsort(c->items, c->count, sizeof *c->items, candidate_order);
 	for (size_t i = 0; i < c->count && f->placed < f->wanted; i++) {
 		uint32_t plant;
 		enum eco_code code;
-
 		if (!is_clear(s, c->items[i].at) || is_near(s, c->items[i].at, f->distance))
 			continue;
 		plant = next_plant(s->spec, f->total, f->given, f->placed);
 		code = add_place(s, c->items[i].at, plant);
-		if (code != ECO_OK)
+		if (code)
 			return code;
 		f->given[plant]++;
 		f->placed++;
@@ -310,7 +291,7 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 		.rank_end = ECO_BLUE_NOISE_POINTS };
 	size_t clear = 0;
 
-	if (s->input.clear.count == 0 || s->spec->count_column != NULL)
+	if (s->input.clear.count == 0 || s->spec->count_column)
 		return ECO_OK;
 	memcpy(w.low, area->low, sizeof w.low);
 	memcpy(w.high, area->high, sizeof w.high);
@@ -329,19 +310,16 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	double density = (double)f->wanted / area->size_m2, side = side_for(density), spacing = 1 / sqrt(density);
 	enum eco_code code = ECO_OK;
-
 	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK; attempt++, side /= 2) {
 		double full = ECO_BLUE_NOISE_POINTS / (side * side), expected = full * area->size_m2;
 		struct sweep w = { .scatter = s, .side = side, .wants = area_wants, .area = f->area, .full = full };
-
 		memcpy(w.low, area->low, sizeof w.low);
 		memcpy(w.high, area->high, sizeof w.high);
 		/* most areas find enough in few more ranks than they need; else all ranks are tried */
 		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M, s->spec->distance_m);
 		f->distance = fmin(f->distance, s->grid.cell_m);
-		for (int all = 0; all < 2 && code == ECO_OK && f->placed < f->wanted; all++) {
+		for (int all = 0; all < 2 && !code && f->placed < f->wanted; all++) {
 			double need = 1.1 * (double)(f->wanted - f->placed) / expected * ECO_BLUE_NOISE_POINTS + 64;
-
 			w.rank_end = all || attempt > 0 || need >= ECO_BLUE_NOISE_POINTS ? ECO_BLUE_NOISE_POINTS : (uint32_t)need;
 			code = sweep_box(&w) ? take_candidates(s, f) : no_memory(s);
 			all += w.rank_end == ECO_BLUE_NOISE_POINTS;
@@ -353,7 +331,6 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 static int area_order(const void *a, const void *b, void *ctx)
 {
 	const struct eco_area *items = ctx, *p = &items[*(const uint32_t *)a], *q = &items[*(const uint32_t *)b];
-
 	if (p->size_m2 != q->size_m2)
 		return p->size_m2 > q->size_m2 ? -1 : 1;
 	if (p->low[1] != q->low[1])
@@ -364,7 +341,6 @@ static int area_order(const void *a, const void *b, void *ctx)
 static double total_weight(const struct eco_scatter_spec *spec)
 {
 	double total = 0;
-
 	for (uint32_t i = 0; i < spec->plant_count; i++)
 		total += spec->plants[i].weight;
 	return total;
@@ -376,10 +352,9 @@ static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 	const struct eco_area *area = &s->input.areas.items[index];
 	double hectares = area->size_m2 / HECTARE_M2, number = total_weight(s->spec) * hectares;
 	uint64_t key = eco_mix((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(area->low[1] * 1000 + 0.5));
-
-	if (s->spec->count_column != NULL)
+	if (s->spec->count_column)
 		number = s->input.number[index];
-	else if (s->spec->density_column != NULL)
+	else if (s->spec->density_column)
 		number = s->input.number[index] * hectares;
 	number = fmin(number, 2.0 * ECO_SCATTER_PLANTS_MAX);
 	return (uint64_t)(number + eco_mix_unit(eco_mix(s->spec->seed, key)));
@@ -390,15 +365,13 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 	struct eco_areas *areas = &s->input.areas;
 	uint32_t *order = malloc((areas->count + 1u) * sizeof *order);
 	uint64_t *given = malloc((s->spec->plant_count + 1u) * sizeof *given);
-	enum eco_code code = order != NULL && given != NULL ? ECO_OK : no_memory(s);
-
+	enum eco_code code = order != NULL && given ? ECO_OK : no_memory(s);
 	for (uint32_t i = 0; code == ECO_OK && i < areas->count; i++)
 		order[i] = i;
-	if (code == ECO_OK)
+	if (!code)
 		qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
 		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given, .total = total_weight(s->spec) };
-
 		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
 		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
 			code = clear_share(s, &f);
@@ -411,7 +384,7 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 		if (areas->items[order[i]].size_m2 > 0)
 			code = fill_area(s, &f);
 		s->short_areas += f.placed < f.wanted;
-		if (code == ECO_OK && s->progress != NULL && !s->progress(s->ctx, (double)i / areas->count))
+		if (code == ECO_OK && s->progress && !s->progress(s->ctx, (double)i / areas->count))
 			code = eco_fail(s->error, ECO_INTERRUPTED, "interrupted");
 	}
 	free(order);
@@ -424,7 +397,6 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 static double share_at(const struct eco_mask *mask, double x, double y)
 {
 	double column = floor((x - mask->west_m) / mask->step_x_m), row = floor((mask->north_m - y) / mask->step_y_m);
-
 	return column >= 0 && column < mask->columns && row >= 0 && row < mask->rows
 		? (double)mask->share[(size_t)row * mask->columns + (size_t)column] : 0;
 }
@@ -433,7 +405,6 @@ static bool mask_wants(const struct sweep *w, uint32_t rank, double x, double y)
 {
 	const struct eco_scatter *s = w->scatter;
 	double density = share_at(&s->input.mask, x, y) * total_weight(s->spec) / HECTARE_M2;
-
 	return (rank + 0.5) / ECO_BLUE_NOISE_POINTS * w->full < density;
 }
 
@@ -454,7 +425,7 @@ static enum eco_code place_by_mask(struct eco_scatter *s)
 	}
 	s->hectares = sum * mask->step_x_m * mask->step_y_m / HECTARE_M2;
 	s->wanted = (uint64_t)(fmin(s->hectares * f.total, 2.0 * ECO_SCATTER_PLANTS_MAX) + 0.5);
-	if (given == NULL)
+	if (!given)
 		return no_memory(s);
 	if (s->wanted > ECO_SCATTER_PLANTS_MAX)
 		code = too_many(s);
@@ -477,20 +448,19 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	struct eco_error own = { .code = ECO_OK };
 	struct eco_scatter *s = calloc(1, sizeof *s);
 	enum eco_code code;
-
 	*scatter = NULL;
-	if (s == NULL)
+	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
 	assert(spec->plant_count > 0);
 	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx, .error = error != NULL ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
 	code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
-	if (code == ECO_OK)
+	if (!code)
 		code = s->input.mask.share != NULL ? place_by_mask(s) : place_in_areas(s);
 	free(s->candidates.items);
 	s->candidates = (struct candidates){ .items = NULL };
 	s->error = NULL;
-	if (code == ECO_OK)
+	if (!code)
 		*scatter = s;
 	else
 		eco_scatter_close(s);
@@ -501,7 +471,6 @@ enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struc
 {
 	struct eco_scatter_input input = { .number = NULL };
 	enum eco_code code = eco_scatter_read(&input, spec, frame, error);
-
 	eco_scatter_input_free(&input);
 	return code;
 }
@@ -521,10 +490,9 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
 		[ECO_AREA_FILTERED] = "left out by only or skip" };
 	char line[512];
-
 	for (uint32_t i = 0; i < s->input.note_count; i++)
 		say(ctx, s->input.notes[i]);
-	if (s->input.mask.share != NULL)
+	if (s->input.mask.share)
 		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected", s->input.mask.columns, s->input.mask.rows,
 			(unsigned long long)s->count, (unsigned long long)s->wanted);
 	else
@@ -551,7 +519,7 @@ const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *s) { retu
 
 void eco_scatter_close(struct eco_scatter *s)
 {
-	if (s == NULL)
+	if (!s)
 		return;
 	eco_scatter_input_free(&s->input);
 	free(s->lattice);
